@@ -62,7 +62,7 @@ void see_aperture(const std::string& row, const SignatureResult& r, Reasons& rea
   reasons.see(row + "contrast_intensity_w_sr", r.contrast_intensity_w_sr, kAnySign);
   reasons.see(row + "contrast_numerical_error_w_sr", r.contrast_numerical_error_w_sr, 0);
   reasons.see(row + "background_radiance_w_m2_sr", r.background_radiance_w_m2_sr, 0);
-  reasons.see(row + "sky_bound_w_sr", r.sky_bound_w_sr, 0);
+  reasons.see(row + "direction_interpolation_bound_w_sr", r.direction_interpolation_bound_w_sr, 0);
   reasons.see(row + "model_error_w_sr", r.model_error_w_sr, 0);
   reasons.see(row + "apparent_model_error_w_sr", r.apparent_model_error_w_sr, 0);
   reasons.see(row + "contrast_model_error_w_sr", r.contrast_model_error_w_sr, 0);
@@ -93,14 +93,14 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
     double omitted_w_sr, unseen_w_sr, stderr_w_sr, numerical_error_w_sr;
   };
   for (const Error& e :
-       {Error{"", r.omitted_bound_w_sr, r.unseen_stderr_w_sr, r.intensity_w_sr.stderr_,
+       {Error{"", r.omitted_bound_w_sr, r.undersampling_stderr_w_sr, r.intensity_w_sr.stderr_,
               r.numerical_error_w_sr},
-        Error{"apparent_", r.apparent_omitted_bound_w_sr, r.apparent_unseen_stderr_w_sr,
+        Error{"apparent_", r.apparent_omitted_bound_w_sr, r.apparent_undersampling_stderr_w_sr,
               r.apparent_intensity_w_sr.stderr_, r.apparent_numerical_error_w_sr},
-        Error{"contrast_", r.contrast_omitted_bound_w_sr, r.contrast_unseen_stderr_w_sr,
+        Error{"contrast_", r.contrast_omitted_bound_w_sr, r.contrast_undersampling_stderr_w_sr,
               r.contrast_intensity_w_sr.stderr_, r.contrast_numerical_error_w_sr}}) {
     const std::string omitted = absl::StrCat(e.of, "omitted_bound_w_sr"),
-                      unseen = absl::StrCat(e.of, "unseen_stderr_w_sr");
+                      unseen = absl::StrCat(e.of, "undersampling_stderr_w_sr");
     reasons.see(row + omitted, e.omitted_w_sr, 0);
     reasons.see(row + unseen, e.unseen_w_sr, 0);
     if (numerical_error(e.stderr_w_sr, e.unseen_w_sr, e.omitted_w_sr) >
@@ -110,7 +110,7 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
                                e.unseen_w_sr, " in ", e.numerical_error_w_sr));
   }
   reasons.see(row + "absolute_floor_w_sr", r.absolute_floor_w_sr, 0);
-  reasons.see(row + "backface_share", r.backface_share, 0);
+  reasons.see(row + "backface_fraction", r.backface_fraction, 0);
   reasons.see(row + "temperature_bound_w_sr", r.temperature_bound_w_sr, 0);
   reasons.see(row + "apparent_temperature_bound_w_sr", r.apparent_temperature_bound_w_sr, 0);
   constexpr double kAnySign = std::numeric_limits<double>::infinity();
@@ -123,14 +123,14 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
     known("bound_w_sr", e.bound_w_sr, 0);
     known("apparent_bound_w_sr", e.apparent_bound_w_sr, 0);
     known("contrast_bound_w_sr", e.contrast_bound_w_sr, 0);
-    known("share_w_sr", e.share_w_sr, -kAnySign);
+    known("fraction_w_sr", e.fraction_w_sr, -kAnySign);
     known("time_s", e.time_s, 0);
   }
   // A material that creates energy absorbs less than nothing.
   if (std::isnan(r.energy.balance.value)) return;
   reasons.see(row + "energy.absorbed", r.energy.absorbed, kAnySign);
   reasons.see(row + "energy.escaped_to_sky", r.energy.escaped_to_sky, 0);
-  reasons.see(row + "energy.escaped_to_lower", r.energy.escaped_to_lower, 0);
+  reasons.see(row + "energy.escaped_to_surface", r.energy.escaped_to_surface, 0);
   reasons.see(row + "energy.cut_off", r.energy.cut_off, 0);
   reasons.see(row + "energy.balance", r.energy.balance, kAnySign);
 }

@@ -19,6 +19,7 @@
 #include "bridge/spec_to_request.h"
 #include "core/base/hottest.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/effects/effects.h"
 #include "core/geo/sun.h"
 #include "core/materials/total_emissivity.h"
@@ -187,39 +188,36 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
   Asked out;
   SceneHeatRequest& request = out.request;
   for (int b = 0; b < sweep.build_up_size(); ++b) {
-    auto build_up = build_up_of(sweep.build_up(b), absl::StrCat("build_up[", b, "]"));
-    if (!build_up.ok()) return build_up.status();
-    request.build_up.push_back(*std::move(build_up));
+    ASSIGN_OR_RETURN(auto build_up,
+                     build_up_of(sweep.build_up(b), absl::StrCat("build_up[", b, "]")));
+    request.build_up.push_back(std::move(build_up));
   }
   for (int p = 0; p < sweep.part_size(); ++p) {
     const int m = static_cast<int>(target.part[static_cast<std::size_t>(p)].material);
-    const auto surface =
-        surface_of(sweep.material(m), absl::StrCat("material[", m, "]"), out.warning);
-    if (!surface.ok()) return surface.status();
-    HeatPart part{surface->solar_absorptance, surface->emissivity, std::nullopt,
+    ASSIGN_OR_RETURN(const auto surface,
+                     surface_of(sweep.material(m), absl::StrCat("material[", m, "]"), out.warning));
+    HeatPart part{surface.solar_absorptance, surface.emissivity, std::nullopt,
                   heat.part_temperature_k(p)};
     for (std::uint32_t b = 0; b < request.build_up.size() && part.stated_k == 0; ++b)
       if (request.build_up[b].name == sweep.part(p).build_up()) part.build_up = b;
     request.part.push_back(part);
   }
-  auto weather = heat_weather(sweep, heat);
-  if (!weather.ok()) return weather.status();
-  out.warning.insert(out.warning.end(), weather->warning.begin(), weather->warning.end());
+  ASSIGN_OR_RETURN(auto weather, heat_weather(sweep, heat));
+  out.warning.insert(out.warning.end(), weather.warning.begin(), weather.warning.end());
   for (int b = 0; b < sweep.build_up_size(); ++b) {
     const auto schedule = inside_schedule(sweep.build_up(b));
     if (!schedule.ok()) return at_key(absl::StrCat("build_up[", b, "]"), schedule.status());
     if (*schedule)
-      request.build_up[static_cast<std::size_t>(b)].inner_at =
-          at_knots(**schedule, weather->knot_s);
+      request.build_up[static_cast<std::size_t>(b)].inner_at = at_knots(**schedule, weather.knot_s);
   }
-  request.beneath = weather->beneath;
+  request.beneath = weather.beneath;
   if (std::string crossing = crossing_warning(target, request.part, request.beneath.surface_z_m);
       !crossing.empty())
     out.warning.push_back(std::move(crossing));
-  request.knot_s = weather->knot_s;
-  request.weather = weather->at;
-  request.day_knots = weather->day_knots;
-  request.output_knot = weather->output_knot;
+  request.knot_s = weather.knot_s;
+  request.weather = weather.at;
+  request.day_knots = weather.day_knots;
+  request.output_knot = weather.output_knot;
   request.rays = sweep.heat().rays();
   request.seed = sweep.seed();
   request.tolerance_k = sweep.heat().tolerance_k();
@@ -234,7 +232,7 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
                                                            "\" is no effect of computed "
                                                            "temperatures"));
   }
-  out.output_of_time = weather->output_of_time;
+  out.output_of_time = weather.output_of_time;
   return out;
 }
 
@@ -320,57 +318,49 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
     return absl::InvalidArgumentError(
         absl::StrCat("a job asks for temperatures ", run, " of ", resolved.heat_size()));
   const schema::HeatRun& heat = resolved.heat(static_cast<int>(run));
-  const auto mesh = model_mesh(resolved, assets);
-  if (!mesh.ok()) return mesh.status();
-  auto parts = parts_from_sweep(sweep);
-  if (!parts.ok()) return parts.status();
-  const auto target = make_target(*mesh, *std::move(parts), widest_isa());
-  if (!target.ok()) return target.status();
+  ASSIGN_OR_RETURN(const auto mesh, model_mesh(resolved, assets));
+  ASSIGN_OR_RETURN(auto parts, parts_from_sweep(sweep));
+  ASSIGN_OR_RETURN(const auto target, make_target(mesh, std::move(parts), widest_isa()));
 
-  auto asked = asked_of(sweep, heat, *target);
-  if (!asked.ok()) return asked.status();
+  ASSIGN_OR_RETURN(auto asked, asked_of(sweep, heat, target));
   schema::HeatJobResult out;
   schema::HeatField field;
   for (const std::string& time : heat.time_utc()) {
-    const auto utc = parse_rfc3339(time);
-    if (!utc.ok()) return utc.status();
-    field.add_unix_s(unix_seconds(*utc));
+    ASSIGN_OR_RETURN(const auto utc, parse_rfc3339(time));
+    field.add_unix_s(unix_seconds(utc));
   }
-  field.set_facets(static_cast<std::uint32_t>(target->facet.size()));
+  field.set_facets(static_cast<std::uint32_t>(target.facet.size()));
   if (heat.input_size() > 0) {  // the run whose temperatures change has said what is odd
-    if (const absl::Status status = add_changes(resolved, run, *target, *asked, field);
-        !status.ok())
-      return status;
+    RETURN_IF_ERROR(add_changes(resolved, run, target, asked, field));
     out.set_field(field.SerializeAsString());
     return out;
   }
 
-  auto solved = solve_scene_heat(*target, asked->request);
+  auto solved = solve_scene_heat(target, asked.request);
   if (!solved.ok()) return at_key("heat", solved.status());
   // Times of several days may share a knot of the one that repeats.
   SceneHeatResult by_time;
-  for (const std::size_t k : asked->output_of_time) {
+  for (const std::size_t k : asked.output_of_time) {
     by_time.kelvin.push_back(solved->kelvin[k]);
     by_time.error_k.push_back(solved->error_k[k]);
   }
-  if (const absl::Status status = check_temperatures(sweep, heat, *target, by_time); !status.ok())
-    return status;
+  RETURN_IF_ERROR(check_temperatures(sweep, heat, target, by_time));
   std::vector<double> area_m2;
-  for (std::size_t f = 0; f < mesh->triangle.size(); ++f) {
-    const auto& c = mesh->triangle[f];
-    area_m2.push_back(0.5 * length(cross(mesh->vertex[c[1]] - mesh->vertex[c[0]],
-                                         mesh->vertex[c[2]] - mesh->vertex[c[0]])));
+  for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
+    const auto& c = mesh.triangle[f];
+    area_m2.push_back(0.5 * length(cross(mesh.vertex[c[1]] - mesh.vertex[c[0]],
+                                         mesh.vertex[c[2]] - mesh.vertex[c[0]])));
   }
-  if (std::string dark = dark_warning(sweep, *target, asked->request.part, by_time); !dark.empty())
-    asked->warning.push_back(std::move(dark));
-  add_parts(*target, area_m2, by_time, out);
-  fill_degenerate(*target, asked->request.part, out, by_time);
+  if (std::string dark = dark_warning(sweep, target, asked.request.part, by_time); !dark.empty())
+    asked.warning.push_back(std::move(dark));
+  add_parts(target, area_m2, by_time, out);
+  fill_degenerate(target, asked.request.part, out, by_time);
 
   field.set_kelvin(bytes_of(by_time.kelvin));
   field.set_error_k(bytes_of(by_time.error_k));
-  add_effects(asked->request, *solved, field);
+  add_effects(asked.request, *solved, field);
   out.set_field(field.SerializeAsString());
-  out.mutable_warning()->Assign(asked->warning.begin(), asked->warning.end());
+  out.mutable_warning()->Assign(asked.warning.begin(), asked.warning.end());
   return out;
 }
 

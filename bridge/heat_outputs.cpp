@@ -5,15 +5,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/heat_field.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 
 absl::StatusOr<HeatOutputs> heat_outputs(const schema::ResolvedSweep& sweep, const Assets& assets) {
   HeatOutputs out;
   for (int run = 0; run < sweep.heat_size(); ++run) {
-    auto computed = compute_heat(sweep, assets, static_cast<std::size_t>(run));
-    if (!computed.ok()) return computed.status();
-    out.push_back(std::move(*computed->mutable_field()));
+    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep, assets, static_cast<std::size_t>(run)));
+    out.push_back(std::move(*computed.mutable_field()));
   }
   return out;
 }

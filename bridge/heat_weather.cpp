@@ -13,6 +13,7 @@
 #include "bridge/environment/weather_from_message.h"
 #include "core/base/constants.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "core/materials/optical/material_library.h"
 #include "core/materials/total_emissivity.h"
@@ -75,19 +76,18 @@ double ozone_cm(const AirProfile& profile) {
 }
 
 absl::StatusOr<SkyAerosol> sky_of(const schema::HeatRun& heat, double albedo) {
-  const auto weather = weather_from_message(heat.weather(), heat.surroundings());
-  if (!weather.ok()) return weather.status();
-  const AerosolSpec& aerosol = weather->air.aerosol;
+  ASSIGN_OR_RETURN(const auto weather, weather_from_message(heat.weather(), heat.surroundings()));
+  const AerosolSpec& aerosol = weather.air.aerosol;
   const double depth =
-      aerosol_depth_550(aerosol, relative_humidity_percent(weather->air.profile.level.front()));
+      aerosol_depth_550(aerosol, relative_humidity_percent(weather.air.profile.level.front()));
   const double exponent = angstrom_exponent(aerosol.kind);
   return SkyAerosol{depth * std::pow(550.0 / 380, exponent),
-                    depth * std::pow(550.0 / 500, exponent), ozone_cm(weather->air.profile),
-                    albedo};
+                    depth * std::pow(550.0 / 500, exponent), ozone_cm(weather.air.profile), albedo};
 }
 
-absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Surroundings& s) {
-  Beneath out;
+absl::StatusOr<GroundBoundary> beneath_of(const schema::Sweep& sweep,
+                                          const schema::Surroundings& s) {
+  GroundBoundary out;
   if (s.kind() == "ground") {
     out.temperature_k = s.ground_temperature_k();
     out.emissivity = s.ground_emissivity();
@@ -97,11 +97,9 @@ absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Sur
     out.flow_m_s = sweep.place().speed_m_s();
     out.emissivity = s.sea_emissivity();
     if (s.sea_model() != "grey") {
-      const auto water = library_entry("sea_water");
-      if (!water.ok()) return water.status();
-      const auto total = total_emissivity(water->spec, out.temperature_k);
-      if (!total.ok()) return total.status();
-      out.emissivity = total->value;
+      ASSIGN_OR_RETURN(const auto water, library_entry("sea_water"));
+      ASSIGN_OR_RETURN(const auto total, total_emissivity(water.spec, out.temperature_k));
+      out.emissivity = total.value;
     }
   } else {
     return problem_status({{"", "surroundings.kind",
@@ -183,21 +181,19 @@ HeatWeather weather_at_knot(const WeatherCourse& course, const CourseRadiation& 
 absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema::HeatRun& heat) {
   const WeatherCourse course = course_from_message(heat.course());
   HeatKnots out;
-  auto beneath = beneath_of(sweep, heat.surroundings());
-  if (!beneath.ok()) return beneath.status();
-  out.beneath = *beneath;
-  const auto sky = sky_of(heat, out.beneath.solar_albedo);
-  if (!sky.ok()) return sky.status();
+  ASSIGN_OR_RETURN(auto beneath, beneath_of(sweep, heat.surroundings()));
+  out.beneath = beneath;
+  ASSIGN_OR_RETURN(const auto sky, sky_of(heat, out.beneath.solar_albedo));
   const schema::Place& place = sweep.place();
-  const auto radiation = CourseRadiation::make(
-      course, {place.latitude_deg(), place.longitude_deg(), place.height_m()}, *sky);
-  if (!radiation.ok()) return radiation.status();
+  ASSIGN_OR_RETURN(
+      const auto radiation,
+      CourseRadiation::make(course, {place.latitude_deg(), place.longitude_deg(), place.height_m()},
+                            sky));
 
   std::vector<double> wanted;
   for (const std::string& time : heat.time_utc()) {
-    const auto utc = parse_rfc3339(time);
-    if (!utc.ok()) return utc.status();
-    wanted.push_back(within_course(course, unix_seconds(*utc)));
+    ASSIGN_OR_RETURN(const auto utc, parse_rfc3339(time));
+    wanted.push_back(within_course(course, unix_seconds(utc)));
   }
   std::vector<double> fixed = wanted;
   std::sort(fixed.begin(), fixed.end());
@@ -213,13 +209,12 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
     if (std::find(must.begin(), must.end(), t) == must.end()) must.push_back(t);
   std::vector<double> other;
   for (const schema::BuildUp& build_up : sweep.build_up()) {
-    const auto schedule = inside_schedule(build_up);
-    if (!schedule.ok()) return schedule.status();
-    if (!*schedule) continue;
-    const auto times = times_between(**schedule, begin_s, std::max(end_s, day_end_s));
+    ASSIGN_OR_RETURN(const auto schedule, inside_schedule(build_up));
+    if (!schedule) continue;
+    const auto times = times_between(*schedule, begin_s, std::max(end_s, day_end_s));
     other.insert(other.end(), times.begin(), times.end());
   }
-  const std::vector<double>& crossings = radiation->sun_crossings();
+  const std::vector<double>& crossings = radiation.sun_crossings();
   other.insert(other.end(), crossings.begin(), crossings.end());
   // Records where the course jumps or bends, and those that are closer together than steps: what
   // happens between knots is not known to the solver, and every second knot must see them too.
@@ -233,7 +228,7 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
   }
   std::erase_if(other, [&](double t) { return t <= begin_s || t >= std::max(end_s, day_end_s); });
   out.knot_s = knots_between(must, other, step_s);
-  for (const double t : out.knot_s) out.at.push_back(weather_at_knot(course, *radiation, place, t));
+  for (const double t : out.knot_s) out.at.push_back(weather_at_knot(course, radiation, place, t));
   const auto knot_of = [&](double t) {
     return static_cast<std::size_t>(std::lower_bound(out.knot_s.begin(), out.knot_s.end(), t) -
                                     out.knot_s.begin());
@@ -243,8 +238,8 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
   for (const double t : wanted)
     out.output_of_time.push_back(
         static_cast<std::size_t>(std::lower_bound(fixed.begin(), fixed.end(), t) - fixed.begin()));
-  if (radiation->unplaced_j_m2() > 0)
-    out.warning.push_back(absl::StrCat("weather: ", std::lround(radiation->unplaced_j_m2()),
+  if (radiation.unplaced_j_m2() > 0)
+    out.warning.push_back(absl::StrCat("weather: ", std::lround(radiation.unplaced_j_m2()),
                                        " J/m2 of direct sunlight while no sun is up"));
   return out;
 }

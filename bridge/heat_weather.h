@@ -17,7 +17,7 @@ struct HeatKnots {
   std::size_t day_knots = 0;
   std::vector<std::size_t> output_of_time;  // [HeatRun.time_utc] index into output_knot
   std::vector<std::size_t> output_knot;     // increasing
-  Beneath beneath;
+  GroundBoundary beneath;
   std::vector<std::string> warning;
 };
 

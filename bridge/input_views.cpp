@@ -10,6 +10,7 @@
 #include "bridge/heat_outputs.h"
 #include "bridge/material_from_message.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 
 namespace irsig {
@@ -68,14 +69,11 @@ class FacetChanges {
       ++which;
     if (which == asked.input_size()) return std::vector<float>();
     if (!field_.contains(run)) {
-      auto field = read_heat_field(heat_[static_cast<std::size_t>(run)], facets_);
-      if (!field.ok()) return field.status();
-      field_[run] = *std::move(field);
+      ASSIGN_OR_RETURN(field_[run], read_heat_field(heat_[static_cast<std::size_t>(run)], facets_));
     }
     const schema::HeatField& field = field_[run];
-    const auto time = parse_rfc3339(c.time_utc());
-    if (!time.ok()) return time.status();
-    const auto at = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(*time));
+    ASSIGN_OR_RETURN(const auto time, parse_rfc3339(c.time_utc()));
+    const auto at = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(time));
     if (at == field.unix_s().end() || field.change_k_size() != asked.input_size())
       return absl::InvalidArgumentError(
           absl::StrCat("there are no changes of temperatures at ", c.time_utc()));
@@ -103,16 +101,15 @@ absl::StatusOr<SweepTemperatures> moved_temperatures(const SweepTemperatures& no
   const std::vector<std::uint32_t>& emitter = nominal.emitters->of_facet;
   for (int c = 0; c < moved.condition_size(); ++c) {
     const schema::Condition& condition = moved.condition(c);
-    const auto change = changes.of(condition, input, move);
-    if (!change.ok()) return change.status();
+    ASSIGN_OR_RETURN(const auto change, changes.of(condition, input, move));
     const double shift_k = condition.temperature_field().shift_k();
-    if (change->empty() && shift_k == 0) continue;
+    if (change.empty() && shift_k == 0) continue;
     auto to =
         std::make_shared<EmitterTemperatures>(*nominal.condition[static_cast<std::size_t>(c)]);
     std::vector<double> sum(to->kelvin.size(), 0.0), count(to->kelvin.size(), 0.0);
-    for (std::size_t f = 0; f < emitter.size() && !change->empty(); ++f) {
-      if (std::isnan((*change)[f])) continue;
-      sum[emitter[f]] += static_cast<double>((*change)[f]);
+    for (std::size_t f = 0; f < emitter.size() && !change.empty(); ++f) {
+      if (std::isnan(change[f])) continue;
+      sum[emitter[f]] += static_cast<double>(change[f]);
       ++count[emitter[f]];
     }
     to->coldest_k = INFINITY;

@@ -16,6 +16,7 @@
 #include "bridge/result_to_proto.h"
 #include "bridge/spec_to_request.h"
 #include "core/base/arithmetic_fingerprint.h"
+#include "core/base/status_macros.h"
 #include "core/scene/mesh_lint.h"
 #include "core/signature/in_sight.h"
 #include "core/signature/simulator.h"
@@ -57,13 +58,12 @@ class CoreJobRunner final : public JobRunner {
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
     const double start_s = cpu_seconds();
-    auto result = compute(job);
-    if (!result.ok()) return result.status();
-    result->set_job_key(job.job_key());
-    result->set_seconds(cpu_seconds() - start_s);
-    result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
-    result->set_determinism_class(determinism_class());
-    result->set_build_id(build_id());
+    ASSIGN_OR_RETURN(auto result, compute(job));
+    result.set_job_key(job.job_key());
+    result.set_seconds(cpu_seconds() - start_s);
+    result.set_physics_version(static_cast<std::uint32_t>(physics_version()));
+    result.set_determinism_class(determinism_class());
+    result.set_build_id(build_id());
     return result;
   }
 
@@ -97,48 +97,42 @@ class CoreJobRunner final : public JobRunner {
     if (job.heat() >= static_cast<std::uint32_t>(sweep_.heat_size()))
       return absl::InvalidArgumentError(
           absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
-    auto computed = compute_heat(sweep_, assets_, job.heat());
-    if (!computed.ok()) return computed.status();
+    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep_, assets_, job.heat()));
     schema::JobResult result;
-    *result.mutable_heat() = *std::move(computed);
+    *result.mutable_heat() = std::move(computed);
     result.set_seed_hex(absl::StrFormat("%016x", sweep_.sweep().seed()));
     return result;
   }
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) const {
-    auto request = request_from_job(sweep_, job, environment_, temperatures_, plumes_);
-    if (!request.ok()) return request.status();
+    ASSIGN_OR_RETURN(auto request,
+                     request_from_job(sweep_, job, environment_, temperatures_, plumes_));
     for (const auto& [what, asked] :
-         {std::pair{"condition", &request->selected_condition}, {"band", &request->selected_band}})
+         {std::pair{"condition", &request.selected_condition}, {"band", &request.selected_band}})
       if (asked->empty())
         return absl::InvalidArgumentError(absl::StrCat("a job asks for no ", what));
-    request->accepted_backface_share = accepted_backface_share();
-    if (request->thumbnail_px > 0 && !encoder_)
+    request.accepted_backface_fraction = accepted_backface_fraction();
+    if (request.thumbnail_px > 0 && !encoder_)
       return absl::FailedPreconditionError(
           "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
-    if (inputs_) request->effects.kept = inputs_->moved_effects();
-    auto planned = simulator_->prepare(*request);
-    if (!planned.ok()) return planned.status();
+    if (inputs_) request.effects.kept = inputs_->moved_effects();
+    ASSIGN_OR_RETURN(auto planned, simulator_->prepare(request));
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
     if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
-      planned->plan.samples_per_replicate = accuracy.samples_per_replicate();
+      planned.plan.samples_per_replicate = accuracy.samples_per_replicate();
     std::vector<MovedView> moved;
     if (inputs_) {
-      auto views = inputs_->views(job);
-      if (!views.ok()) return views.status();
-      moved = *std::move(views);
+      ASSIGN_OR_RETURN(moved, inputs_->views(job));
     }
-    const auto measured = simulator_->measure(*request, *planned, moved);
-    if (!measured.ok()) return measured.status();
-    const ViewResult& view = measured->view;
-    if (auto status = check_temperatures_seen(view); !status.ok()) return status;
-    if (auto status = check_numbers(view); !status.ok()) return status;
-    if (auto status = check_back_faces(view); !status.ok()) return status;
-    auto result = result_to_proto(view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
-    if (!result.ok()) return result.status();
-    if (inputs_) inputs_->write(measured->change, *result->mutable_view());
-    if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
-      return status;
+    ASSIGN_OR_RETURN(const auto measured, simulator_->measure(request, planned, moved));
+    const ViewResult& view = measured.view;
+    RETURN_IF_ERROR(check_temperatures_seen(view));
+    RETURN_IF_ERROR(check_numbers(view));
+    RETURN_IF_ERROR(check_back_faces(view));
+    ASSIGN_OR_RETURN(auto result,
+                     result_to_proto(view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr));
+    if (inputs_) inputs_->write(measured.change, *result.mutable_view());
+    RETURN_IF_ERROR(add_profile_rows(sweep_, *simulator_, request, result));
     return result;
   }
 
@@ -153,17 +147,17 @@ class CoreJobRunner final : public JobRunner {
                                temperatures_.unknown);
   }
 
-  [[nodiscard]] double accepted_backface_share() const {
+  [[nodiscard]] double accepted_backface_fraction() const {
     const schema::Model& model = sweep_.sweep().model();
-    return model.has_accepted_backface_share() ? model.accepted_backface_share()
-                                               : kAcceptedBackfaceShare;
+    return model.has_accepted_backface_fraction() ? model.accepted_backface_fraction()
+                                                  : kAcceptedBackfaceShare;
   }
 
   // A target that is seen from behind is mostly a mesh inside out, or a sheet that was meant to
   // have two sides: its intensity would be what is left of it.
   [[nodiscard]] absl::Status check_back_faces(const ViewResult& view) const {
-    const double accepted = accepted_backface_share();
-    const double share = view.row.front().backface_share;
+    const double accepted = accepted_backface_fraction();
+    const double share = view.row.front().backface_fraction;
     if (share <= accepted) return absl::OkStatus();
     return absl::FailedPreconditionError(absl::StrCat(
         absl::SixDigits(100 * share),
@@ -172,7 +166,7 @@ class CoreJobRunner final : public JobRunner {
         " primary hits); expected at most ", absl::SixDigits(100 * accepted),
         " %: set two_sided = true for parts that are sheets, mend facets that are inside out with "
         "`irsig model check FILE --repair OUT.obj`, or accept it with "
-        "model.accepted_backface_share"));
+        "model.accepted_backface_fraction"));
   }
 
   schema::ResolvedSweep sweep_;
@@ -226,23 +220,16 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   if (!heat.empty() && awaits_temperatures(sweep, heat))
     return absl::InternalError(absl::StrCat("the results of ", heat.size(), " heat jobs for the ",
                                             sweep.heat_size(), " that the sweep has"));
-  auto scene = scene_from_sweep(sweep, assets, heat);
-  if (!scene.ok()) return scene.status();
-  if (const absl::Status status = check_above_surface(sweep, scene->mesh); !status.ok())
-    return status;
-  if (const absl::Status status = check_offset(sweep, scene->mesh); !status.ok()) return status;
-  auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
-  if (const absl::Status status = check_energy(sweep.sweep(), (*simulator)->materials());
-      !status.ok())
-    return status;
-  const Target& target = (*simulator)->target();
+  ASSIGN_OR_RETURN(auto scene, scene_from_sweep(sweep, assets, heat));
+  RETURN_IF_ERROR(check_above_surface(sweep, scene.mesh));
+  RETURN_IF_ERROR(check_offset(sweep, scene.mesh));
+  ASSIGN_OR_RETURN(auto simulator, Simulator::create(scene));
+  RETURN_IF_ERROR(check_energy(sweep.sweep(), simulator->materials()));
+  const Target& target = simulator->target();
   for (const schema::Viewpoint& v : sweep.viewpoint()) {
-    if (auto status = check_outside(target, {.aspect_azimuth_deg = v.aspect_azimuth_deg(),
-                                             .aspect_elevation_deg = v.aspect_elevation_deg(),
-                                             .range_m = v.range_m()});
-        !status.ok())
-      return status;
+    RETURN_IF_ERROR(check_outside(target, {.aspect_azimuth_deg = v.aspect_azimuth_deg(),
+                                           .aspect_elevation_deg = v.aspect_elevation_deg(),
+                                           .range_m = v.range_m()}));
     if (v.range_m() > kMostRangeInSizes * target.radius_m)
       return keyed_problem(
           "viewpoints.range_m",
@@ -250,27 +237,23 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
                        " times as far away as the target's radius, ", target.radius_m,
                        " m: double precision no longer tells its sides apart"));
   }
-  auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
+  auto environment = environment_from_sweep(sweep, simulator->band_grids());
   if (absl::IsOutOfRange(environment.status()))
     return problem_status(problems_of(environment.status()));
   if (!environment.ok()) return environment.status();
-  if (const absl::Status status = check_in_sight(sweep, target, environment->get()); !status.ok())
-    return status;
-  auto plumes = plumes_from_sweep(sweep, assets);
-  if (!plumes.ok()) return plumes.status();
+  RETURN_IF_ERROR(check_in_sight(sweep, target, environment->get()));
+  ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, assets));
   std::optional<InputViews> inputs;
-  if (sweep.sweep().has_uncertainty() && !scene->temperatures.awaited) {
-    auto made =
-        InputViews::make(sweep, *scene, **simulator, *environment, scene->temperatures, heat);
-    if (!made.ok()) return made.status();
-    inputs = *std::move(made);
+  if (sweep.sweep().has_uncertainty() && !scene.temperatures.awaited) {
+    ASSIGN_OR_RETURN(
+        inputs, InputViews::make(sweep, scene, *simulator, *environment, scene.temperatures, heat));
   }
   return std::make_unique<CoreJobRunner>(
-      sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
-      *std::move(plumes), sweep.heat_size() > 0 ? assets : Assets(),
+      sweep, std::move(simulator), *std::move(environment), scene.temperatures, std::move(plumes),
+      sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
-          bytes_left_by_heat(sweep, scene->mesh.triangle.size()),
-      std::move(encoder), model_warnings(sweep, *scene), std::move(inputs));
+          bytes_left_by_heat(sweep, scene.mesh.triangle.size()),
+      std::move(encoder), model_warnings(sweep, scene), std::move(inputs));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

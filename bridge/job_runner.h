@@ -17,7 +17,7 @@
 namespace irsig {
 
 // The largest share of the silhouette that may be facets seen from behind, unless the sweep accepts
-// more (model.accepted_backface_share). 1 %: the accuracy that is the default for an intensity.
+// more (model.accepted_backface_fraction). 1 %: the accuracy that is the default for an intensity.
 inline constexpr double kAcceptedBackfaceShare = 0.01;
 
 // Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. Immutable but for

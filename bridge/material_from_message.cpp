@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/named.h"
+#include "core/base/status_macros.h"
 #include "core/materials/material.h"
 
 namespace irsig {
@@ -77,9 +78,8 @@ absl::StatusOr<MaterialSpec> material_from_message(const schema::Material& m) {
   const std::string& kind = m.kind();
   if (kind == "lambert") return MaterialSpec{m.name(), lambert(m)};
   if (kind == "cook_torrance") {
-    auto lobe = cook_torrance(m);
-    if (!lobe.ok()) return lobe.status();
-    return MaterialSpec{m.name(), *std::move(lobe)};
+    ASSIGN_OR_RETURN(auto lobe, cook_torrance(m));
+    return MaterialSpec{m.name(), std::move(lobe)};
   }
   if (kind == "ward_1992") return MaterialSpec{m.name(), ward(m, WardForm::kWard1992)};
   if (kind == "ward_duer") return MaterialSpec{m.name(), ward(m, WardForm::kDuer)};

@@ -53,7 +53,7 @@ Box box_of(const Mesh& mesh) {
 
 }  // namespace
 
-double share_below_surface(const Mesh& mesh) {
+double fraction_below_surface(const Mesh& mesh) {
   double below = 0, all = 0;
   for (const auto& t : mesh.triangle) {
     const Vec<Body> a = mesh.vertex[t[0]], b = mesh.vertex[t[1]], c = mesh.vertex[t[2]];
@@ -115,7 +115,7 @@ std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& pl
   const std::string& kind = placement.surroundings;
   if (kind != "sea" && kind != "ground") return out;
   const double above_m = -box.high.z;  // of the lowest point
-  if (const double below = share_below_surface(mesh);
+  if (const double below = fraction_below_surface(mesh);
       below > 0.7 || (kind == "sea" && -box.low.z < 0.1 * size.z) ||
       (kind == "ground" && below > 0.02)) {
     say("model.file",
@@ -241,7 +241,7 @@ std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep, const Sc
               absl::StrFormat("%s: intensities differ by up to %.2g %%; %s", offset_text(far),
                               200 * far.offset_m / shortest_range_m(sweep), far.remedy)));
   if (!model.has_file()) return out;
-  if (!model.has_accepted_backface_share()) see_open_parts(scene, out);
+  if (!model.has_accepted_backface_fraction()) see_open_parts(scene, out);
   // What floats in the air stands on nothing.
   const bool in_the_air =
       sweep.condition_size() > 0 && above_surface_m(sweep, sweep.condition(0)) > 0;

@@ -27,7 +27,7 @@ struct PlacementNote {
                                                          const Placement& placement);
 
 // Of the facets' area, what lies below z = 0, by their middles: 0 to 1.
-[[nodiscard]] double share_below_surface(const Mesh& mesh);
+[[nodiscard]] double fraction_below_surface(const Mesh& mesh);
 
 // INVALID_ARGUMENT: nothing of the target rises above the sea or ground, so that nothing is seen,
 // where above_surface_m is lowest.
@@ -38,11 +38,11 @@ struct PlacementNote {
 // is large and than 1 % of the shortest range; between the two it is a warning.
 [[nodiscard]] absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh);
 
-// What is odd about a model from a file, for people, each at the key that may be wrong. One-sided parts with
-// facets of open shells (not where the sweep states model.accepted_backface_share); a size that
-// suggests another unit; axes that suggest others; over a sea or ground, where it floats or stands;
-// sensors nearer than the target reaches, an offset farther than the target is large (of generated
-// models too).
+// What is odd about a model from a file, for people, each at the key that may be wrong. One-sided
+// parts with facets of open shells (not where the sweep states model.accepted_backface_fraction); a
+// size that suggests another unit; axes that suggest others; over a sea or ground, where it floats
+// or stands; sensors nearer than the target reaches, an offset farther than the target is large (of
+// generated models too).
 [[nodiscard]] std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep,
                                                   const SceneSpec& scene);
 

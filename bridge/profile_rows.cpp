@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/check_numbers.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/signature/profile.h"
 
 namespace irsig {
@@ -65,8 +66,7 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
     const auto measured = simulate_profile(simulator.scene(), request, spec);
     if (!measured.ok())
       return at_key(absl::StrCat("profile[", i, "]"), measured.status());
-    if (auto status = check_numbers(absl::StrCat("profile[", i, "]"), *measured); !status.ok())
-      return status;
+    RETURN_IF_ERROR(check_numbers(absl::StrCat("profile[", i, "]"), *measured));
     for (const ProfileRow& row : measured->row)
       for (schema::SignatureRow& signature : *result.mutable_view()->mutable_row()) {
         if (signature.condition_index() != row.condition || signature.band_index() != row.band)
@@ -79,7 +79,7 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
     const PathCounts& counts = measured->counts;
     result.set_rays(result.rays() + counts.rays);
     result.set_guarded_backface_hits(result.guarded_backface_hits() + counts.guarded_backface_hits);
-    result.set_guarded_path_limit(result.guarded_path_limit() + counts.truncated_paths);
+    result.set_truncated_paths(result.truncated_paths() + counts.truncated_paths);
   }
   return absl::OkStatus();
 }

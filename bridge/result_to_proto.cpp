@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_format.h"
 #include "bridge/spec_to_request.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -22,9 +23,9 @@ void copy(const std::vector<double>& values, google::protobuf::RepeatedField<flo
 schema::StopReason reason(StopReason r) {
   switch (r) {
     case StopReason::kTargetReached:
-      return schema::STOP_REASON_TARGET_REACHED;
+      return schema::STOP_REASON_ACCURACY_REACHED;
     case StopReason::kTargetMissed:
-      return schema::STOP_REASON_TARGET_MISSED;
+      return schema::STOP_REASON_ACCURACY_NOT_REACHED;
     case StopReason::kSampleLimit:
       return schema::STOP_REASON_SAMPLE_LIMIT;
     case StopReason::kFixedSamples:
@@ -60,7 +61,7 @@ void set_ledger(schema::SignatureRow* row, const SignatureResult& r) {
     known(e.bound_w_sr, [&](double v) { out->set_bound_w_sr(v); });
     known(e.apparent_bound_w_sr, [&](double v) { out->set_apparent_bound_w_sr(v); });
     known(e.contrast_bound_w_sr, [&](double v) { out->set_contrast_bound_w_sr(v); });
-    known(e.share_w_sr, [&](double v) { out->set_share_w_sr(v); });
+    known(e.fraction_w_sr, [&](double v) { out->set_fraction_w_sr(v); });
     known(e.time_s, [&](double v) { out->set_time_s(v); });
   }
   // Of nothing that could be seen there is no ledger of light.
@@ -68,7 +69,7 @@ void set_ledger(schema::SignatureRow* row, const SignatureResult& r) {
   schema::EnergyLedger* energy = row->mutable_energy();
   set(energy->mutable_absorbed(), r.energy.absorbed);
   set(energy->mutable_escaped_to_sky(), r.energy.escaped_to_sky);
-  set(energy->mutable_escaped_to_lower(), r.energy.escaped_to_lower);
+  set(energy->mutable_escaped_to_surface(), r.energy.escaped_to_surface);
   set(energy->mutable_cut_off(), r.energy.cut_off);
   set(energy->mutable_balance(), r.energy.balance);
 }
@@ -86,10 +87,10 @@ void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGri
   copy(cause(Cause::kSunReflected).stderr_, out->mutable_sun_reflected_stderr_w_sr_um());
   copy(cause(Cause::kSkyReflected).value, out->mutable_sky_reflected_w_sr_um());
   copy(cause(Cause::kSkyReflected).stderr_, out->mutable_sky_reflected_stderr_w_sr_um());
-  copy(cause(Cause::kSeaReflected).value, out->mutable_sea_reflected_w_sr_um());
-  copy(cause(Cause::kSeaReflected).stderr_, out->mutable_sea_reflected_stderr_w_sr_um());
-  copy(cause(Cause::kPartsReflected).value, out->mutable_parts_reflected_w_sr_um());
-  copy(cause(Cause::kPartsReflected).stderr_, out->mutable_parts_reflected_stderr_w_sr_um());
+  copy(cause(Cause::kSeaReflected).value, out->mutable_surface_reflected_w_sr_um());
+  copy(cause(Cause::kSeaReflected).stderr_, out->mutable_surface_reflected_stderr_w_sr_um());
+  copy(cause(Cause::kPartsReflected).value, out->mutable_interreflected_w_sr_um());
+  copy(cause(Cause::kPartsReflected).stderr_, out->mutable_interreflected_stderr_w_sr_um());
   copy(r.apparent_spectral.value, out->mutable_apparent_spectral_intensity_w_sr_um());
   copy(r.apparent_spectral.stderr_, out->mutable_apparent_spectral_intensity_stderr_w_sr_um());
   copy(r.contrast_spectral.value, out->mutable_contrast_spectral_intensity_w_sr_um());
@@ -116,15 +117,15 @@ absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, con
   if (encoder == nullptr)
     return absl::FailedPreconditionError(
         "the job has thumbnails, and there is no encoder for them");
-  auto png = encoder->png(view.image_width_px, view.image_height_px, r.image_w_m2_sr);
-  if (!png.ok()) return png.status();
-  auto exr = encoder->exr(view.image_width_px, view.image_height_px, r.image_w_m2_sr);
-  if (!exr.ok()) return exr.status();
+  ASSIGN_OR_RETURN(auto png,
+                   encoder->png(view.image_width_px, view.image_height_px, r.image_w_m2_sr));
+  ASSIGN_OR_RETURN(auto exr,
+                   encoder->exr(view.image_width_px, view.image_height_px, r.image_w_m2_sr));
   out->set_width_px(view.image_width_px);
   out->set_height_px(view.image_height_px);
   out->set_pixel_rad(view.pixel_rad);
-  out->set_png(*std::move(png));
-  out->set_exr(*std::move(exr));
+  out->set_png(std::move(png));
+  out->set_exr(std::move(exr));
   return absl::OkStatus();
 }
 
@@ -165,15 +166,14 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
     }
     set_spectrum(row->mutable_spectrum(), r, simulator.band_grids()[r.band]);
     if (!r.image_w_m2_sr.empty())
-      if (auto status = set_thumbnail(row->mutable_thumbnail(), r, view, encoder); !status.ok())
-        return status;
+      RETURN_IF_ERROR(set_thumbnail(row->mutable_thumbnail(), r, view, encoder));
     row->set_stop_reason(reason(r.stop_reason));
     row->set_energy_gain(simulator.energy_gain());
     if (sweep.sweep().place().has_latitude_deg()) {
-      const auto sun = sun_angles(sweep, sweep.condition(static_cast<int>(r.condition)));
-      if (!sun.ok()) return sun.status();
-      row->set_sun_azimuth_deg(sun->azimuth_deg);
-      row->set_sun_zenith_deg(sun->zenith_deg);
+      ASSIGN_OR_RETURN(const auto sun,
+                       sun_angles(sweep, sweep.condition(static_cast<int>(r.condition))));
+      row->set_sun_azimuth_deg(sun.azimuth_deg);
+      row->set_sun_zenith_deg(sun.zenith_deg);
     }
   }
   result.set_samples(view.samples);
@@ -182,7 +182,7 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
   result.set_rays(view.rays);
   result.set_guarded_backface_hits(view.guarded_backface_hits);
   result.set_guarded_nonfinite(view.guarded_nonfinite);
-  result.set_guarded_path_limit(view.guarded_path_limit);
+  result.set_truncated_paths(view.truncated_paths);
   result.set_guarded_negative(view.guarded_negative);
   result.set_seed_hex(absl::StrFormat("%016x", view.seed));
   return result;

@@ -14,6 +14,7 @@
 #include "bridge/material_from_message.h"
 #include "bridge/model_mesh.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
 
@@ -22,10 +23,9 @@ namespace {
 
 absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
                                    const schema::Condition& condition) {
-  const auto time = parse_rfc3339(condition.time_utc());
-  if (!time.ok()) return time.status();
+  ASSIGN_OR_RETURN(const auto time, parse_rfc3339(condition.time_utc()));
   const schema::Place& place = sweep.sweep().place();
-  return sun_position(*time, place.latitude_deg(), place.longitude_deg(),
+  return sun_position(time, place.latitude_deg(), place.longitude_deg(),
                       place.height_m() + above_surface_m(sweep, condition));
 }
 
@@ -85,17 +85,14 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
                                             const Assets& assets, const HeatOutputs& heat) {
   const schema::Sweep& sweep = resolved.sweep();
   SweepScene scene;
-  auto mesh = model_mesh(resolved, assets);
-  if (!mesh.ok()) return mesh.status();
-  scene.mesh = *std::move(mesh);
+  ASSIGN_OR_RETURN(auto mesh, model_mesh(resolved, assets));
+  scene.mesh = std::move(mesh);
   for (int i = 0; i < sweep.material_size(); ++i) {
     auto material = material_from_message(sweep.material(i));
     if (!material.ok()) return at_key(absl::StrCat("material[", i, "]"), material.status());
     scene.material.push_back(*std::move(material));
   }
-  auto parts = parts_from_sweep(sweep);
-  if (!parts.ok()) return parts.status();
-  scene.part = *std::move(parts);
+  ASSIGN_OR_RETURN(scene.part, parts_from_sweep(sweep));
   for (const schema::Band& b : sweep.band()) {
     Band band{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
     for (const schema::SpectralPoint& p : b.response())
@@ -103,9 +100,9 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
     scene.band.push_back(std::move(band));
   }
   scene.spectral_breaks_um = spectral_breaks_um(resolved);
-  auto temperatures = temperatures_from_sweep(resolved, assets, heat, scene.mesh, scene.part);
-  if (!temperatures.ok()) return temperatures.status();
-  scene.temperatures = *std::move(temperatures);
+  ASSIGN_OR_RETURN(auto temperatures,
+                   temperatures_from_sweep(resolved, assets, heat, scene.mesh, scene.part));
+  scene.temperatures = std::move(temperatures);
   for (int p = 0; p < sweep.part_size(); ++p)
     if (!sweep.part(p).has_hot() && scene.temperatures.emitters)
       scene.part[static_cast<std::size_t>(p)].hot =
@@ -171,9 +168,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
         condition.part_temperature_k[p] =
             std::max(condition.part_temperature_k[p], temperatures.part_k[index][p]);
     }
-    auto surroundings = surroundings_from_message(c.surroundings());
-    if (!surroundings.ok()) return surroundings.status();
-    condition.surroundings = *surroundings;
+    ASSIGN_OR_RETURN(auto surroundings, surroundings_from_message(c.surroundings()));
+    condition.surroundings = surroundings;
     condition.air_temperature_k = c.air_temperature_k();
     condition.above_surface_m = above_surface_m(resolved, c);
     if (c.has_plume() && !plumes.empty()) {
@@ -187,14 +183,13 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     if (c.has_weather() && is_rough_sea(c.surroundings()))
       condition.sea_wind_m_s = std::max(c.weather().wind_speed_m_s(), kCalmMS);
     if (sweep.transport().sun()) {
-      const auto sun = sun_of(resolved, c);
-      if (!sun.ok()) return sun.status();
+      ASSIGN_OR_RETURN(const auto sun, sun_of(resolved, c));
       condition.sun = true;
-      condition.sun_direction = body_from_enu(sun->direction, sweep.place().heading_deg());
-      condition.sun_cos_zenith = std::cos(sun->zenith_deg * std::numbers::pi / 180);
-      condition.sun_angular_radius_deg = sun->angular_radius_deg;
+      condition.sun_direction = body_from_enu(sun.direction, sweep.place().heading_deg());
+      condition.sun_cos_zenith = std::cos(sun.zenith_deg * std::numbers::pi / 180);
+      condition.sun_angular_radius_deg = sun.angular_radius_deg;
       condition.sun_scale = c.sun_irradiance_from_distance()
-                                ? 1 / (sun->distance_au * sun->distance_au)
+                                ? 1 / (sun.distance_au * sun.distance_au)
                                 : c.sun_irradiance_w_m2() / kSolarConstantWM2;
       if (environment != nullptr) {
         const Environment::SunSeen& seen =
@@ -212,9 +207,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     return absl::InternalError("a job of a sweep with the embedded atmosphere has no environment");
   request.environment = std::move(environment);
   request.emitters = temperatures.emitters;
-  auto air = air_from_message(sweep.air());
-  if (!air.ok()) return air.status();
-  request.air = *std::move(air);
+  ASSIGN_OR_RETURN(auto air, air_from_message(sweep.air()));
+  request.air = std::move(air);
   request.selected_condition.assign(job.condition_index().begin(), job.condition_index().end());
   request.selected_band.assign(job.band_index().begin(), job.band_index().end());
   for (const auto& [what, asked, count] :
@@ -239,9 +233,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
         "accuracy", "a time budget must be turned into samples_per_replicate before jobs are run");
   request.accuracy.replicates = accuracy.replicates();
   request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
-  auto effects = effects_of(sweep.effects());
-  if (!effects.ok()) return effects.status();
-  request.effects = *std::move(effects);
+  ASSIGN_OR_RETURN(auto effects, effects_of(sweep.effects()));
+  request.effects = std::move(effects);
   request.max_reflections = sweep.transport().max_reflections();
   request.seed = sweep.seed();
   request.thumbnail_px = sweep.output().thumbnail_px();
@@ -252,9 +245,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
 
 absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep,
                                      const schema::Condition& condition) {
-  const auto sun = sun_of(sweep, condition);
-  if (!sun.ok()) return sun.status();
-  return SunAngles{sun->azimuth_deg, sun->zenith_deg};
+  ASSIGN_OR_RETURN(const auto sun, sun_of(sweep, condition));
+  return SunAngles{sun.azimuth_deg, sun.zenith_deg};
 }
 
 }  // namespace irsig

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/gas_from_message.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_state.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/plume_silhouette.h"
@@ -55,9 +56,8 @@ absl::StatusOr<GeneratedPlume> generated(const schema::ConditionPlume& p) {
 
 absl::StatusOr<Field> field_of(const schema::ConditionPlume& p, const Assets& assets) {
   if (p.plume().kind() == "file") {
-    const auto grids = grids_from_message(p.plume());
-    if (!grids.ok()) return grids.status();
-    auto field = import_plume(asset(assets, p.sha256()), "the file", *grids);
+    ASSIGN_OR_RETURN(const auto grids, grids_from_message(p.plume()));
+    auto field = import_plume(asset(assets, p.sha256()), "the file", grids);
     return field.ok() ? std::move(field) : plume_error("plume.file", field.status());
   }
   auto made = generated(p);
@@ -110,12 +110,11 @@ absl::StatusOr<SweepPlumes> plumes_from_sweep(const schema::ResolvedSweep& sweep
                                               const Assets& assets) {
   SweepPlumes out;
   for (const schema::ConditionPlume& p : sweep.plume()) {
-    auto field = field_of(p, assets);
-    if (!field.ok()) return field.status();
+    ASSIGN_OR_RETURN(auto field, field_of(p, assets));
     const std::string path = p.plume().kind() == "file" ? "plume.file" : "plume";
-    if (auto status = check_state((*field)->report(), path); !status.ok()) return status;
-    if (auto status = check_reach(sweep, **field); !status.ok()) return status;
-    out.push_back(*std::move(field));
+    RETURN_IF_ERROR(check_state(field->report(), path));
+    RETURN_IF_ERROR(check_reach(sweep, *field));
+    out.push_back(std::move(field));
   }
   return out;
 }

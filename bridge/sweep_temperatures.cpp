@@ -14,6 +14,7 @@
 #include "bridge/heat_outputs.h"
 #include "bridge/model_mesh.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/fields/temperature_field.h"
 #include "core/geo/sun.h"
 
@@ -109,9 +110,8 @@ class FacetReader {
       computed_[run] = *std::move(field);
     }
     const schema::HeatField& field = computed_[run];
-    const auto time = parse_rfc3339(c.time_utc());
-    if (!time.ok()) return time.status();
-    const auto found = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(*time));
+    ASSIGN_OR_RETURN(const auto time, parse_rfc3339(c.time_utc()));
+    const auto found = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(time));
     if (found == field.unix_s().end()) return named("there are none at " + c.time_utc());
     const auto row = static_cast<std::size_t>(found - field.unix_s().begin());
     std::vector<float> kelvin(facets), error_k(facets);
@@ -159,16 +159,14 @@ class FacetReader {
     const std::string& name = from.field().name();
     const std::size_t facets = part_of_facet_.size();
     if (!known_.contains(name)) {
-      const auto how = import_of(from);
-      if (!how.ok()) return how.status();
-      auto field = read_temperature_field(asset(assets_, from.sha256()), *how, of_file_);
+      ASSIGN_OR_RETURN(const auto how, import_of(from));
+      auto field = read_temperature_field(asset(assets_, from.sha256()), how, of_file_);
       if (!field.ok()) return wrong(sweep_, c, field.status());
       known_[name] = *std::move(field);
     }
-    const auto time = parse_rfc3339(c.time_utc());
-    if (!time.ok()) return time.status();
+    ASSIGN_OR_RETURN(const auto time, parse_rfc3339(c.time_utc()));
     const TemperatureField& field = known_[name];
-    const auto all = at_time(field, unix_seconds(*time));
+    const auto all = at_time(field, unix_seconds(time));
     if (!all.ok())
       return wrong(sweep_, c,
                    absl::StrCat(from.file_name(), ": there are no temperatures at ", c.time_utc(),
@@ -232,10 +230,9 @@ absl::StatusOr<FieldMesh> field_mesh(const schema::ResolvedSweep& sweep, const A
   FieldMesh out;
   if (const schema::Model& model = sweep.sweep().model(); !model.has_generate())
     out.unit_m = model.unit_m();
-  const auto mesh = model_mesh_of_file(sweep, assets);
-  if (!mesh.ok()) return mesh.status();
-  for (const Vec<Body>& v : mesh->vertex) out.vertex.push_back({v.x, -v.y, -v.z});
-  out.triangle = mesh->triangle;
+  ASSIGN_OR_RETURN(const auto mesh, model_mesh_of_file(sweep, assets));
+  for (const Vec<Body>& v : mesh.vertex) out.vertex.push_back({v.x, -v.y, -v.z});
+  out.triangle = mesh.triangle;
   return out;
 }
 
@@ -256,9 +253,7 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
   for (const schema::Condition& c : sweep.condition())
     by_place |= c.temperature_field().field().match() == "centroid";
   if (by_place) {
-    auto made = field_mesh(sweep, assets);
-    if (!made.ok()) return made.status();
-    of_file = *std::move(made);
+    ASSIGN_OR_RETURN(of_file, field_mesh(sweep, assets));
   } else {
     of_file.vertex.resize(mesh.vertex.size());
     of_file.triangle = mesh.triangle;
@@ -269,7 +264,7 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     at.kelvin.assign(mesh.triangle.size(), NAN);
     at.error_k.assign(mesh.triangle.size(), NAN);
     std::map<std::size_t, std::string> unknown_here;
-    if (const absl::Status status = reader.read(c, at, unknown_here); !status.ok()) return status;
+    RETURN_IF_ERROR(reader.read(c, at, unknown_here));
     if (unknown != nullptr) unknown->push_back(std::move(unknown_here));
   }
   return out;
@@ -282,11 +277,9 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
   SweepTemperatures out;
   if (sweep.condition().empty())
     return out;  // a goniometer's: what is measured may not be made yet
-  const auto of_groups = part_of_groups(mesh, parts);
-  if (!of_groups.ok()) return of_groups.status();
+  ASSIGN_OR_RETURN(const auto of_groups, part_of_groups(mesh, parts));
   std::vector<std::uint32_t> part_of_facet;
-  for (const std::uint32_t group : mesh.triangle_group)
-    part_of_facet.push_back((*of_groups)[group]);
+  for (const std::uint32_t group : mesh.triangle_group) part_of_facet.push_back(of_groups[group]);
   if (awaits_temperatures(sweep, heat)) {
     out.awaited = true;
     out.awaited_emitters = parts.size() + facets_of_computed_parts(sweep, part_of_facet);
@@ -298,10 +291,10 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
       return read.status();
     return out;
   }
-  const auto facets = facet_temperatures(sweep, assets, heat, mesh, part_of_facet, &out.unknown);
-  if (!facets.ok()) return facets.status();
-  if (facets->empty()) return out;
-  ElementEmission emission = make_element_emission(part_of_facet, parts.size(), *facets);
+  ASSIGN_OR_RETURN(const auto facets,
+                   facet_temperatures(sweep, assets, heat, mesh, part_of_facet, &out.unknown));
+  if (facets.empty()) return out;
+  ElementEmission emission = make_element_emission(part_of_facet, parts.size(), facets);
   out.emitters = std::make_shared<const Emitters>(std::move(emission.emitters));
   for (EmitterTemperatures& of_condition : emission.condition) {
     std::vector<double>& hottest_k = out.part_k.emplace_back(parts.size(), 0.0);

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "planning/accuracy_check.h"
 #include "planning/accuracy_source.h"
@@ -82,24 +83,22 @@ const std::vector<std::string>& legend() {
 }
 
 absl::Status write_study(const AccuracyOptions& given) {
-  auto source = load_accuracy_source(given.source, given.sweep);
-  if (!source.ok()) return source.status();
-  if (auto known = have_temperatures(source->loaded); !known.ok()) return known;
-  const LoadedSweep* loaded = &source->loaded;
-  const auto studied = study_accuracy(*loaded, given.rows);
-  if (!studied.ok()) return studied.status();
-  if (auto status = make_folder(given.out); !status.ok()) return status;
+  ASSIGN_OR_RETURN(auto source, load_accuracy_source(given.source, given.sweep));
+  RETURN_IF_ERROR(have_temperatures(source.loaded));
+  const LoadedSweep* loaded = &source.loaded;
+  ASSIGN_OR_RETURN(const auto studied, study_accuracy(*loaded, given.rows));
+  RETURN_IF_ERROR(make_folder(given.out));
   const std::filesystem::path out = given.out;
   const std::string& name = loaded->resolved.sweep().name();
   std::string csv = accuracy_csv_header(), markdown;
   std::vector<PageSection> sections{{"What is shown", legend(), "", {}}};
-  for (const StudiedRow& row : *studied) {
+  for (const StudiedRow& row : studied) {
     const std::string heading = title(name, row);
     PageSection section{heading, row.paragraph,
                         plot_work_precision(heading, row.paragraph.front(), row.panel, 2),
                         row.table};
     const std::filesystem::path svg = out / fmt::format("accuracy-{}-{}.svg", name, row.band);
-    if (auto status = replace_file(svg.string(), section.svg); !status.ok()) return status;
+    RETURN_IF_ERROR(replace_file(svg.string(), section.svg));
     csv += row.csv;
     absl::StrAppend(&markdown, "### ", heading, "\n\n", row.paragraph.front(), "\n\n",
                     markdown_tables(row.table));
@@ -109,19 +108,18 @@ absl::Status write_study(const AccuracyOptions& given) {
   for (const auto& [file, bytes] :
        {std::pair{"accuracy.csv", csv}, std::pair{"accuracy.md", markdown},
         std::pair{"accuracy.html", html_page("What accuracy costs: " + name, sections)}})
-    if (auto status = replace_file((out / file).string(), bytes); !status.ok()) return status;
+    RETURN_IF_ERROR(replace_file((out / file).string(), bytes));
   return absl::OkStatus();
 }
 
 absl::Status check_errors(const AccuracyOptions& given, bool& within) {
-  auto source = load_accuracy_source(given.source, given.sweep);
-  if (!source.ok()) return source.status();
-  if (source->database == nullptr)
+  ASSIGN_OR_RETURN(auto source, load_accuracy_source(given.source, given.sweep));
+  if (source.database == nullptr)
     return absl::InvalidArgumentError(absl::StrCat("--check-errors: ", given.source,
                                                    " is no database, expected the rows of one"));
   print_text("{}\n", kNotSeenByLongerRun);
   const auto checked =
-      check_database_errors(*source, given.check, [](const CheckedViewpoint& view) {
+      check_database_errors(source, given.check, [](const CheckedViewpoint& view) {
         print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n",
                    view.done, view.of, view.viewpoint, view.samples, view.intensity.values,
                    view.intensity.largest);
@@ -130,7 +128,7 @@ absl::Status check_errors(const AccuracyOptions& given, bool& within) {
   print_text(
       "{}: {} rows of {} viewpoints against a run {:.4g} times as long with other random numbers\n"
       "\n{}",
-      source->loaded.resolved.sweep().name(), checked->rows.size(), checked->views, checked->times,
+      source.loaded.resolved.sweep().name(), checked->rows.size(), checked->views, checked->times,
       stated_errors_table(checked->rows));
   within = true;
   for (std::size_t q = 0; q < kStated; ++q)
@@ -139,26 +137,24 @@ absl::Status check_errors(const AccuracyOptions& given, bool& within) {
 }
 
 absl::Status study_meshes(const AccuracyOptions& given) {
-  const auto source = load_accuracy_source(given.source, given.sweep);
-  if (!source.ok()) return source.status();
+  ASSIGN_OR_RETURN(const auto source, load_accuracy_source(given.source, given.sweep));
   MeshStudyAsked asked = given.mesh;
   asked.meshes = *given.meshes;
   asked.rows = given.rows;
   asked.views = given.views.value_or(asked.views);
   const auto compared =
-      compare_meshes(source->loaded, asked, process_cpu_s, [](const MeasuredMesh& mesh) {
+      compare_meshes(source.loaded, asked, process_cpu_s, [](const MeasuredMesh& mesh) {
         print_note("{}: {} facets, {} views\n", mesh.name, mesh.facets, mesh.view.size());
       });
   if (!compared.ok()) return compared.status();
   const std::string tables = mesh_tables(*compared);
   print_text("{}", tables);
   if (given.out.empty()) return absl::OkStatus();
-  const auto csv = mesh_csv(*compared);
-  if (!csv.ok()) return csv.status();
-  if (auto status = make_folder(given.out); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const auto csv, mesh_csv(*compared));
+  RETURN_IF_ERROR(make_folder(given.out));
   const std::filesystem::path out = given.out;
-  for (const auto& [file, bytes] : {std::pair{"meshes.csv", *csv}, std::pair{"meshes.md", tables}})
-    if (auto status = replace_file((out / file).string(), bytes); !status.ok()) return status;
+  for (const auto& [file, bytes] : {std::pair{"meshes.csv", csv}, std::pair{"meshes.md", tables}})
+    RETURN_IF_ERROR(replace_file((out / file).string(), bytes));
   return absl::OkStatus();
 }
 

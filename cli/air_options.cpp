@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "bridge/environment/weather_from_message.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/model_file.h"
 #include "jobs/number_bounds.h"
@@ -153,27 +154,25 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
       return absl::InvalidArgumentError(absl::StrCat(name, " contradicts --sweep, which has it"));
     }
   }
-  auto file = load_sweep_file(sweep_);
-  if (!file.ok()) return file.status();
+  ASSIGN_OR_RETURN(auto file, load_sweep_file(sweep_));
   std::string model_bytes;
-  if (file->sweep.model().has_file()) {
+  if (file.sweep.model().has_file()) {
     const auto model =
-        (std::filesystem::path(sweep_).parent_path() / file->sweep.model().file()).string();
+        (std::filesystem::path(sweep_).parent_path() / file.sweep.model().file()).string();
     auto bytes = read_model_file(model, kMostModelBytes);
     if (!bytes.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(model, ": ", bytes.status().message()));
     }
     model_bytes = *std::move(bytes);
   }
-  const auto sweep = resolve_sweep(*file, model_bytes);
-  if (!sweep.ok()) return sweep.status();
-  if (!has_atmosphere(*sweep)) {
+  ASSIGN_OR_RETURN(const auto sweep, resolve_sweep(file, model_bytes));
+  if (!has_atmosphere(sweep)) {
     return absl::InvalidArgumentError(absl::StrCat(
-        sweep_, ": air.model is \"", sweep->sweep().air().model(), "\", expected \"atmosphere\""));
+        sweep_, ": air.model is \"", sweep.sweep().air().model(), "\", expected \"atmosphere\""));
   }
   std::vector<std::string> seasons;
   const schema::Condition* chosen = nullptr;
-  for (const schema::Condition& c : sweep->condition()) {
+  for (const schema::Condition& c : sweep.condition()) {
     if (std::find(seasons.begin(), seasons.end(), c.season()) == seasons.end()) {
       seasons.push_back(c.season());
     }
@@ -184,15 +183,14 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
         absl::StrCat(season_.empty() ? "--season is missing, " : "--season " + season_ + ": ",
                      "expected one of ", comma_list(seasons)));
   }
-  const auto weather = weather_from_message(chosen->weather(), chosen->surroundings());
-  if (!weather.ok()) return weather.status();
-  auto atmosphere = Atmosphere::make(weather->air);
-  if (!atmosphere.ok()) return atmosphere.status();
-  const schema::Place& place = sweep->sweep().place();
+  ASSIGN_OR_RETURN(const auto weather,
+                   weather_from_message(chosen->weather(), chosen->surroundings()));
+  ASSIGN_OR_RETURN(auto atmosphere, Atmosphere::make(weather.air));
+  const schema::Place& place = sweep.sweep().place();
   return ChosenAir{
-      *std::move(atmosphere), weather->refraction,
+      std::move(atmosphere), weather.refraction,
       absl::StrCat(std::filesystem::path(sweep_).filename().string(), ", ", chosen->season()),
-      weather->lower,
+      weather.lower,
       ChosenAir::Place{place.latitude_deg(), place.longitude_deg(), place.height_m(),
                        chosen->time_utc()}};
 }
@@ -223,15 +221,11 @@ absl::StatusOr<ChosenAir> AirOptions::choose() const {
         {"Air.air_mass", "--air-mass", air_mass_},
         {"Air.co2_ppmv", "--co2-ppmv", co2_ppmv_}}) {
     if (!value) continue;
-    if (auto status = check_number(key, name, *value); !status.ok()) return status;
+    RETURN_IF_ERROR(check_number(key, name, *value));
   }
   AtmosphereSpec spec;
-  auto air = profile();
-  if (!air.ok()) return air.status();
-  spec.profile = *std::move(air);
-  const auto particles = aerosol();
-  if (!particles.ok()) return particles.status();
-  spec.aerosol = *particles;
+  ASSIGN_OR_RETURN(spec.profile, profile());
+  ASSIGN_OR_RETURN(spec.aerosol, aerosol());
   spec.co2_ppmv = co2_ppmv_.value_or(spec.co2_ppmv);
   std::string title =
       absl::StrCat(profile_file_.empty() ? profile_ : profile_file_, ", aerosol ", aerosol_);
@@ -240,11 +234,10 @@ absl::StatusOr<ChosenAir> AirOptions::choose() const {
     absl::StrAppendFormat(&title, ", %g K, %g %% humidity", *air_temperature_k_,
                           *relative_humidity_percent_);
   }
-  auto atmosphere = Atmosphere::make(std::move(spec));
-  if (!atmosphere.ok()) return atmosphere.status();
-  LowerSpec ground{LowerSpec::Kind::kGround};
-  ground.temperature_k = atmosphere->profile().level.front().temperature_k;
-  return ChosenAir{*std::move(atmosphere), !straight_, std::move(title), ground, std::nullopt};
+  ASSIGN_OR_RETURN(auto atmosphere, Atmosphere::make(std::move(spec)));
+  SurfaceBoundary ground{SurfaceBoundary::Kind::kGround};
+  ground.temperature_k = atmosphere.profile().level.front().temperature_k;
+  return ChosenAir{std::move(atmosphere), !straight_, std::move(title), ground, std::nullopt};
 }
 
 }  // namespace irsig

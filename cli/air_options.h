@@ -16,7 +16,7 @@ struct ChosenAir {
   bool refraction = true;
   std::string title;  // for a plot
   // With --sweep the season's; else black ground as warm as the air above it.
-  LowerSpec lower;
+  SurfaceBoundary lower;
 
   // Mean radiance of sky and surface around a point at this height above the sea, as a run scatters
   // it into its paths. [band of the air]

@@ -16,6 +16,7 @@
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
 #include "cli/target_extent.h"
+#include "core/base/status_macros.h"
 #include "jobs/detector_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/response_file.h"
@@ -60,7 +61,7 @@ struct BandsCommand {
   [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> rows_of(StoreReader& reader,
                                                               Query query) const {
     for (const double range : range_m)
-      if (auto s = check_number("Viewpoints.range_m", "--range-m", range); !s.ok()) return s;
+      RETURN_IF_ERROR(check_number("Viewpoints.range_m", "--range-m", range));
     query.range_m = range_m;
     return run_query(reader, query, stored_target_extent);
   }
@@ -105,9 +106,8 @@ struct BandsCommand {
                                                         const MeritOf& of) const {
     std::vector<Passband> part;
     for (std::size_t i = 0; i + 1 < window_um.size(); i += 2) {
-      auto found = nearest_window(search, window_um[i], window_um[i + 1]);
-      if (!found.ok()) return found.status();
-      part.push_back(*found);
+      ASSIGN_OR_RETURN(auto found, nearest_window(search, window_um[i], window_um[i + 1]));
+      part.push_back(found);
     }
     for (std::size_t i = 0; i < filter_file.size(); ++i) part.push_back(search.filter(i));
     BandSearch::Found out;
@@ -139,22 +139,21 @@ struct BandsCommand {
                                                     const std::vector<QueryRow>& rows,
                                                     const std::vector<QueryRow>& their_rows) {
     if (rows.empty()) return absl::OkStatus();
-    const auto first = reader.spectrum(rows.front().signature.signature_id);
-    if (!first.ok()) return first.status();
+    ASSIGN_OR_RETURN(const auto first, reader.spectrum(rows.front().signature.signature_id));
     const std::size_t count = rows.size() + their_rows.size();
     const double bytes =
-        static_cast<double>(count) * first->lambda_um_size() * kBytesOfRowAndWavelength;
+        static_cast<double>(count) * first.lambda_um_size() * kBytesOfRowAndWavelength;
     const double usable = usable_memory_bytes();
     if (bytes <= usable) return absl::OkStatus();
     return absl::ResourceExhaustedError(
         fmt::format("{} rows of {} wavelengths take {} of memory, this machine has {}: choose "
                     "fewer by --season, --time or --aspect, or ask for fewer --range-m",
-                    count, first->lambda_um_size(), bytes_text(bytes), bytes_text(usable)));
+                    count, first.lambda_um_size(), bytes_text(bytes), bytes_text(usable)));
   }
 
   [[nodiscard]] absl::StatusOr<DetectorOfFile> asked_detector() const {
     if (!nei_w_m2) return read_detector(detector);
-    if (auto s = check_number("DetectorNoise.nei_w_m2", "--nei", *nei_w_m2); !s.ok()) return s;
+    RETURN_IF_ERROR(check_number("DetectorNoise.nei_w_m2", "--nei", *nei_w_m2));
     return DetectorOfFile{fmt::format("of NEI {:g} W/m2", *nei_w_m2),
                           {{}, ConstantNoise{*nei_w_m2}}};
   }
@@ -162,63 +161,51 @@ struct BandsCommand {
   [[nodiscard]] absl::StatusOr<std::vector<NamedFilter>> read_filters() const {
     std::vector<NamedFilter> out;
     for (const std::string& file : filter_file) {
-      auto table = read_response(file, "transmittance");
-      if (!table.ok()) return table.status();
-      for (const SpectralPoint& p : *table)
+      ASSIGN_OR_RETURN(auto table, read_response(file, "transmittance"));
+      for (const SpectralPoint& p : table)
         if (p.value > 1)
           return absl::InvalidArgumentError(
               fmt::format("{}:1:1: transmittance {:g} at {:g} um, expected at most 1", file,
                           p.value, p.lambda_um));
-      out.push_back({std::filesystem::path(file).stem().string(), *std::move(table)});
+      out.push_back({std::filesystem::path(file).stem().string(), std::move(table)});
     }
     return out;
   }
 
   [[nodiscard]] absl::Status run() const {
-    const auto of = asked_merit();
-    if (!of.ok()) return of.status();
-    const auto read = asked_detector();
-    if (!read.ok()) return read.status();
-    auto query = filter.query();
-    if (!query.ok()) return query.status();
-    auto reader = StoreReader::open(filter.database());
-    if (!reader.ok()) return reader.status();
-    const auto rows = rows_of(**reader, *query);
-    if (!rows.ok()) return rows.status();
+    ASSIGN_OR_RETURN(const auto of, asked_merit());
+    ASSIGN_OR_RETURN(const auto read, asked_detector());
+    ASSIGN_OR_RETURN(auto query, filter.query());
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(filter.database()));
+    ASSIGN_OR_RETURN(const auto rows, rows_of(*reader, query));
     std::unique_ptr<StoreReader> other;
     std::vector<QueryRow> their_rows;
     if (!against.empty()) {
-      auto opened = StoreReader::open(against);
-      if (!opened.ok()) return opened.status();
-      other = *std::move(opened);
-      Query same = *query;
+      ASSIGN_OR_RETURN(other, StoreReader::open(against));
+      Query same = query;
       same.sweep = against_sweep;
-      auto found = rows_of(*other, same);
-      if (!found.ok()) return found.status();
-      their_rows = *std::move(found);
-      if (auto s = check_one_sweep(their_rows); !s.ok()) return s;
+      ASSIGN_OR_RETURN(their_rows, rows_of(*other, same));
+      RETURN_IF_ERROR(check_one_sweep(their_rows));
     }
-    if (auto s = check_memory_of(**reader, *rows, their_rows); !s.ok()) return s;
+    RETURN_IF_ERROR(check_memory_of(*reader, rows, their_rows));
     std::vector<RowWeights> weights;
     for (const std::string& file : weights_file) {
-      auto table = read_row_weights(file);
-      if (!table.ok()) return table.status();
-      weights.push_back(*std::move(table));
+      ASSIGN_OR_RETURN(auto table, read_row_weights(file));
+      weights.push_back(std::move(table));
     }
-    auto population = band_population(
-        **reader, *rows, other.get(), their_rows,
-        weight == "rows" ? AspectWeight::kRows : AspectWeight::kSolidAngle, weights);
-    if (!population.ok()) return population.status();
-    const auto filters = read_filters();
-    if (!filters.ok()) return filters.status();
+    ASSIGN_OR_RETURN(auto population, band_population(*reader, rows, other.get(), their_rows,
+                                                      weight == "rows" ? AspectWeight::kRows
+                                                                       : AspectWeight::kSolidAngle,
+                                                      weights));
+    ASSIGN_OR_RETURN(const auto filters, read_filters());
     const auto search =
-        BandSearch::make(*std::move(population), read->detector, asked_pairing(), *filters);
+        BandSearch::make(std::move(population), read.detector, asked_pairing(), filters);
     if (!search.ok())
       return absl::Status(search.status().code(),
                           fmt::format("{}: {}", detector.empty() ? "--nei" : detector,
                                       std::string(search.status().message())));
-    if (auto s = search->check(*of); !s.ok()) return s;
-    if (of->merit == Merit::kRange && !ranges_out.empty())
+    RETURN_IF_ERROR(search->check(of));
+    if (of.merit == Merit::kRange && !ranges_out.empty())
       return absl::InvalidArgumentError(
           "--ranges is the merit at each range, and --merit range is of all of them: --detection "
           "has how far each row is seen");
@@ -231,10 +218,10 @@ struct BandsCommand {
     if (own && !map.empty())
       return absl::InvalidArgumentError(
           "--map is of every window: not with --window or --filter, which compare these alone");
-    const auto found = own ? asked(*search, *of)
-                           : search->search(*of, min_width_um.value_or(search->step_um()), top);
-    if (!found.ok()) return found.status();
-    if (found->best.empty() && !min_width_um)
+    ASSIGN_OR_RETURN(const auto found,
+                     own ? asked(*search, of)
+                         : search->search(of, min_width_um.value_or(search->step_um()), top));
+    if (found.best.empty() && !min_width_um)
       return absl::InvalidArgumentError(
           fmt::format("the detector responds to {:g} to {:g} um, narrower than {} stored step{} of "
                       "{:g} um: ask "
@@ -242,40 +229,39 @@ struct BandsCommand {
                       search->edges_um().front(), search->edges_um().back(),
                       pairs.empty() ? "a" : "two", pairs.empty() ? "" : "s", search->step_um(),
                       (search->edges_um().back() - search->edges_um().front()) / 4));
-    if (found->best.empty())
+    if (found.best.empty())
       return absl::InvalidArgumentError(fmt::format(
           "--min-width-um {:g}: wider than what is stored and the detector responds to, {:g} to "
           "{:g} um{}",
           min_width_um.value_or(0), search->edges_um().front(), search->edges_um().back(),
           pairs.empty() ? "" : ", for two of them"));
-    const auto stored = (*reader)->sweep(rows->front().signature.sweep, SweepFiles::kNone);
-    if (!stored.ok()) return stored.status();
-    const WindowChoice choice = search->compare(*of, found->best);
-    print_note("irsig: note: {} {}, {} rows, {}; detector {}\n", found->judged,
+    ASSIGN_OR_RETURN(const auto stored,
+                     reader->sweep(rows.front().signature.sweep, SweepFiles::kNone));
+    const WindowChoice choice = search->compare(of, found.best);
+    print_note("irsig: note: {} {}, {} rows, {}; detector {}\n", found.judged,
                search->pairing() != Pairing::kNone ? "pairs"
                : filter_file.empty()               ? "windows"
                                                    : "windows and filters",
-               search->population().row.size(), merit_name(*of), read->name);
-    const auto progress = (*reader)->progress();
-    if (!progress.ok()) return progress.status();
-    for (const SweepProgress& sweep : *progress)
-      if (sweep.name == rows->front().signature.sweep && sweep.done < sweep.jobs)
+               search->population().row.size(), merit_name(of), read.name);
+    ASSIGN_OR_RETURN(const auto progress, reader->progress());
+    for (const SweepProgress& sweep : progress)
+      if (sweep.name == rows.front().signature.sweep && sweep.done < sweep.jobs)
         print_note(
             "irsig: note: {} of the sweep's {} jobs are not done: their rows are not in the "
             "population\n",
             sweep.jobs - sweep.done, sweep.jobs);
-    if (found->stride > 1)
+    if (found.stride > 1)
       print_note(
           "irsig: note: too many pairs for all of them: of {} limits one was taken, and from there "
           "the best "
           "were moved to where they are best; --min-width-um or fewer rows leave all\n",
-          found->stride);
+          found.stride);
     for (const std::string& note :
-         notes_on(choice, search->population(), stored->resolved.sweep().accuracy()))
+         notes_on(choice, search->population(), stored.resolved.sweep().accuracy()))
       print_note("irsig: note: {}\n", note);
     if (range_m.size() > 1)
       print_note("irsig: note: {}\n", note_on_detection(*search, choice, threshold));
-    if (auto s = write_files(*search, *of, *found, choice); !s.ok()) return s;
+    RETURN_IF_ERROR(write_files(*search, of, found, choice));
     return output.write([&](std::string_view format, std::ostream& out) {
       return write_choice(*search, choice, format, out);
     });
@@ -342,7 +328,7 @@ struct BandsCommand {
       std::filesystem::path file(response_out);
       file.replace_filename(
           fmt::format("{}-{}{}", file.stem().string(), number, file.extension().string()));
-      if (auto s = write(file.string(), part); !s.ok()) return s;
+      RETURN_IF_ERROR(write(file.string(), part));
     }
     return absl::OkStatus();
   }

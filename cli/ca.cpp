@@ -11,6 +11,7 @@
 #include "cli/output_options.h"
 #include "coordinator/client/authority.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "view/print.h"
 #include "view/table.h"
 
@@ -77,10 +78,9 @@ void add_ca_issue(CLI::App& ca, int& exit_code) {
 }
 
 absl::Status revoke(const std::string& folder, const std::string& which) {
-  const auto revoked = revoke_certificates(folder, which, now_unix_s());
-  if (!revoked.ok()) return revoked.status();
+  ASSIGN_OR_RETURN(const auto revoked, revoke_certificates(folder, which, now_unix_s()));
   print_text("{} certificate{} revoked; {}/crl.pem is what coordinators read (--tls-crl)\n",
-             *revoked, *revoked == 1 ? "" : "s", folder);
+             revoked, revoked == 1 ? "" : "s", folder);
   return absl::OkStatus();
 }
 
@@ -94,14 +94,13 @@ void add_ca_revoke(CLI::App& ca, int& exit_code) {
 }
 
 absl::Status list_certificates(const std::string& folder, const OutputOptions& output) {
-  const auto issued = issued_certificates(folder);
-  if (!issued.ok()) return issued.status();
+  ASSIGN_OR_RETURN(const auto issued, issued_certificates(folder));
   const double now = now_unix_s();
   return output.write([&](std::string_view format, std::ostream& out) {
     auto table = make_table_writer(
         format, {{"name"}, {"roles"}, {"valid_until_utc"}, {"state"}, {"serial"}}, out);
     if (!table.ok()) return table.status();
-    for (const IssuedCertificate& one : *issued) {
+    for (const IssuedCertificate& one : issued) {
       std::string roles = role_list(one.facts.roles, "and");
       if (one.facts.of_a_server) roles += roles.empty() ? "coordinator" : ", coordinator";
       const std::string end = running_out(one.facts, now);

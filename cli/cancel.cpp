@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/coordinator_options.h"
 #include "coordinator/client/farm_client.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "view/print.h"
 
@@ -10,12 +11,10 @@ namespace irsig {
 namespace {
 
 absl::Status cancel_sweep(const std::string& sweep, const CoordinatorOptions& coordinator) {
-  const auto address = coordinator.address();
-  if (!address.ok()) return address.status();
-  const auto reply = cancel(*address, sweep);
-  if (!reply.ok()) return reply.status();
+  ASSIGN_OR_RETURN(const auto address, coordinator.address());
+  ASSIGN_OR_RETURN(const auto reply, cancel(address, sweep));
   print_text("{} jobs cancelled; submitting the sweep again takes them up again\n",
-             reply->cancelled());
+             reply.cancelled());
   return absl::OkStatus();
 }
 

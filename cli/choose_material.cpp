@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/material_from_message.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/materials/material.h"
 #include "jobs/nearest_name.h"
 #include "jobs/sweep_materials.h"
@@ -50,22 +51,19 @@ ChosenMaterial in_bands(MaterialSpec spec, const schema::Sweep& sweep) {
 }  // namespace
 
 absl::StatusOr<std::vector<ChosenMaterial>> materials_of_sweep(const std::string& path) {
-  const auto file = load_sweep_file(path);
-  if (!file.ok()) return file.status();
-  for (int i = 0; i < file->sweep.band_size(); ++i) {
-    const schema::Band& band = file->sweep.band(i);
+  ASSIGN_OR_RETURN(const auto file, load_sweep_file(path));
+  for (int i = 0; i < file.sweep.band_size(); ++i) {
+    const schema::Band& band = file.sweep.band(i);
     if (!(band.lambda_min_um() > 0 && band.lambda_max_um() > band.lambda_min_um()))
       return placed_problem(
-          file->location(absl::StrCat("band[", i, "]")),
+          file.location(absl::StrCat("band[", i, "]")),
           absl::StrCat("band[", i, "] has no limits, expected lambda_min_um below lambda_max_um"));
   }
-  const auto materials = resolved_materials(*file);
-  if (!materials.ok()) return materials.status();
+  ASSIGN_OR_RETURN(const auto materials, resolved_materials(file));
   std::vector<ChosenMaterial> out;
-  for (const schema::Material& material : *materials) {
-    auto spec = material_from_message(material);
-    if (!spec.ok()) return spec.status();
-    out.push_back(in_bands(*std::move(spec), file->sweep));
+  for (const schema::Material& material : materials) {
+    ASSIGN_OR_RETURN(auto spec, material_from_message(material));
+    out.push_back(in_bands(std::move(spec), file.sweep));
     if (const auto entry = library_entry(material.entry()); entry.ok()) out.back().entry = *entry;
   }
   return out;
@@ -86,9 +84,8 @@ absl::StatusOr<ChosenMaterial> choose_material(const std::string& name) {
                                                    "\": ", suggestion(name, known),
                                                    ", or SWEEP.toml:MATERIAL"));
   }
-  auto materials = materials_of_sweep(name.substr(0, colon));
-  if (!materials.ok()) return materials.status();
-  for (ChosenMaterial& material : *materials) {
+  ASSIGN_OR_RETURN(auto materials, materials_of_sweep(name.substr(0, colon)));
+  for (ChosenMaterial& material : materials) {
     if (material.spec.name == name.substr(colon + 1)) return std::move(material);
     known.push_back(material.spec.name);
   }

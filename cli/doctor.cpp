@@ -5,6 +5,7 @@
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 #include "schema/store/examine.h"
 #include "view/print.h"
 #include "view/table.h"
@@ -38,35 +39,32 @@ struct DoctorCommand {
 
   [[nodiscard]] absl::StatusOr<std::vector<StoreFinding>> findings_of() const {
     if (!accept) return examine(database, physics_version());
-    auto accepted = accept_file(database, physics_version());
-    if (!accepted.ok()) return accepted.status();
-    if (accepted->made_plain) {
+    ASSIGN_OR_RETURN(auto accepted, accept_file(database, physics_version()));
+    if (accepted.made_plain) {
       print_note(
           "irsig: {}: is one plain file now; what it holds is the database: {} sweep{}, {} "
           "rows\n",
-          database, accepted->sweeps, accepted->sweeps == 1 ? "" : "s", accepted->rows);
-    } else if (!accepted->damaged) {
+          database, accepted.sweeps, accepted.sweeps == 1 ? "" : "s", accepted.rows);
+    } else if (!accepted.damaged) {
       print_note("irsig: {}: is one plain file already: nothing to accept\n", database);
     }
-    return std::move(accepted->findings);
+    return std::move(accepted.findings);
   }
 
   [[nodiscard]] absl::Status run() const {
-    const auto findings = findings_of();
-    if (!findings.ok()) return findings.status();
+    ASSIGN_OR_RETURN(const auto findings, findings_of());
     const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
-      if (format == "text" && findings->empty()) {
+      if (format == "text" && findings.empty()) {
         out << database << ": nothing is damaged, missing or old\n";
         return absl::OkStatus();
       }
       auto writer = make_table_writer(format, {{"kind"}, {"finding"}}, out);
       if (!writer.ok()) return writer.status();
-      for (const StoreFinding& f : *findings)
-        (*writer)->row({std::string(name_of(f.kind)), f.what});
+      for (const StoreFinding& f : findings) (*writer)->row({std::string(name_of(f.kind)), f.what});
       return (*writer)->finish();
     });
     if (!written.ok()) return written;
-    for (const StoreFinding& f : *findings)
+    for (const StoreFinding& f : findings)
       if (f.kind == StoreFinding::Kind::kDamaged)
         return absl::DataLossError(database +
                                    (accept ? " is damaged, and stays as it is" : " is damaged"));

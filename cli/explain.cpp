@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -18,10 +19,9 @@ struct ExplainAsked {
 };
 
 absl::Status explain(const ExplainAsked& asked) {
-  auto reader = StoreReader::open(asked.db_path);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(asked.db_path));
   return asked.output.write([&](std::string_view format, std::ostream& out) {
-    return explain_row(**reader, asked.sweep, asked.row, format, out);
+    return explain_row(*reader, asked.sweep, asked.row, format, out);
   });
 }
 

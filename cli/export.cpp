@@ -9,6 +9,7 @@
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
+#include "core/base/status_macros.h"
 #include "planning/export_temperatures.h"
 #include "view/export_thumbnails.h"
 #include "view/print.h"
@@ -28,46 +29,42 @@ struct ExportCommand {
   bool exr = false, background = false;
 
   [[nodiscard]] absl::Status run() const {
-    auto query = filter.query();
-    if (!query.ok()) return query.status();
-    auto reader = StoreReader::open(filter.database());
-    if (!reader.ok()) return reader.status();
-    const auto format = output.format();
-    if (!format.ok()) return format.status();
-    if (*format == "temperatures" && !query->range_m.empty())
+    ASSIGN_OR_RETURN(auto query, filter.query());
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(filter.database()));
+    ASSIGN_OR_RETURN(const auto format, output.format());
+    if (format == "temperatures" && !query.range_m.empty())
       return absl::InvalidArgumentError("--range-m: temperatures are the same from everywhere");
-    if (*format == "temperatures")
+    if (format == "temperatures")
       return output.write([&](std::string_view, std::ostream& out) {
-        return export_temperatures(filter.database(), query->sweep, query->season, query->time,
-                                   out);
+        return export_temperatures(filter.database(), query.sweep, query.season, query.time, out);
       });
-    if (*format != "thumbnails" && (!scale.empty() || exr || background))
+    if (format != "thumbnails" && (!scale.empty() || exr || background))
       return absl::InvalidArgumentError(
           "--thumbnail-scale, --exr and --background: belong to the format thumbnails");
-    if (!spectra.empty() && *format != "csv")
+    if (!spectra.empty() && format != "csv")
       return absl::InvalidArgumentError(
-          absl::StrCat("--spectra: belongs to the format csv; ", *format, " has them as it is"));
-    if (*format == "thumbnails") return write_thumbnails(**reader, *query);
-    const ExportAsked asked{*query,
+          absl::StrCat("--spectra: belongs to the format csv; ", format, " has them as it is"));
+    if (format == "thumbnails") return write_thumbnails(*reader, query);
+    const ExportAsked asked{query,
                             spectra.empty()     ? TableSpectra::kNone
                             : spectra == "long" ? TableSpectra::kLong
                                                 : TableSpectra::kWide,
                             stored_target_extent};
-    if (output.out() != "-") return export_file(**reader, asked, *format, output.out());
-    if (*format != "csv")
+    if (output.out() != "-") return export_file(*reader, asked, format, output.out());
+    if (format != "csv")
       return absl::InvalidArgumentError(
-          absl::StrCat("--out -: ", *format, " needs a file, only csv can be streamed"));
-    return export_csv(**reader, asked, data_output());
+          absl::StrCat("--out -: ", format, " needs a file, only csv can be streamed"));
+    return export_csv(*reader, asked, data_output());
   }
 
  private:
   [[nodiscard]] absl::Status write_thumbnails(StoreReader& reader, const Query& query) const {
     if (output.out() == "-") return absl::InvalidArgumentError("--out -: thumbnails need a folder");
-    const auto images = export_thumbnails(
-        reader, {query, scale.empty() ? "common" : scale, exr, background, filter.text()},
-        output.out(), read_pictures);
-    if (!images.ok()) return images.status();
-    print_note("irsig: {}: {} images\n", output.out(), *images);
+    ASSIGN_OR_RETURN(const auto images, export_thumbnails(reader,
+                                                          {query, scale.empty() ? "common" : scale,
+                                                           exr, background, filter.text()},
+                                                          output.out(), read_pictures));
+    print_note("irsig: {}: {} images\n", output.out(), images);
     return absl::OkStatus();
   }
 };

@@ -9,6 +9,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "core/base/status_macros.h"
 #include "jobs/number_bounds.h"
 
 namespace irsig {
@@ -26,7 +27,7 @@ absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text)
   }
   for (const auto& [key, angle_deg] : {std::pair{"Aspect.azimuth_deg", out.aspect_azimuth_deg},
                                        std::pair{"Aspect.elevation_deg", out.aspect_elevation_deg}})
-    if (auto status = check_number(key, "--aspect", angle_deg); !status.ok()) return status;
+    RETURN_IF_ERROR(check_number(key, "--aspect", angle_deg));
   return out;
 }
 
@@ -96,13 +97,11 @@ std::string FilterOptions::text() const {
 
 absl::StatusOr<Query> FilterOptions::query() const {
   Query out = query_;
-  const auto quantity = quantity_named(quantity_);
-  if (!quantity.ok()) return quantity.status();
-  out.quantity = *quantity;
+  ASSIGN_OR_RETURN(const auto quantity, quantity_named(quantity_));
+  out.quantity = quantity;
   if (*aspect_option_) {
-    auto aspect = parse_aspect(aspect_);
-    if (!aspect.ok()) return aspect.status();
-    out.aspect = *aspect;
+    ASSIGN_OR_RETURN(auto aspect, parse_aspect(aspect_));
+    out.aspect = aspect;
   }
   if (*within_option_) {
     if (!(within_deg_ >= 0 && within_deg_ <= 180))
@@ -112,7 +111,7 @@ absl::StatusOr<Query> FilterOptions::query() const {
   }
   std::set<double> ranges;
   for (const double range : out.range_m) {
-    if (auto s = check_number("Viewpoints.range_m", "--range-m", range); !s.ok()) return s;
+    RETURN_IF_ERROR(check_number("Viewpoints.range_m", "--range-m", range));
     if (!ranges.insert(range).second)
       return absl::InvalidArgumentError(fmt::format("--range-m: {:g} comes twice", range));
   }

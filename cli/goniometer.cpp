@@ -1,5 +1,3 @@
-#include "core/base/printable.h"
-#include "core/base/problems.h"
 #include "core/goniometer/goniometer.h"
 
 #include <algorithm>
@@ -20,11 +18,14 @@
 #include "bridge/job_runner.h"
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
+#include "core/base/printable.h"
+#include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/model_file.h"
 #include "core/goniometer/coverage_trend.h"
 #include "core/goniometer/goniometer_tables.h"
 #include "core/scene/generate_particles.h"
+#include "core/scene/model_file.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 #include "jobs/goniometer_file.h"
@@ -115,26 +116,22 @@ class GoniometerCommand {
     const auto text = read_user_file(spec_path, kMostSpecBytes);
     if (!text.ok())
       return absl::InvalidArgumentError(absl::StrCat(spec_path, ": ", text.status().message()));
-    auto file = parse_goniometer(*text, spec_path);
-    if (!file.ok()) return file.status();
+    ASSIGN_OR_RETURN(auto file, parse_goniometer(*text, spec_path));
     const auto read_table = [&](const std::string& name) {
       return read_file_beside(spec_path, name, kMostTableBytes);
     };
-    if (const auto status = read_material_files(file->scene, read_table); !status.ok())
-      return status;
+    RETURN_IF_ERROR(read_material_files(file.scene, read_table));
     std::string model_bytes;
-    if (file->spec.model().has_file()) {
-      auto bytes = read_model_beside(spec_path, file->spec.model().file(), kMostModelBytes);
+    if (file.spec.model().has_file()) {
+      auto bytes = read_model_beside(spec_path, file.spec.model().file(), kMostModelBytes);
       if (!bytes.ok())
-        return placed_problem(
-            file->scene.location("model.file"),
-            absl::StrCat("model.file \"", one_line(file->spec.model().file()),
-                         "\": ", bytes.status().message()));
+        return placed_problem(file.scene.location("model.file"),
+                              absl::StrCat("model.file \"", one_line(file.spec.model().file()),
+                                           "\": ", bytes.status().message()));
       model_bytes = *std::move(bytes);
     }
-    auto resolved = resolve_goniometer(*file, model_bytes);
-    if (!resolved.ok()) return resolved.status();
-    spec_ = resolved->spec;
+    ASSIGN_OR_RETURN(auto resolved, resolve_goniometer(file, model_bytes));
+    spec_ = resolved.spec;
     provenance_ = {
         absl::StrCat("irsig goniometer, build ", build_id(), ", physics version ",
                      physics_version()),
@@ -146,13 +143,13 @@ class GoniometerCommand {
         "angles: zeniths from the plate's normal; azimuth 0 on the source's side, 180 on the "
         "mirror's"};
 
-    auto scene = scene_from_sweep(resolved->scene, model_alone(resolved->scene, model_bytes), {});
-    if (!scene.ok()) return located(file->scene, scene.status());
+    auto scene = scene_from_sweep(resolved.scene, model_alone(resolved.scene, model_bytes), {});
+    if (!scene.ok()) return located(file.scene, scene.status());
     GoniometerScene under;
     under.mesh = std::move(scene->mesh);
     under.part = std::move(scene->part);
     under.material = std::move(scene->material);
-    for (const schema::Material& m : resolved->scene.sweep().material())
+    for (const schema::Material& m : resolved.scene.sweep().material())
       under.allow_energy_gain.push_back(m.allow_energy_gain());
     for (int i = 0; i < spec_.band_size(); ++i)
       under.band.push_back({scene->band[static_cast<std::size_t>(i)], spec_.band(i).spectral()});
@@ -162,13 +159,13 @@ class GoniometerCommand {
     if (error)
       return absl::InvalidArgumentError(absl::StrCat("--out ", out, ": ", error.message()));
     if (!spec_.has_particles() || spec_.particles().coverage_size() == 0)
-      return located(file->scene, measure(under, std::nullopt, fs::path(out)));
+      return located(file.scene, measure(under, std::nullopt, fs::path(out)));
     for (const double coverage : spec_.particles().coverage()) {
       const fs::path folder = spec_.particles().coverage_size() == 1
                                   ? fs::path(out)
                                   : fs::path(out) / fmt::format("coverage_{:g}", coverage);
       if (const auto status = measure(under, coverage, folder); !status.ok())
-        return located(file->scene, status);
+        return located(file.scene, status);
     }
     return spec_.particles().coverage_size() > 2 ? write_trend() : absl::OkStatus();
   }
@@ -179,9 +176,8 @@ class GoniometerCommand {
     std::string about;
     double covered = coverage.value_or(0);
     if (spec_.has_particles()) {
-      const auto bed = bed_of(spec_, coverage);
-      if (!bed.ok()) return bed.status();
-      auto model = generate_particles(*bed);
+      ASSIGN_OR_RETURN(const auto bed, bed_of(spec_, coverage));
+      auto model = generate_particles(bed);
       if (!model.ok())
         return at_key("particles", model.status());
       const ParticleReport& p = model->report;
@@ -195,10 +191,8 @@ class GoniometerCommand {
     }
     const auto start = std::chrono::steady_clock::now();
     const std::uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
-    const auto instrument = instrument_of(spec_, threads > 0 ? threads : cores);
-    if (!instrument.ok()) return instrument.status();
-    auto result = run_goniometer(under, *instrument);
-    if (!result.ok()) return result.status();
+    ASSIGN_OR_RETURN(const auto instrument, instrument_of(spec_, threads > 0 ? threads : cores));
+    ASSIGN_OR_RETURN(auto result, run_goniometer(under, instrument));
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::error_code error;
@@ -208,17 +202,16 @@ class GoniometerCommand {
     std::vector<std::string> provenance = provenance_;
     if (!about.empty()) provenance.push_back(about);
     const std::string summary =
-        absl::StrCat(spec_.name(), about.empty() ? "" : "\n", about, "\n", summary_text(*result));
+        absl::StrCat(spec_.name(), about.empty() ? "" : "\n", about, "\n", summary_text(result));
     print_text("{}: {:.1f} s\n{}\n", folder.string(), seconds, summary);
     std::fflush(stdout);
-    if (const auto status = write(*result, provenance, summary, folder); !status.ok())
-      return status;
-    for (std::size_t ch = 0; ch < result->channel.size(); ++ch)
-      for (std::size_t j = 0; j < result->spec.source_zenith_deg.size(); ++j)
-        if (const auto mean = plane_mean(*result, ch, j); mean.ok())
+    RETURN_IF_ERROR(write(result, provenance, summary, folder));
+    for (std::size_t ch = 0; ch < result.channel.size(); ++ch)
+      for (std::size_t j = 0; j < result.spec.source_zenith_deg.size(); ++j)
+        if (const auto mean = plane_mean(result, ch, j); mean.ok())
           trend_.push_back({covered, ch, j, *mean});
-    channel_ = result->channel;
-    source_zenith_deg_ = result->spec.source_zenith_deg;
+    channel_ = result.channel;
+    source_zenith_deg_ = result.spec.source_zenith_deg;
     return absl::OkStatus();
   }
 
@@ -227,29 +220,24 @@ class GoniometerCommand {
     const auto to = [&](const std::string& name, const std::string& text) {
       return replace_file((folder / name).string(), text);
     };
-    if (const auto s = to("brdf.csv", brdf_csv(r, provenance)); !s.ok()) return s;
-    if (const auto s = to("emissivity.csv", emissivity_csv(r, provenance)); !s.ok()) return s;
-    if (const auto s = to("summary.txt", summary); !s.ok()) return s;
+    RETURN_IF_ERROR(to("brdf.csv", brdf_csv(r, provenance)));
+    RETURN_IF_ERROR(to("emissivity.csv", emissivity_csv(r, provenance)));
+    RETURN_IF_ERROR(to("summary.txt", summary));
     const auto material = material_csv(r, provenance);
     if (material.ok()) {
-      if (const auto s = to("material.csv", *material); !s.ok()) return s;
+      RETURN_IF_ERROR(to("material.csv", *material));
     } else {
       print_note("irsig: no material.csv: {}\n", std::string(material.status().message()));
     }
     for (std::size_t j = 0; j < r.spec.source_zenith_deg.size(); ++j) {
       const double source_deg = r.spec.source_zenith_deg[j];
-      if (const auto s = to(fmt::format("planes_source{:g}.svg", source_deg),
-                            plane_curves(r, j, spec_.name()));
-          !s.ok())
-        return s;
+      RETURN_IF_ERROR(
+          to(fmt::format("planes_source{:g}.svg", source_deg), plane_curves(r, j, spec_.name())));
       for (const schema::GoniometerBand& b : spec_.band())
-        if (const auto s = to(
-                fmt::format("brdf_{}_source{:g}.svg", file_part(b.name()), source_deg),
-                plot_hemisphere(
-                    fmt::format("{}, {}, source at {:g}\u00b0", spec_.name(), b.name(), source_deg),
-                    "pi x BRDF", band_values(r, b.name(), j), source_deg));
-            !s.ok())
-          return s;
+        RETURN_IF_ERROR(to(fmt::format("brdf_{}_source{:g}.svg", file_part(b.name()), source_deg),
+                           plot_hemisphere(fmt::format("{}, {}, source at {:g}\u00b0", spec_.name(),
+                                                       b.name(), source_deg),
+                                           "pi x BRDF", band_values(r, b.name(), j), source_deg)));
     }
     return absl::OkStatus();
   }
@@ -266,8 +254,7 @@ class GoniometerCommand {
       csv += fmt::format("{:.5g},{:g},{},{:.6g},{:.7g},{:.3g}\n", p.coverage,
                          source_zenith_deg_[p.source], channel_[p.channel].band,
                          channel_[p.channel].lambda_um, p.mean.value, p.mean.stderr_);
-    if (const auto s = replace_file((fs::path(out) / "coverage.csv").string(), csv); !s.ok())
-      return s;
+    RETURN_IF_ERROR(replace_file((fs::path(out) / "coverage.csv").string(), csv));
     std::vector<CurvePanel> panels;
     std::printf("mean over the planes against coverage: departure from a straight line (rms)\n");
     for (std::size_t j = 0; j < source_zenith_deg_.size(); ++j) {

@@ -6,6 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/mesh_lint.h"
 #include "core/scene/model_file.h"
@@ -60,13 +61,12 @@ struct InitCommand {
         to_stdout || !file.has_parent_path() ? fs::path(".") : file.parent_path();
     const fs::path beside = fs::proximate(model, folder, error);
     asked.model_file = error ? fs::absolute(model).string() : beside.generic_string();
-    auto text = sweep_template(asked, *mesh);
-    if (!text.ok()) return text.status();
+    ASSIGN_OR_RETURN(auto text, sweep_template(asked, *mesh));
     if (!to_stdout && !force && fs::exists(file, error))
       return absl::InvalidArgumentError(
           fmt::format("--out {}: the file exists, expected a new one or --force", file.string()));
     // A file that `irsig run` refuses is not written.
-    auto read = load_sweep_text(*text, file.string());
+    auto read = load_sweep_text(text, file.string());
     auto loaded = read.ok() ? try_sweep(*std::move(read), file.string(), {})
                             : absl::StatusOr<LoadedSweep>(read.status());
     if (!loaded.ok()) {
@@ -74,10 +74,10 @@ struct InitCommand {
       return loaded.status();
     }
     if (to_stdout) {
-      print_plain(stdout, *text);
+      print_plain(stdout, text);
       return absl::OkStatus();
     }
-    if (auto status = replace_file(file.string(), *text); !status.ok()) return status;
+    RETURN_IF_ERROR(replace_file(file.string(), text));
     // What is odd about the model is said at once.
     for (const std::string& line : loaded->warnings) print_note("{}\n", line);
     LintOptions sheets;

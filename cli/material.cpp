@@ -12,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/material_plot.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 #include "core/materials/material_check.h"
 #include "core/materials/optical/angular_table.h"
 #include "view/table.h"
@@ -78,31 +79,29 @@ absl::Status write_wide(const AngularTable& table, std::size_t wavelengths, std:
     columns.push_back({fmt::format("dhr {:g} um", um)});
     columns.push_back({fmt::format("emissivity {:g} um", um)});
   }
-  const auto writer = make_table_writer("text", columns, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(const auto writer, make_table_writer("text", columns, out));
   for (std::size_t t = 0; t < angles; ++t) {
     std::vector<Cell> cells = {table.value[t].theta_i_deg};
     for (std::size_t i = 0; i < wavelengths; ++i) {
       cells.emplace_back(table.value[i * angles + t].dhr);
       cells.emplace_back(table.value[i * angles + t].emissivity);
     }
-    (*writer)->row(cells);
+    writer->row(cells);
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 absl::Status show(const ShowOptions& asked) {
-  const auto material = choose_material(asked.name);
-  if (!material.ok()) return material.status();
-  const auto& lambda_um = asked.lambda_um.empty() ? material->lambda_um : asked.lambda_um;
-  const auto table = angular_table(material->spec, lambda_um, asked.theta_i_deg);
+  ASSIGN_OR_RETURN(const auto material, choose_material(asked.name));
+  const auto& lambda_um = asked.lambda_um.empty() ? material.lambda_um : asked.lambda_um;
+  const auto table = angular_table(material.spec, lambda_um, asked.theta_i_deg);
   if (!table.ok())
     return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", table.status().message()));
   return asked.output.write([&](std::string_view format, std::ostream& out) {
     if (format != "text") return write_long(*table, format, out);
-    out << fmt::format("{}: {}, known at {} um\n", material->spec.name, model_kind(material->spec),
-                       range_text(wavelength_range(material->spec)));
-    const LibraryEntry& e = material->entry;
+    out << fmt::format("{}: {}, known at {} um\n", material.spec.name, model_kind(material.spec),
+                       range_text(wavelength_range(material.spec)));
+    const LibraryEntry& e = material.entry;
     if (!e.description.empty())
       out << fmt::format("{}\nsource: {}\nlicence: {}\n{}\n", e.description, e.source, e.licence,
                          e.provenance);
@@ -123,16 +122,15 @@ struct PlotOptions {
 };
 
 absl::Status plot(const PlotOptions& asked) {
-  auto material = choose_material(asked.name);
-  if (!material.ok()) return material.status();
-  if (!asked.lambda_um.empty()) material->lambda_um = asked.lambda_um;
-  if (asked.min_um > 0) material->min_um = asked.min_um;
-  if (asked.max_um > 0) material->max_um = asked.max_um;
-  if (!(material->min_um < material->max_um))
-    return absl::InvalidArgumentError(absl::StrCat("wavelengths from ", material->min_um, " to ",
-                                                   material->max_um,
+  ASSIGN_OR_RETURN(auto material, choose_material(asked.name));
+  if (!asked.lambda_um.empty()) material.lambda_um = asked.lambda_um;
+  if (asked.min_um > 0) material.min_um = asked.min_um;
+  if (asked.max_um > 0) material.max_um = asked.max_um;
+  if (!(material.min_um < material.max_um))
+    return absl::InvalidArgumentError(absl::StrCat("wavelengths from ", material.min_um, " to ",
+                                                   material.max_um,
                                                    " um, expected an increasing range"));
-  const auto svg = plot_material(*material);
+  const auto svg = plot_material(material);
   if (!svg.ok())
     return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", svg.status().message()));
   return asked.output.write(*svg);
@@ -157,15 +155,12 @@ absl::Status check(const std::string& name, const std::string& sweep, std::strin
                    std::ostream& to, CheckCount& count) {
   std::vector<ChosenMaterial> materials;
   if (!sweep.empty()) {
-    auto all = materials_of_sweep(sweep);
-    if (!all.ok()) return all.status();
-    materials = *std::move(all);
+    ASSIGN_OR_RETURN(materials, materials_of_sweep(sweep));
     if (materials.empty())
       return absl::InvalidArgumentError(absl::StrCat(sweep, ": it has no material"));
   } else {
-    auto one = choose_material(name);
-    if (!one.ok()) return one.status();
-    materials.push_back(*std::move(one));
+    ASSIGN_OR_RETURN(auto one, choose_material(name));
+    materials.push_back(std::move(one));
   }
   const auto out = make_table_writer(
       format, {{"material"}, {"check"}, {"worst"}, {"bound"}, {"passed"}, {"where"}}, to);

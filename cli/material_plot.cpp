@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/status_macros.h"
 #include "core/materials/optical/angular_table.h"
 #include "view/plot_curves.h"
 
@@ -34,15 +35,14 @@ absl::StatusOr<std::string> plot_material(const ChosenMaterial& material) {
     fine_um.push_back(material.min_um + (material.max_um - material.min_um) *
                                             static_cast<double>(i) / (kWavelengths - 1));
   const std::vector<double> angles(kAngles.begin(), kAngles.end());
-  const auto over_angle = angular_table(material.spec, material.lambda_um, fine_deg);
-  if (!over_angle.ok()) return over_angle.status();
-  const auto over_um = angular_table(material.spec, fine_um, angles);
-  if (!over_um.ok()) return over_um.status();
+  ASSIGN_OR_RETURN(const auto over_angle,
+                   angular_table(material.spec, material.lambda_um, fine_deg));
+  ASSIGN_OR_RETURN(const auto over_um, angular_table(material.spec, fine_um, angles));
 
   std::vector<CurvePanel> panels;
   double top = 1;
-  for (const AngularValue& v : over_angle->value) top = std::max(top, v.dhr);
-  for (const AngularValue& v : over_um->value) top = std::max(top, v.dhr);
+  for (const AngularValue& v : over_angle.value) top = std::max(top, v.dhr);
+  for (const AngularValue& v : over_um.value) top = std::max(top, v.dhr);
   for (const bool dhr : {true, false}) {
     const std::string what =
         dhr ? "Directional-hemispherical reflectance" : "Directional emissivity";
@@ -50,11 +50,11 @@ absl::StatusOr<std::string> plot_material(const ChosenMaterial& material) {
     CurvePanel angle{
         what + " against angle", "Angle from the normal in degrees", what, {}, 0, high};
     for (std::size_t i = 0; i < material.lambda_um.size(); ++i)
-      angle.curve.push_back(curve(over_angle->value, i * fine_deg.size(), 1, fine_deg.size(),
+      angle.curve.push_back(curve(over_angle.value, i * fine_deg.size(), 1, fine_deg.size(),
                                   fmt::format("{:.4g} \u00b5m", material.lambda_um[i]), true, dhr));
     CurvePanel spectral{what + " against wavelength", "Wavelength in \u00b5m", what, {}, 0, high};
     for (std::size_t t = 0; t < angles.size(); ++t)
-      spectral.curve.push_back(curve(over_um->value, t, angles.size(), fine_um.size(),
+      spectral.curve.push_back(curve(over_um.value, t, angles.size(), fine_um.size(),
                                      fmt::format("{:g}\u00b0", angles[t]), false, dhr));
     panels.push_back(std::move(angle));
     panels.push_back(std::move(spectral));
@@ -63,7 +63,7 @@ absl::StatusOr<std::string> plot_material(const ChosenMaterial& material) {
   return plot_curves(
       material.spec.name,
       material.entry.description.empty()
-          ? kind + (over_angle->creates_energy || over_um->creates_energy ? ", creates energy" : "")
+          ? kind + (over_angle.creates_energy || over_um.creates_energy ? ", creates energy" : "")
           : material.entry.description,
       panels, 2);
 }

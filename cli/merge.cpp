@@ -7,6 +7,7 @@
 
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
+#include "core/base/status_macros.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "planning/interruption.h"
@@ -18,7 +19,7 @@ namespace {
 
 absl::StatusOr<std::vector<schema::JobSpec>> jobs_of(const schema::ResolvedSweep& sweep,
                                                      int physics_version) {
-  if (absl::Status status = check_resolved(sweep); !status.ok()) return status;
+  RETURN_IF_ERROR(check_resolved(sweep));
   return expand_jobs(sweep, physics_version);
 }
 

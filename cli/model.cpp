@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
 #include "view/print.h"
@@ -21,11 +22,9 @@ struct ModelCommand {
   OutputOptions output;
 
   [[nodiscard]] absl::Status run() const {
-    const absl::StatusOr<Mesh> mesh = generate_mesh(what);
-    if (!mesh.ok()) return mesh.status();
-    const absl::Status status = output.write(write_obj(*mesh));
-    if (!status.ok()) return status;
-    print(*mesh);
+    ASSIGN_OR_RETURN(const Mesh mesh, generate_mesh(what));
+    RETURN_IF_ERROR(output.write(write_obj(mesh)));
+    print(mesh);
     return absl::OkStatus();
   }
 

@@ -9,10 +9,11 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/mesh_lint.h"
-#include "core/scene/model_file.h"
 #include "core/scene/mesh_measure.h"
+#include "core/scene/model_file.h"
 #include "fmt/format.h"
 #include "planning/model_frame.h"
 #include "view/atomic_file.h"
@@ -27,13 +28,16 @@ struct ModelFacts {
   MeshMeasure measure;
   std::vector<std::string> group;
   std::vector<std::uint64_t> facets;  // of the groups
-  double below_share = 0;             // of the area, below z = 0
+  double below_fraction = 0;          // of the area, below z = 0
   std::vector<PlacementNote> note;
 };
 
 ModelFacts facts_of(const Mesh& mesh, const Placement& placement) {
-  ModelFacts facts{
-      measure(mesh), mesh.group, {}, share_below_surface(mesh), placement_notes(mesh, placement)};
+  ModelFacts facts{measure(mesh),
+                   mesh.group,
+                   {},
+                   fraction_below_surface(mesh),
+                   placement_notes(mesh, placement)};
   facts.facets.assign(mesh.group.size(), 0);
   for (const std::uint32_t g : mesh.triangle_group) ++facts.facets[g];
   return facts;
@@ -55,7 +59,8 @@ std::string as_json(const ModelFacts& facts) {
   for (const Bound& b : bounds_of(facts.measure))
     out += fmt::format("{}\"{}\": [{:.9g}, {:.9g}]", b.axis == std::string("forward") ? "" : ", ",
                        b.axis, b.least, b.most);
-  out += fmt::format("}}, \"below_waterline_share\": {:.6g}, \"groups\": [", facts.below_share);
+  out +=
+      fmt::format("}}, \"below_waterline_fraction\": {:.6g}, \"groups\": [", facts.below_fraction);
   for (std::size_t g = 0; g < facts.group.size(); ++g)
     out += fmt::format("{}\n {{\"group\": {}, \"facets\": {}, \"area_m2\": {:.9g}}}",
                        g == 0 ? "" : ",", json_string(facts.group[g]), facts.facets[g],
@@ -73,7 +78,7 @@ std::string as_text(const ModelFacts& facts) {
   for (const Bound& b : bounds_of(facts.measure))
     out += fmt::format("{:<10}{:>12.6g} to {:<12.6g} m\n", b.axis, b.least, b.most);
   out += fmt::format("waterline  height 0: {:.3g} % of {:.6g} m2 lie below it\n",
-                     100 * facts.below_share, facts.measure.area_m2);
+                     100 * facts.below_fraction, facts.measure.area_m2);
   constexpr std::size_t kListed = 100;
   out += fmt::format("{} group{}\n", facts.group.size(), facts.group.size() == 1 ? "" : "s");
   for (std::size_t g = 0; g < std::min(kListed, facts.group.size()); ++g)
@@ -187,11 +192,10 @@ struct CheckCommand {
       return absl::InvalidArgumentError(
           fmt::format("{}: {}", how.file_name, std::string(bytes.status().message())));
     const FrameSources from = choose_frame(*bytes, frame, how);
-    const absl::StatusOr<Mesh> mesh = import_mesh(*bytes, how);
-    if (!mesh.ok()) return mesh.status();
-    LintReport found = lint(*mesh, options);
+    ASSIGN_OR_RETURN(const Mesh mesh, import_mesh(*bytes, how));
+    LintReport found = lint(mesh, options);
     const Placement placement{how.unit_m, false, surroundings, false};
-    ModelFacts facts = facts_of(*mesh, placement);
+    ModelFacts facts = facts_of(mesh, placement);
     std::error_code none;
     if (!repaired.empty() && std::filesystem::equivalent(repaired, how.file_name, none))
       return absl::InvalidArgumentError(
@@ -199,12 +203,11 @@ struct CheckCommand {
     if (!repaired.empty() && !absl::EndsWithIgnoreCase(repaired, ".obj"))
       return absl::InvalidArgumentError(
           fmt::format("--repair {}: the copy is OBJ, expected a name that ends in .obj", repaired));
-    const RepairedMesh result = repair(*mesh);
+    const RepairedMesh result = repair(mesh);
     if (!repaired.empty()) {
       if (result.mesh.triangle.empty())
         return absl::InvalidArgumentError(how.file_name + ": no facet is left after repair");
-      if (const absl::Status status = replace_file(repaired, write_obj(result.mesh)); !status.ok())
-        return status;
+      RETURN_IF_ERROR(replace_file(repaired, write_obj(result.mesh)));
       // Standard output belongs to the report on what was written.
       print_plain(stderr, as_text(result.log, repaired));
       found = lint(result.mesh, options);

@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "core/scene/generate_particles.h"
 
 namespace irsig {
@@ -31,13 +32,12 @@ struct ParticlesCommand {
       bed.size.push_back({diameter_m[i], fraction.empty() ? 1 : fraction[i]});
     bed.fractions_by_mass = fractions_by == "mass";
     bed.shape = shape == "sphere" ? GrainShape::kSphere : GrainShape::kIrregular;
-    const auto model = generate_particles(bed);
-    if (!model.ok()) return model.status();
-    if (const auto status = output.write(write_obj(model->mesh)); !status.ok()) return status;
+    ASSIGN_OR_RETURN(const auto model, generate_particles(bed));
+    RETURN_IF_ERROR(output.write(write_obj(model.mesh)));
     std::FILE* to = output.out() == "-" ? stderr : stdout;  // the model itself is there
-    const ParticleReport& r = model->report;
+    const ParticleReport& r = model.report;
     std::fprintf(to, "%s: %zu triangles; %llu grains in a cell of %g m, %u x %u cells\n",
-                 one_line(output.out()).c_str(), model->mesh.triangle.size(),
+                 one_line(output.out()).c_str(), model.mesh.triangle.size(),
                  static_cast<unsigned long long>(r.grains), bed.width_m, bed.tiles, bed.tiles);
     for (std::size_t i = 0; i < bed.size.size(); ++i)
       std::fprintf(to, "group grain_%gum  %llu grains in a cell\n", 1e6 * bed.size[i].diameter_m,

@@ -9,10 +9,11 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/plume_field.h"
 #include "core/plume/plume_silhouette.h"
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 #include "view/print.h"
 
 namespace irsig {
@@ -73,13 +74,11 @@ struct PlumeCommand {
   OutputOptions output;
 
   [[nodiscard]] absl::Status run() {
-    if (absl::Status status = check_options(); !status.ok()) return status;
-    const absl::StatusOr<GeneratedPlume> made = generate();
-    if (!made.ok()) return made.status();
-    const absl::StatusOr<std::string> file = write_vdb_apart(made->volume);
-    if (!file.ok()) return file.status();
-    if (absl::Status status = output.write(*file); !status.ok()) return status;
-    return print(*made, file->size());
+    RETURN_IF_ERROR(check_options());
+    ASSIGN_OR_RETURN(const GeneratedPlume made, generate());
+    ASSIGN_OR_RETURN(const std::string file, write_vdb_apart(made.volume));
+    RETURN_IF_ERROR(output.write(file));
+    return print(made, file.size());
   }
 
  private:
@@ -116,15 +115,14 @@ struct PlumeCommand {
   }
 
   [[nodiscard]] absl::Status print(const GeneratedPlume& made, std::size_t bytes) const {
-    const auto field = plume_of(made.volume, made.grids);
-    if (!field.ok()) return field.status();
+    ASSIGN_OR_RETURN(const auto field, plume_of(made.volume, made.grids));
     std::FILE* to = output.out() == "-" ? stderr : stdout;  // the file itself is there
-    const PlumeReport& r = (*field)->report();
+    const PlumeReport& r = field->report();
     print_plain(
         to, fmt::format("{}: {} bytes, {} voxels of gas of {:g} m, {:.6g} to {:.6g} K\n",
                         one_line(output.out()), bytes, r.gas_voxels, voxel_m, r.least_k, r.most_k));
     Vec<Body> low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-    for (const Vec<Body>& c : gas_corners(**field)) {
+    for (const Vec<Body>& c : gas_corners(*field)) {
       low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
       high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
     }

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "absl/strings/ascii.h"
+#include "core/base/status_macros.h"
 #include "view/atomic_file.h"
 #include "view/print.h"
 
@@ -115,19 +116,18 @@ absl::StatusOr<std::string> OutputOptions::format() const {
 
 absl::Status OutputOptions::write(
     const std::function<absl::Status(std::string_view, std::ostream&)>& write) const {
-  const auto chosen = format();
-  if (!chosen.ok()) return chosen.status();
+  ASSIGN_OR_RETURN(const auto chosen, format());
   if (is_standard_output(out_)) {
-    if (*chosen != "text") return write(*chosen, data_output());
+    if (chosen != "text") return write(chosen, data_output());
     std::ostringstream text;
-    const absl::Status status = write(*chosen, text);
+    const absl::Status status = write(chosen, text);
     print_plain(stdout, text.str());
     if (!status.ok()) return status;
     return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 ? absl::OkStatus() : unwritten();
   }
   return replace_file(out_, [&](const std::string& beside) -> absl::Status {
     std::ofstream file(beside, std::ios::binary | std::ios::trunc);
-    if (const absl::Status status = write(*chosen, file); !status.ok()) return status;
+    RETURN_IF_ERROR(write(chosen, file));
     file.close();
     return file ? absl::OkStatus()
                 : absl::UnavailableError(fmt::format("cannot write {} (disk full?)", out_));

@@ -19,7 +19,7 @@ absl::StatusOr<std::vector<PictureAnswer>> read_pictures(const std::vector<Pictu
   std::vector<std::optional<absl::StatusOr<std::vector<PictureAnswer>>>> answered(pieces);
   const auto read = [&](std::size_t piece) {
     const std::size_t from = piece * all.size() / pieces, to = (piece + 1) * all.size() / pieces;
-    answered[piece] = read_pictures_apart(picture_program(), all.subspan(from, to - from));
+    answered[piece] = read_pictures_subprocess(picture_program(), all.subspan(from, to - from));
   };
   std::vector<std::jthread> others;
   for (std::size_t piece = 1; piece < pieces; ++piece) others.emplace_back(read, piece);

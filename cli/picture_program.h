@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/image/apart/picture_apart.h"
+#include "core/image/apart/picture_subprocess.h"
 
 namespace irsig {
 

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/loading.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
 #include "planning/machine.h"
@@ -48,16 +49,16 @@ std::string accuracy_text(const schema::Accuracy& accuracy) {
 // Why rows do not reach an error; empty: all do.
 std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples, double floor_k) {
   std::string text;
-  if (cost.at_floor_share > 0)
+  if (cost.at_floor_fraction > 0)
     text += fmt::format("; {:.3g} % stop above it, at the floor of {:g} K (floor_reached)",
-                        100 * cost.at_floor_share, floor_k);
-  if (cost.kept_by_bias_share > 0)
-    text += fmt::format("; bias bounds keep {:.3g} % above it", 100 * cost.kept_by_bias_share);
-  if (cost.kept_by_limit_share > 0)
+                        100 * cost.at_floor_fraction, floor_k);
+  if (cost.kept_by_bias_fraction > 0)
+    text += fmt::format("; bias bounds keep {:.3g} % above it", 100 * cost.kept_by_bias_fraction);
+  if (cost.kept_by_limit_fraction > 0)
     text += fmt::format("; max_samples_per_replicate = {} keeps {:.3g} %", max_samples,
-                        100 * cost.kept_by_limit_share);
-  const double otherwise = 1 - cost.reached_share - cost.at_floor_share - cost.kept_by_bias_share -
-                           cost.kept_by_limit_share;
+                        100 * cost.kept_by_limit_fraction);
+  const double otherwise = 1 - cost.reached_fraction - cost.at_floor_fraction -
+                           cost.kept_by_bias_fraction - cost.kept_by_limit_fraction;
   if (otherwise > 1e-9)
     text += fmt::format("; {:.3g} % miss it: the pilots ask for too few samples", 100 * otherwise);
   return text;
@@ -79,7 +80,7 @@ void print_table(std::ostream& out, const SweepPilot& pilot, std::uint32_t worke
     const SweepCost cost = sweep_cost(view_costs(pilot, rule), pilot.views, pilot.jobs_per_view,
                                       workers, pilot.start_s);
     fmt::print(out, "{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
-               seconds_text(cost.cpu_s), seconds_text(cost.wall_s), 100 * cost.reached_share,
+               seconds_text(cost.cpu_s), seconds_text(cost.wall_s), 100 * cost.reached_fraction,
                what_keeps(cost, rule.max_samples_per_replicate, floor_k));
   }
 }
@@ -130,7 +131,8 @@ void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& 
   fmt::print(out, "memory     {}\n", memory_text(loaded.memory, loaded.size.conditions, workers));
   fmt::print(out, "database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
   if (pilot.rule.relative_error > 0)
-    fmt::print(out, "rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
+    fmt::print(out, "rows that reach the error asked for: {:.3g} %{}\n",
+               100 * cost.reached_fraction,
                what_keeps(cost, pilot.rule.max_samples_per_replicate, floor_k));
   fmt::print(out, "pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
              p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
@@ -156,13 +158,12 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
                                      {"wall_s"},
                                      {"memory_bytes"},
                                      {"database_bytes"},
-                                     {"reached_share"},
-                                     {"at_floor_share"},
-                                     {"kept_by_bias_share"},
-                                     {"kept_by_limit_share"},
+                                     {"reached_fraction"},
+                                     {"at_floor_fraction"},
+                                     {"kept_by_bias_fraction"},
+                                     {"kept_by_limit_fraction"},
                                      {"heat_jobs"}};
-  auto writer = make_table_writer(format, heads, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
   const auto workers = static_cast<std::uint32_t>(p.workers);
   const SweepSize& size = loaded.size;
   const auto line = [&](const CountRule& rule, bool asked) {
@@ -170,26 +171,26 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
                                       workers, pilot.start_s);
     const bool by_error = rule.relative_error > 0;
     const auto share = [&](double value) { return by_error ? Cell(value) : Cell(); };
-    (*writer)->row({loaded.resolved.sweep().name(),
-                    asked,
-                    share(rule.relative_error),
-                    size.viewpoints,
-                    size.conditions,
-                    size.bands,
-                    size.rows(),
-                    p.jobs,
-                    p.workers,
-                    cost.median_samples,
-                    cost.job_cpu_median_s,
-                    cost.cpu_s,
-                    cost.wall_s,
-                    loaded.memory.bytes(size.conditions, workers),
-                    p.database_bytes,
-                    share(cost.reached_share),
-                    share(cost.at_floor_share),
-                    share(cost.kept_by_bias_share),
-                    share(cost.kept_by_limit_share),
-                    std::uint64_t{static_cast<std::uint64_t>(loaded.resolved.heat_size())}});
+    writer->row({loaded.resolved.sweep().name(),
+                 asked,
+                 share(rule.relative_error),
+                 size.viewpoints,
+                 size.conditions,
+                 size.bands,
+                 size.rows(),
+                 p.jobs,
+                 p.workers,
+                 cost.median_samples,
+                 cost.job_cpu_median_s,
+                 cost.cpu_s,
+                 cost.wall_s,
+                 loaded.memory.bytes(size.conditions, workers),
+                 p.database_bytes,
+                 share(cost.reached_fraction),
+                 share(cost.at_floor_fraction),
+                 share(cost.kept_by_bias_fraction),
+                 share(cost.kept_by_limit_fraction),
+                 std::uint64_t{static_cast<std::uint64_t>(loaded.resolved.heat_size())}});
   };
   line(pilot.rule, true);
   if (pilot.rule.relative_error > 0)
@@ -198,7 +199,7 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
       rule.relative_error = percent / 100;
       line(rule, false);
     }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 // Viewpoints that interpolation needs, as lines for the sweep file.
@@ -212,21 +213,18 @@ absl::Status plan_refinement(const PlanAsked& asked) {
   Query query;
   query.sweep = asked.refine_sweep;
   query.at_range_m = asked.refine_range_m;
-  const auto quantity = quantity_named(asked.refine_quantity);
-  if (!quantity.ok()) return quantity.status();
-  query.quantity = *quantity;
-  auto reader = StoreReader::open(asked.refine_db);
-  if (!reader.ok()) return reader.status();
-  const auto rows = signatures_to_plot(**reader, query, {});
-  if (!rows.ok()) return rows.status();
-  const auto fields = fields_of(*rows, *quantity);
+  ASSIGN_OR_RETURN(const auto quantity, quantity_named(asked.refine_quantity));
+  query.quantity = quantity;
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(asked.refine_db));
+  ASSIGN_OR_RETURN(const auto rows, signatures_to_plot(*reader, query, {}));
+  const auto fields = fields_of(rows, quantity);
   for (const SignatureField& f : fields)
     if (f.signature.size() != fields.front().signature.size())
       return absl::FailedPreconditionError(fmt::format(
           "{} {} {} has {} viewpoints, others have {}: the sweep is not complete",
           f.signature.front().season, f.signature.front().time_utc, f.signature.front().band,
           f.signature.size(), fields.front().signature.size()));
-  const FieldKind kind = kind_of(*quantity);
+  const FieldKind kind = kind_of(quantity);
   if (const std::string& file = asked.refine_left_out; !file.empty()) {
     if (!file.ends_with(".csv"))
       return absl::InvalidArgumentError(
@@ -237,13 +235,12 @@ absl::Status plan_refinement(const PlanAsked& asked) {
     });
     if (!written.ok()) return written;
   }
-  const auto found = refine(fields, kind, error, asked.refine_most);
-  if (!found.ok()) return found.status();
-  for (const std::string& note : notes_on(*found, fields, *quantity, error))
+  ASSIGN_OR_RETURN(const auto found, refine(fields, kind, error, asked.refine_most));
+  for (const std::string& note : notes_on(found, fields, quantity, error))
     print_note("irsig: note: {}\n", note);
-  if (found->add.empty()) return absl::OkStatus();
+  if (found.add.empty()) return absl::OkStatus();
   return asked.output.write([&](std::string_view format, std::ostream& out) {
-    return write_proposed(*found, fields, format, out);
+    return write_proposed(found, fields, format, out);
   });
 }
 
@@ -251,34 +248,28 @@ absl::Status plan_sweep(const PlanAsked& asked) {
   if (!asked.refine_db.empty()) return plan_refinement(asked);
   if (asked.sweep_path.empty())
     return absl::InvalidArgumentError("SWEEP is missing, or --refine DB");
-  auto loaded = load_shown(asked.sweep_path, asked.accuracy);
-  if (!loaded.ok()) return loaded.status();
-  for (const std::string& line : loaded->warnings) print_note("{}\n", line);
-  print_note("irsig: {}\n", size_text(loaded->size));
+  ASSIGN_OR_RETURN(auto loaded, load_shown(asked.sweep_path, asked.accuracy));
+  for (const std::string& line : loaded.warnings) print_note("{}\n", line);
+  print_note("irsig: {}\n", size_text(loaded.size));
   const std::uint32_t workers = asked.workers > 0 ? asked.workers : usable_cores();
-  if (auto fits = check_memory(loaded->memory, loaded->size.conditions, workers,
-                               usable_memory_bytes());
-      !fits.ok())
-    return fits;
-  if (has_time_budget(loaded->resolved)) {
-    const auto spent = spend_shown(*loaded, workers);
-    if (!spent.ok()) return spent.status();
-    print_note("irsig: {}\n", *spent);
+  RETURN_IF_ERROR(
+      check_memory(loaded.memory, loaded.size.conditions, workers, usable_memory_bytes()));
+  if (has_time_budget(loaded.resolved)) {
+    ASSIGN_OR_RETURN(const auto spent, spend_shown(loaded, workers));
+    print_note("irsig: {}\n", spent);
   }
-  const auto pilot = pilot_sweep(*loaded);
-  if (!pilot.ok()) return pilot.status();
-  const StoredPrediction p = prediction_of(*pilot, loaded->resolved, workers);
+  ASSIGN_OR_RETURN(const auto pilot, pilot_sweep(loaded));
+  const StoredPrediction p = prediction_of(pilot, loaded.resolved, workers);
   const absl::Status written =
       asked.output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
-        if (format != "text") return write_rows(*loaded, *pilot, p, format, out);
-        print_plan(out, *loaded, *pilot, p);
+        if (format != "text") return write_rows(loaded, pilot, p, format, out);
+        print_plan(out, loaded, pilot, p);
         return absl::OkStatus();
       });
   if (!written.ok()) return written;
   if (asked.db_path.empty()) return absl::OkStatus();
-  const auto stored = store_in(asked.db_path, p);
-  if (!stored.ok()) return stored.status();
-  if (!stored->empty()) print_note("irsig: warning: {}\n", *stored);
+  ASSIGN_OR_RETURN(const auto stored, store_in(asked.db_path, p));
+  if (!stored.empty()) print_note("irsig: warning: {}\n", stored);
   return absl::OkStatus();
 }
 

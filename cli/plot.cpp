@@ -11,6 +11,7 @@
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
+#include "core/base/status_macros.h"
 #include "planning/temperature_picture.h"
 #include "view/hours.h"
 #include "view/plot_picture.h"
@@ -30,44 +31,37 @@ struct PlotCommand {
   std::optional<std::uint32_t> pixels;
 
   [[nodiscard]] absl::Status run() const {
-    if (absl::Status status = check_options(); !status.ok()) return status;
-    const auto format = output.format();
-    if (!format.ok()) return format.status();
-    if (*format != "svg" && kind != "hours" && kind != "polar")
+    RETURN_IF_ERROR(check_options());
+    ASSIGN_OR_RETURN(const auto format, output.format());
+    if (format != "svg" && kind != "hours" && kind != "polar")
       return absl::InvalidArgumentError("--kind " + kind +
                                         " is drawn as svg alone; `irsig query` and `irsig export` "
                                         "write its numbers");
-    auto query = filter.query();
-    if (!query.ok()) return query.status();
-    if (absl::Status s = belongs(!query->range_m.empty(), "--range-m",
-                                 {"polar", "spectrum", "map", "transmittance"});
-        !s.ok())
-      return s;
+    ASSIGN_OR_RETURN(auto query, filter.query());
+    RETURN_IF_ERROR(belongs(!query.range_m.empty(), "--range-m",
+                            {"polar", "spectrum", "map", "transmittance"}));
     std::optional<ColorRange> range;
     if (!scale.empty()) {
-      const auto asked = parse_color_range(scale);
-      if (!asked.ok()) return asked.status();
-      range = *asked;
+      ASSIGN_OR_RETURN(range, parse_color_range(scale));
     }
-    auto reader = StoreReader::open(filter.database());
-    if (!reader.ok()) return reader.status();
-    if (kind == "hours") return write_hours_as(*format, **reader, *query);
-    if (kind == "polar" && *format != "svg")
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(filter.database()));
+    if (kind == "hours") return write_hours_as(format, *reader, query);
+    if (kind == "polar" && format != "svg")
       return output.write([&](std::string_view table, std::ostream& out) {
-        return write_polar(**reader, *query, elevation_deg, table, out, stored_target_extent);
+        return write_polar(*reader, query, elevation_deg, table, out, stored_target_extent);
       });
     if (kind == "picture")
-      return write_picture(radiance_picture(**reader, *query, range, pixels, read_pictures));
+      return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures));
     if (kind == "temperatures")
       return write_picture(
-          temperature_picture(filter.database(), *query, range, pixels.value_or(kPixels)));
-    auto svg = kind == "polar" ? plot_polar(**reader, *query, elevation_deg, stored_target_extent)
-               : kind == "spectrum" ? plot_spectrum(**reader, *query, stored_target_extent)
-               : kind == "transmittance"
-                   ? plot_transmittance(**reader, *query, stored_target_extent)
-                   : plot_map(**reader, *query, stored_target_extent);
-    if (!svg.ok()) return svg.status();
-    return output.write(*svg);
+          temperature_picture(filter.database(), query, range, pixels.value_or(kPixels)));
+    ASSIGN_OR_RETURN(
+        auto svg, kind == "polar" ? plot_polar(*reader, query, elevation_deg, stored_target_extent)
+                  : kind == "spectrum" ? plot_spectrum(*reader, query, stored_target_extent)
+                  : kind == "transmittance"
+                      ? plot_transmittance(*reader, query, stored_target_extent)
+                      : plot_map(*reader, query, stored_target_extent));
+    return output.write(svg);
   }
 
   static constexpr std::uint32_t kPixels = 512;
@@ -96,11 +90,10 @@ struct PlotCommand {
 
   [[nodiscard]] absl::Status write_hours_as(const std::string& format, StoreReader& reader,
                                             const Query& query) const {
-    const auto hours = hours_of(reader, query);
-    if (!hours.ok()) return hours.status();
-    if (format == "svg") return output.write(plot_hours(*hours));
+    ASSIGN_OR_RETURN(const auto hours, hours_of(reader, query));
+    if (format == "svg") return output.write(plot_hours(hours));
     return output.write(
-        [&](std::string_view table, std::ostream& out) { return write_hours(*hours, table, out); });
+        [&](std::string_view table, std::ostream& out) { return write_hours(hours, table, out); });
   }
 };
 

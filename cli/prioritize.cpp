@@ -1,6 +1,7 @@
 #include "cli/commands.h"
 #include "cli/coordinator_options.h"
 #include "coordinator/client/farm_client.h"
+#include "core/base/status_macros.h"
 #include "view/print.h"
 
 namespace irsig {
@@ -8,9 +9,8 @@ namespace {
 
 absl::Status prioritize_sweep(const std::string& sweep, int priority,
                               const CoordinatorOptions& coordinator) {
-  const auto address = coordinator.address();
-  if (!address.ok()) return address.status();
-  if (auto status = prioritize(*address, sweep, priority); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const auto address, coordinator.address());
+  RETURN_IF_ERROR(prioritize(address, sweep, priority));
   print_text("{} has priority {} now: each worker that asks for a job gets one of the highest\n",
              sweep, priority);
   return absl::OkStatus();

@@ -8,6 +8,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 #include "view/print.h"
 
 namespace irsig {
@@ -23,32 +24,27 @@ struct ProfileCommand {
   [[nodiscard]] absl::StatusOr<std::string> text(std::string_view format) const {
     ProfileQuery asked = query;
     if (row > 0) asked.row = row;
-    auto reader = StoreReader::open(database);
-    if (!reader.ok()) return reader.status();
-    const auto rows = find_profiles(**reader, asked);
-    if (!rows.ok()) return rows.status();
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(database));
+    ASSIGN_OR_RETURN(const auto rows, find_profiles(*reader, asked));
     std::set<std::string> sweeps;
-    for (const StoredProfileRow& r : *rows) sweeps.insert(r.sweep);
+    for (const StoredProfileRow& r : rows) sweeps.insert(r.sweep);
     for (const std::string& name : sweeps) {
-      const auto sweep = (*reader)->sweep(name, SweepFiles::kNone);
-      if (!sweep.ok()) return sweep.status();
-      for (const std::string& note : profile_notes(*rows, sweep->resolved.sweep()))
+      ASSIGN_OR_RETURN(const auto sweep, reader->sweep(name, SweepFiles::kNone));
+      for (const std::string& note : profile_notes(rows, sweep.resolved.sweep()))
         print_note("irsig: note: {}\n", note);
     }
-    const auto published = (*reader)->published(asked.filter.sweep);
-    if (!published.ok()) return published.status();
-    if (format == "svg") return plot_profile(*rows, *published);
-    if (format == "text") return profile_summary(*rows, *published);
+    ASSIGN_OR_RETURN(const auto published, reader->published(asked.filter.sweep));
+    if (format == "svg") return plot_profile(rows, published);
+    if (format == "text") return profile_summary(rows, published);
     std::ostringstream text;
-    if (auto status = write_profiles(*rows, format, text); !status.ok()) return status;
+    RETURN_IF_ERROR(write_profiles(rows, format, text));
     return text.str();
   }
 
   [[nodiscard]] absl::Status run() const {
     return output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
-      const auto made = text(format);
-      if (!made.ok()) return made.status();
-      out << *made << std::flush;
+      ASSIGN_OR_RETURN(const auto made, text(format));
+      out << made << std::flush;
       return absl::OkStatus();
     });
   }

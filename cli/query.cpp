@@ -12,6 +12,7 @@
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
+#include "core/base/status_macros.h"
 #include "jobs/number_bounds.h"
 #include "jobs/response_file.h"
 #include "view/band_sum.h"
@@ -37,9 +38,8 @@ struct QueryCommand {
   // Of --window or --response; nullopt: of neither.
   [[nodiscard]] absl::StatusOr<std::optional<ResponseTable>> asked_response() const {
     if (!response.empty()) {
-      auto table = read_response(response);
-      if (!table.ok()) return table.status();
-      return *std::move(table);
+      ASSIGN_OR_RETURN(auto table, read_response(response));
+      return std::move(table);
     }
     if (window_um.empty()) return std::nullopt;
     if (!(window_um[0] > 0 && window_um[0] < window_um[1]))
@@ -62,40 +62,34 @@ struct QueryCommand {
   }
 
   [[nodiscard]] absl::Status run() const {
-    const auto asked = asked_response();
-    if (!asked.ok()) return asked.status();
-    auto query = filter.query();
-    if (!query.ok()) return query.status();
-    auto reader = StoreReader::open(filter.database());
-    if (!reader.ok()) return reader.status();
-    auto rows = run_query(**reader, *query, stored_target_extent);
-    if (!rows.ok()) return rows.status();
+    ASSIGN_OR_RETURN(const auto asked, asked_response());
+    ASSIGN_OR_RETURN(auto query, filter.query());
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(filter.database()));
+    ASSIGN_OR_RETURN(auto rows, run_query(*reader, query, stored_target_extent));
     if (!thumbnail.empty())
-      return write_thumbnail(**reader, *rows, thumbnail, thumbnail_scale, read_pictures);
-    if (!sort.empty())
-      if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
-    if (rows->empty()) print_note("irsig: no signature matches\n");
-    for (const std::string& note : notes_on(*rows)) print_note("irsig: note: {}\n", note);
-    if (const std::string note = far_note(*rows, *query); !note.empty())
+      return write_thumbnail(*reader, rows, thumbnail, thumbnail_scale, read_pictures);
+    if (!sort.empty()) RETURN_IF_ERROR(sort_rows(rows, sort, descending));
+    if (rows.empty()) print_note("irsig: no signature matches\n");
+    for (const std::string& note : notes_on(rows)) print_note("irsig: note: {}\n", note);
+    if (const std::string note = far_note(rows, query); !note.empty())
       print_note("irsig: note: {}\n", note);
-    const auto floors = floor_notes(**reader, *rows);
-    if (!floors.ok()) return floors.status();
-    for (const std::string& note : *floors) print_note("irsig: note: {}\n", note);
-    if (*asked) {
-      const auto sums = in_band(**reader, *rows, **asked);
+    ASSIGN_OR_RETURN(const auto floors, floor_notes(*reader, rows));
+    for (const std::string& note : floors) print_note("irsig: note: {}\n", note);
+    if (asked) {
+      const auto sums = in_band(*reader, rows, *asked);
       if (!sums.ok())
         return absl::Status(sums.status().code(),
                             fmt::format("{}: {}", response.empty() ? "--window" : response,
                                         std::string(sums.status().message())));
       note_on_errors(*sums);
       return output.write([&](std::string_view format, std::ostream& out) {
-        return write_in_band(*rows, *sums, query->quantity, format, out);
+        return write_in_band(rows, *sums, query.quantity, format, out);
       });
     }
     QueryContent shown = content;
-    shown.quantity = query->quantity;
+    shown.quantity = query.quantity;
     return output.write([&](std::string_view format, std::ostream& out) {
-      return write_rows(**reader, *rows, shown, format, out);
+      return write_rows(*reader, rows, shown, format, out);
     });
   }
 };

@@ -13,6 +13,7 @@
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
 #include "planning/prediction.h"
@@ -57,7 +58,7 @@ JobSums sums_of(const std::vector<StoredJobCost>& jobs) {
     last_s = std::max(last_s, job.leased_unix_s + job.cpu_s);
     sums.backface += job.guarded_backface_hits;
     sums.nonfinite += job.guarded_nonfinite;
-    sums.path_limit += job.guarded_path_limit;
+    sums.path_limit += job.truncated_paths;
     sums.negative += job.guarded_negative.value_or(0);
     sums.uncounted += job.guarded_negative ? 0 : 1;
   }
@@ -146,8 +147,8 @@ std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
       share.mean += part;
       share.largest = std::max(share.largest, part);
     };
-    add(shares[0], source.sampled_share());
-    add(shares[1], source.unseen_share());
+    add(shares[0], source.sampled_fraction());
+    add(shares[1], source.unseen_fraction());
     for (std::size_t i = 0; i < kBounds; ++i)
       add(shares[i + 2], source.share(static_cast<BoundOf>(i)));
   }
@@ -166,7 +167,7 @@ void print_shares(std::ostream& out, const std::vector<StoredSignature>& rows) {
     fmt::print(out, " {} {:.3g} % ({:.3g} %)", share.what, 100 * share.mean, 100 * share.largest);
   fmt::print(out, "\n");
   if (std::any_of(rows.begin(), rows.end(), [](const StoredSignature& row) {
-        return std::isnan(row.basis_bound_w_sr) && source_of(row).numerical_error() > 0;
+        return std::isnan(row.spectral_basis_bound_w_sr) && source_of(row).numerical_error() > 0;
       }))
     fmt::print(out, "  some rows are of an older format, which did not keep every bound apart\n");
 }
@@ -195,31 +196,25 @@ struct SweepReport {
 absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& progress) {
   SweepReport report;
   report.progress = progress;
-  auto sweep = reader.sweep(progress.name, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
-  report.sweep = *std::move(sweep);
-  auto jobs = reader.job_costs(progress.name);
-  if (!jobs.ok()) return jobs.status();
-  report.jobs = *std::move(jobs);
+  ASSIGN_OR_RETURN(auto sweep, reader.sweep(progress.name, SweepFiles::kNone));
+  report.sweep = std::move(sweep);
+  ASSIGN_OR_RETURN(auto jobs, reader.job_costs(progress.name));
+  report.jobs = std::move(jobs);
   report.sums = sums_of(report.jobs);
-  auto heat = reader.heat_jobs(progress.name);
-  if (!heat.ok()) return heat.status();
-  report.heat = *std::move(heat);
-  auto prediction = reader.prediction(progress.sweep_sha256);
-  if (!prediction.ok()) return prediction.status();
-  report.prediction = *std::move(prediction);
+  ASSIGN_OR_RETURN(auto heat, reader.heat_jobs(progress.name));
+  report.heat = std::move(heat);
+  ASSIGN_OR_RETURN(auto prediction, reader.prediction(progress.sweep_sha256));
+  report.prediction = std::move(prediction);
   SignatureFilter filter;
   filter.sweep = progress.name;
-  auto rows = reader.find(filter);
-  if (!rows.ok()) return rows.status();
-  report.rows = *std::move(rows);
+  ASSIGN_OR_RETURN(auto rows, reader.find(filter));
+  report.rows = std::move(rows);
   report.superseded =
       std::erase_if(report.rows, [](const StoredSignature& row) { return row.superseded; });
   for (const schema::Condition& condition : report.sweep.resolved.condition())
     for (const std::string& warning : condition.warning()) ++report.warnings[warning];
-  const auto outcome = reader.outcome(progress.name);
-  if (!outcome.ok()) return outcome.status();
-  report.back_faces = backface_text(*outcome);
+  ASSIGN_OR_RETURN(const auto outcome, reader.outcome(progress.name));
+  report.back_faces = backface_text(outcome);
   return report;
 }
 
@@ -283,9 +278,9 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
     add(name, std::move(real));
   };
   std::vector<double> errors;
-  std::map<std::string, std::uint64_t> stopped{{"target_reached", 0},
+  std::map<std::string, std::uint64_t> stopped{{"accuracy_reached", 0},
                                                {"floor_reached", 0},
-                                               {"target_missed", 0},
+                                               {"accuracy_not_reached", 0},
                                                {"sample_limit", 0},
                                                {"fixed_samples", 0}};
   for (const StoredSignature& row : r.rows) {
@@ -325,7 +320,7 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
   }
   add("guarded_backface_hits", r.sums.backface);
   add("guarded_nonfinite", r.sums.nonfinite);
-  add("guarded_path_limit", r.sums.path_limit);
+  add("truncated_paths", r.sums.path_limit);
   add("heat_jobs", r.progress.heat_jobs);
   add("heat_done", r.progress.heat_done);
   add("heat_cpu_s", heat_cpu_s(r));
@@ -359,32 +354,27 @@ absl::Status write_report(const std::vector<SweepReport>& reports, std::uint64_t
       line[name] = std::move(cell);
     }
   }
-  auto writer = make_table_writer(format, heads, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
   for (auto& line : lines) {
     std::vector<Cell> cells;
     for (const Column& c : heads) cells.push_back(line[c.name]);
-    (*writer)->row(cells);
+    writer->row(cells);
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 absl::Status report_database(const std::string& db_path, const OutputOptions& output) {
-  auto reader = StoreReader::open(db_path);
-  if (!reader.ok()) return reader.status();
-  const auto bytes = (*reader)->bytes();
-  if (!bytes.ok()) return bytes.status();
-  const auto sweeps = (*reader)->progress();
-  if (!sweeps.ok()) return sweeps.status();
-  if (sweeps->empty()) print_note("irsig: {} holds no sweep\n", db_path);
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(db_path));
+  ASSIGN_OR_RETURN(const auto bytes, reader->bytes());
+  ASSIGN_OR_RETURN(const auto sweeps, reader->progress());
+  if (sweeps.empty()) print_note("irsig: {} holds no sweep\n", db_path);
   std::vector<SweepReport> reports;
-  for (const SweepProgress& progress : *sweeps) {
-    auto report = gather(**reader, progress);
-    if (!report.ok()) return report.status();
-    reports.push_back(*std::move(report));
+  for (const SweepProgress& progress : sweeps) {
+    ASSIGN_OR_RETURN(auto report, gather(*reader, progress));
+    reports.push_back(std::move(report));
   }
   return output.write([&](std::string_view format, std::ostream& out) {
-    return write_report(reports, *bytes, format, out);
+    return write_report(reports, bytes, format, out);
   });
 }
 

@@ -11,6 +11,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
+#include "core/base/status_macros.h"
 #include "core/scene/tracer.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
@@ -49,9 +50,8 @@ constexpr double kMuchMemory = 1e9;  // is said before it is taken
 // False, and said: what is stored of the sweep's files is damaged. Submitted again, they replace
 // it.
 absl::StatusOr<bool> has_its_files(const RunAsked& asked, const std::string& sweep) {
-  const auto reader = StoreReader::open(asked.db_path);
-  if (!reader.ok()) return reader.status();
-  const auto stored = (*reader)->sweep(sweep);
+  ASSIGN_OR_RETURN(const auto reader, StoreReader::open(asked.db_path));
+  const auto stored = reader->sweep(sweep);
   if (!absl::IsDataLoss(stored.status()))
     return stored.ok() ? true : absl::StatusOr<bool>(stored.status());
   print_note("irsig: {}: a file of the sweep \"{}\" is damaged there, and is stored again\n",
@@ -63,24 +63,19 @@ absl::StatusOr<bool> has_its_files(const RunAsked& asked, const std::string& swe
 // sweep that a time budget once became is taken over with its samples.
 absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& asked,
                                          LoadedSweep& loaded) {
-  const auto known = farm_status(farm.address());
-  if (!known.ok()) return known.status();
-  for (const auto& sweep : known->sweep()) {
+  ASSIGN_OR_RETURN(const auto known, farm_status(farm.address()));
+  for (const auto& sweep : known.sweep()) {
     const bool same_name = sweep.name() == loaded.resolved.sweep().name();
     if (same_name && has_time_budget(loaded.resolved)) {
-      const auto reader = StoreReader::open(asked.db_path);
-      if (!reader.ok()) return reader.status();
-      const auto kept = (*reader)->sweep(sweep.name(), SweepFiles::kNone);
-      if (!kept.ok()) return kept.status();
-      if (kept->resolved.slice_size() > 0)
+      ASSIGN_OR_RETURN(const auto reader, StoreReader::open(asked.db_path));
+      ASSIGN_OR_RETURN(const auto kept, reader->sweep(sweep.name(), SweepFiles::kNone));
+      if (kept.resolved.slice_size() > 0)
         return absl::InvalidArgumentError(fmt::format(
             "{} holds a slice of the sweep \"{}\": its rows have the samples that a time budget "
             "once became; expected accuracy.samples_per_replicate = {} instead of time_budget_s",
-            asked.db_path, sweep.name(),
-            kept->resolved.sweep().accuracy().samples_per_replicate()));
-      auto stored = stored_sweep(farm.address(), sweep.sweep_sha256());
-      if (!stored.ok()) return stored.status();
-      if (is_same_but_for_samples(*stored, loaded.resolved)) loaded.resolved = *std::move(stored);
+            asked.db_path, sweep.name(), kept.resolved.sweep().accuracy().samples_per_replicate()));
+      ASSIGN_OR_RETURN(auto stored, stored_sweep(farm.address(), sweep.sweep_sha256()));
+      if (is_same_but_for_samples(stored, loaded.resolved)) loaded.resolved = std::move(stored);
     }
     const bool same =
         same_name && sweep.sweep_sha256() == sha256_hex(canonical_encoding(loaded.resolved));
@@ -158,30 +153,25 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
 // Of what was asked of a sweep that which it did not get, in brackets, and a warning where part of
 // its target was seen from behind.
 absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sweep) {
-  const auto outcome = reader.outcome(sweep);
-  if (!outcome.ok()) return outcome.status();
-  const auto stored = reader.sweep(sweep, SweepFiles::kNone);
-  if (!stored.ok()) return stored.status();
-  if (const std::string text = backface_text(*outcome); !text.empty())
+  ASSIGN_OR_RETURN(const auto outcome, reader.outcome(sweep));
+  ASSIGN_OR_RETURN(const auto stored, reader.sweep(sweep, SweepFiles::kNone));
+  if (const std::string text = backface_text(outcome); !text.empty())
     print_note("irsig: warning: {}: {}\n", sweep, text);
-  const std::string text = stopped_text(*outcome, stored->resolved.sweep().accuracy());
+  const std::string text = stopped_text(outcome, stored.resolved.sweep().accuracy());
   return text.empty() ? "" : " (" + text + ")";
 }
 
 absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {
-  auto reader = StoreReader::open(asked.db_path);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(asked.db_path));
   for (const std::string& warning : status.warning()) print_note("irsig: warning: {}\n", warning);
   absl::Status failed;
   for (const auto& sweep : status.sweep()) {
-    const auto heat = (*reader)->heat_jobs(sweep.name());
-    if (!heat.ok()) return heat.status();
+    ASSIGN_OR_RETURN(const auto heat, reader->heat_jobs(sweep.name()));
     std::set<std::string> said;
-    for (const StoredHeatJob& job : *heat)
+    for (const StoredHeatJob& job : heat)
       if (!job.warning.empty() && said.insert(job.warning).second)
         print_note("irsig: warning: {}, {}: {}\n", sweep.name(), job.season, job.warning);
-    const auto kept = shortfall(**reader, sweep.name());
-    if (!kept.ok()) return kept.status();
+    ASSIGN_OR_RETURN(const auto kept, shortfall(*reader, sweep.name()));
     const std::string stages =
         sweep.heat_jobs() == 0
             ? std::string()
@@ -189,7 +179,7 @@ absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked,
     print_text("{}: {} of {} jobs done{}, {}, worst error {:.2g} %{}, {:.1f} s -> {}\n",
                sweep.name(), sweep.done(), sweep.jobs(), stages,
                count_text(static_cast<double>(sweep.rays()), "rays"),
-               100 * sweep.worst_relative_error(), *kept, seconds, asked.db_path);
+               100 * sweep.worst_relative_error(), kept, seconds, asked.db_path);
     if (sweep.done() == sweep.jobs()) continue;
     std::string text = fmt::format("{}: {} jobs failed, {} were cancelled", sweep.name(),
                                    sweep.quarantined(), sweep.cancelled());
@@ -202,15 +192,13 @@ absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked,
 // The sweep's profiles beside what is published.
 absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::string& db_path) {
   if (sweep.sweep().profile().empty()) return absl::OkStatus();
-  auto reader = StoreReader::open(db_path);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(db_path));
   const std::string& name = sweep.sweep().name();
-  const auto rows = (*reader)->profiles({.sweep = name, .season = "", .band = "", .profile = ""});
-  if (!rows.ok()) return rows.status();
-  const auto published = (*reader)->published(name);
-  if (!published.ok()) return published.status();
-  print_text("\n{}", profile_summary(*rows, *published));
-  for (const std::string& note : profile_notes(*rows, sweep.sweep()))
+  ASSIGN_OR_RETURN(const auto rows,
+                   reader->profiles({.sweep = name, .season = "", .band = "", .profile = ""}));
+  ASSIGN_OR_RETURN(const auto published, reader->published(name));
+  print_text("\n{}", profile_summary(rows, published));
+  for (const std::string& note : profile_notes(rows, sweep.sweep()))
     print_note("irsig: note: {}\n", note);
   return absl::OkStatus();
 }
@@ -218,22 +206,19 @@ absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::strin
 // How many stored rows of the sweep are of another version of it, which go as soon as new ones
 // come: that is the user's to decide.
 absl::Status check_what_is_replaced(const RunAsked& asked, const schema::ResolvedSweep& sweep) {
-  auto reader = StoreReader::open(asked.db_path);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(asked.db_path));
   const std::string& name = sweep.sweep().name();
-  const auto rows = (*reader)->rows_of_jobs(name);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto rows, reader->rows_of_jobs(name));
+  if (rows.empty()) return absl::OkStatus();
   if (sweep.has_shard()) {
-    const auto stored = (*reader)->sweep(name, SweepFiles::kNone);
-    if (!stored.ok()) return stored.status();
-    if (auto s = check_may_replace(stored->resolved, sweep); !s.ok()) return s;
+    ASSIGN_OR_RETURN(const auto stored, reader->sweep(name, SweepFiles::kNone));
+    RETURN_IF_ERROR(check_may_replace(stored.resolved, sweep));
   }
   std::set<std::string> keys;
   for (const schema::JobSpec& job : expand_jobs(sweep, physics_version()))
     keys.insert(job.job_key());
   std::uint64_t stored = 0, replaced = 0;
-  for (const auto& [key, count] : *rows) {
+  for (const auto& [key, count] : rows) {
     stored += count;
     if (!keys.contains(key)) replaced += count;
   }
@@ -282,24 +267,23 @@ void limit_slurm(const schema::ResolvedSweep& sweep, RunAsked& asked) {
 
 absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
-  auto loaded = load_shown(asked.sweep_path, asked.accuracy);
-  if (!loaded.ok()) return loaded.status();
-  for (const std::string& line : loaded->warnings) print_note("{}\n", line);
-  if (auto s = check_launcher(asked); !s.ok()) return s;
+  ASSIGN_OR_RETURN(auto loaded, load_shown(asked.sweep_path, asked.accuracy));
+  for (const std::string& line : loaded.warnings) print_note("{}\n", line);
+  RETURN_IF_ERROR(check_launcher(asked));
   if (!asked.isa.empty() && !asked.on_cluster()) {
-    if (auto s = pin_isa(asked.isa); !s.ok()) return s;
+    RETURN_IF_ERROR(pin_isa(asked.isa));
   }
-  limit_slurm(loaded->resolved, asked);
+  limit_slurm(loaded.resolved, asked);
   if (asked.workers == 0) asked.workers = asked.on_cluster() ? asked.slurm.nodes : usable_cores();
-  print_note("irsig: {}\n", size_text(loaded->size));
-  const std::uint64_t conditions = loaded->size.conditions;
+  print_note("irsig: {}\n", size_text(loaded.size));
+  const std::uint64_t conditions = loaded.size.conditions;
   // Of a cluster's nodes Slurm knows the memory: --slurm-option --mem-per-cpu=... asks for it.
-  if (auto fits = check_memory(loaded->memory, conditions, asked.on_cluster() ? 1 : asked.workers,
+  if (auto fits = check_memory(loaded.memory, conditions, asked.on_cluster() ? 1 : asked.workers,
                                usable_memory_bytes());
       !fits.ok() && !asked.on_cluster())
     return fits;
-  if (loaded->memory.bytes(conditions, asked.workers) > kMuchMemory)
-    print_note("irsig: memory: {}\n", memory_text(loaded->memory, conditions, asked.workers));
+  if (loaded.memory.bytes(conditions, asked.workers) > kMuchMemory)
+    print_note("irsig: memory: {}\n", memory_text(loaded.memory, conditions, asked.workers));
   std::error_code unknown;  // then opening says why
   if (asked.resume && !std::filesystem::exists(asked.db_path, unknown) && !unknown) {
     return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");
@@ -307,52 +291,44 @@ absl::Status run_sweep(RunAsked asked) {
   // First of all the right to write the database: of two runs at once the second one is refused
   // now, not after its pilot. A database that the coordinator made and nothing was submitted to is
   // removed by the coordinator itself.
-  const auto started = start_farm(asked);
-  if (!started.ok()) return started.status();
-  LocalFarm& farm = **started;
-  const auto complete = is_complete_already(farm, asked, *loaded);
-  if (!complete.ok()) return complete.status();
-  if (*complete) {
-    if (auto ended = end(farm); !ended.ok()) return ended;
-    const std::string& name = loaded->resolved.sweep().name();
-    auto reader = StoreReader::open(asked.db_path);
-    if (!reader.ok()) return reader.status();
-    const auto kept = shortfall(**reader, name);
-    if (!kept.ok()) return kept.status();
-    print_text("{}: complete already, nothing to compute{} -> {}\n", name, *kept, asked.db_path);
+  ASSIGN_OR_RETURN(const auto started, start_farm(asked));
+  LocalFarm& farm = *started;
+  ASSIGN_OR_RETURN(const auto complete, is_complete_already(farm, asked, loaded));
+  if (complete) {
+    RETURN_IF_ERROR(end(farm));
+    const std::string& name = loaded.resolved.sweep().name();
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(asked.db_path));
+    ASSIGN_OR_RETURN(const auto kept, shortfall(*reader, name));
+    print_text("{}: complete already, nothing to compute{} -> {}\n", name, kept, asked.db_path);
     if (asked.plan)
       print_note("irsig: note: --plan predicts what is to compute: nothing is predicted here\n");
-    return print_profiles(loaded->resolved, asked.db_path);
+    return print_profiles(loaded.resolved, asked.db_path);
   }
-  if (has_time_budget(loaded->resolved)) {
-    const auto spent = spend_shown(*loaded, asked.workers);
-    if (!spent.ok()) return spent.status();
-    print_note("irsig: {}\n", *spent);
+  if (has_time_budget(loaded.resolved)) {
+    ASSIGN_OR_RETURN(const auto spent, spend_shown(loaded, asked.workers));
+    print_note("irsig: {}\n", spent);
   }
   std::optional<schema::Prediction> prediction;
   if (asked.plan) {
-    const auto pilot = pilot_sweep(*loaded);
-    if (!pilot.ok()) return pilot.status();
-    const StoredPrediction predicted = prediction_of(*pilot, loaded->resolved, asked.workers);
+    ASSIGN_OR_RETURN(const auto pilot, pilot_sweep(loaded));
+    const StoredPrediction predicted = prediction_of(pilot, loaded.resolved, asked.workers);
     print_note("irsig: {}\n", prediction_line(predicted));
     prediction = as_message(predicted);
   }
-  if (auto may = check_what_is_replaced(asked, loaded->resolved); !may.ok()) return may;
+  RETURN_IF_ERROR(check_what_is_replaced(asked, loaded.resolved));
   hear_interruptions();
-  const auto reply =
-      submit(farm.address(), loaded->resolved, loaded->assets,
-             static_cast<std::uint32_t>(physics_version()), prediction ? &*prediction : nullptr);
-  if (!reply.ok()) return reply.status();
-  if (reply->jobs_to_compute() < reply->jobs()) {
-    print_note("irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(), reply->jobs());
+  ASSIGN_OR_RETURN(const auto reply, submit(farm.address(), loaded.resolved, loaded.assets,
+                                            static_cast<std::uint32_t>(physics_version()),
+                                            prediction ? &*prediction : nullptr));
+  if (reply.jobs_to_compute() < reply.jobs()) {
+    print_note("irsig: {} of {} jobs to compute\n", reply.jobs_to_compute(), reply.jobs());
   }
-  if (auto status = farm.start_workers(); !status.ok()) return status;
-  const auto status = watch(farm, asked, reply->sweep_sha256());
-  if (!status.ok()) return status.status();
-  if (auto ended = end(farm); !ended.ok()) return ended;
+  RETURN_IF_ERROR(farm.start_workers());
+  ASSIGN_OR_RETURN(const auto status, watch(farm, asked, reply.sweep_sha256()));
+  RETURN_IF_ERROR(end(farm));
   const absl::Status summarized =
-      summarize(*status, asked, std::chrono::duration<double>(Steady::now() - start).count());
-  if (auto shown = print_profiles(loaded->resolved, asked.db_path); !shown.ok()) return shown;
+      summarize(status, asked, std::chrono::duration<double>(Steady::now() - start).count());
+  RETURN_IF_ERROR(print_profiles(loaded.resolved, asked.db_path));
   return summarized;
 }
 

@@ -12,6 +12,7 @@
 #include "coordinator/client/address.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/progress_text.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "jobs/detector_file.h"
 #include "view/print.h"
@@ -40,9 +41,8 @@ struct ServeCommand {
 
   [[nodiscard]] absl::Status run() {
     for (const std::string& file : detectors) {
-      auto read = read_detector(file);
-      if (!read.ok()) return read.status();
-      options.detector.push_back({file, read->name, std::move(read->detector)});
+      ASSIGN_OR_RETURN(auto read, read_detector(file));
+      options.detector.push_back({file, read.name, std::move(read.detector)});
     }
     if (!accuracy.empty()) {
       auto page = read_user_file(accuracy, kMostTableBytes);
@@ -54,9 +54,8 @@ struct ServeCommand {
       const auto address = parse_address(coordinator, network);
       if (!address.ok()) return address.status();
       options.farm = [address = *address]() -> absl::StatusOr<PageFarm> {
-        const auto status = farm_status(address, kPatience_s);
-        if (!status.ok()) return status.status();
-        return page_farm(*status);
+        ASSIGN_OR_RETURN(const auto status, farm_status(address, kPatience_s));
+        return page_farm(status);
       };
     }
     options.extent_of = stored_target_extent;

@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
@@ -32,10 +33,9 @@ absl::Status write(const Columns& columns, std::string_view format, std::ostream
     heads.push_back({name});
     cells.emplace_back(value);
   }
-  auto writer = make_table_writer(format, heads, out);
-  if (!writer.ok()) return writer.status();
-  (*writer)->row(cells);
-  return (*writer)->finish();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
+  writer->row(cells);
+  return writer->finish();
 }
 
 // ---- show planck
@@ -105,11 +105,8 @@ absl::StatusOr<Columns> planck(const PlanckOptions& given) {
   }
   if (given.spectral_radiance_w_m2_sr_um) {
     const double most = planck_radiance_w_m2_sr_um(*given.lambda_um, kPlanckTemperatureMaxK);
-    if (absl::Status status =
-            in_range("--spectral-radiance-w-m2-sr-um", given.spectral_radiance_w_m2_sr_um, 0, most);
-        !status.ok()) {
-      return status;
-    }
+    RETURN_IF_ERROR(
+        in_range("--spectral-radiance-w-m2-sr-um", given.spectral_radiance_w_m2_sr_um, 0, most));
     out.emplace_back(
         "apparent_temperature_k",
         monochromatic_temperature_k(*given.lambda_um, *given.spectral_radiance_w_m2_sr_um));
@@ -117,10 +114,7 @@ absl::StatusOr<Columns> planck(const PlanckOptions& given) {
   if (given.radiance_w_m2_sr) {
     const double most = planck_band_radiance_w_m2_sr(*given.lambda_min_um, *given.lambda_max_um,
                                                      kPlanckTemperatureMaxK);
-    if (absl::Status status = in_range("--radiance-w-m2-sr", given.radiance_w_m2_sr, 0, most);
-        !status.ok()) {
-      return status;
-    }
+    RETURN_IF_ERROR(in_range("--radiance-w-m2-sr", given.radiance_w_m2_sr, 0, most));
     out.emplace_back("apparent_temperature_k",
                      apparent_temperature_k(*given.lambda_min_um, *given.lambda_max_um,
                                             *given.radiance_w_m2_sr));
@@ -186,15 +180,14 @@ absl::Status precompute(const std::string& file_name, std::string_view format, s
   const absl::StatusOr<std::string> text = read_user_file(file_name, kMostSpecBytes);
   if (!text.ok())
     return absl::InvalidArgumentError(absl::StrCat(file_name, ": ", text.status().message()));
-  const absl::StatusOr<SweepFile> file = parse_sweep(*text, file_name);
-  if (!file.ok()) return file.status();
-  if (!file->sweep.has_precompute()) {
+  ASSIGN_OR_RETURN(const SweepFile file, parse_sweep(*text, file_name));
+  if (!file.sweep.has_precompute()) {
     return absl::InvalidArgumentError(absl::StrCat(file_name, ": it has no [precompute] table"));
   }
 
-  PrecomputeTable table(*file);
-  const schema::Precompute& given = file->sweep.precompute();
-  const std::vector<std::string> seasons = seasons_of(file->sweep, table);
+  PrecomputeTable table(file);
+  const schema::Precompute& given = file.sweep.precompute();
+  const std::vector<std::string> seasons = seasons_of(file.sweep, table);
   if (seasons.empty()) table.refuse("precompute", "gives no temperature for any season");
   PrecomputeCase target{};
   target.hot_area_m2 = table.number("hot_area_m2");
@@ -217,7 +210,7 @@ absl::Status precompute(const std::string& file_name, std::string_view format, s
         table.of_season("air_temperature_k", given.air_temperature_k(), season);
     targets.push_back(target);
   }
-  if (absl::Status status = table.status(); !status.ok()) return status;
+  RETURN_IF_ERROR(table.status());
 
   std::vector<std::vector<SpectralPoint>> spectra;
   for (std::size_t i = 0; i < seasons.size(); ++i) {
@@ -225,7 +218,7 @@ absl::Status precompute(const std::string& file_name, std::string_view format, s
     if (!spectrum.ok()) {
       std::vector<Problem> problems = problems_of(spectrum.status());
       for (Problem& problem : problems)
-        problem = {file->location("precompute"), "precompute",
+        problem = {file.location("precompute"), "precompute",
                    absl::StrCat("season \"", seasons[i], "\": ", problem.text)};
       return problem_status(problems);
     }

@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/atmosphere/imported_path.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/geo/sun.h"
 #include "core/spectral/planck.h"
@@ -85,10 +86,10 @@ const std::vector<std::string> kAirFormats = {"csv", "json", "text", "svg"};
 absl::Status write_table(const std::vector<std::string>& heads,
                          const std::vector<std::vector<Cell>>& rows, std::string_view format,
                          std::ostream& out) {
-  auto writer = make_table_writer(format, std::vector<Column>(heads.begin(), heads.end()), out);
-  if (!writer.ok()) return writer.status();
-  for (const std::vector<Cell>& row : rows) (*writer)->row(row);
-  return (*writer)->finish();
+  ASSIGN_OR_RETURN(auto writer,
+                   make_table_writer(format, std::vector<Column>(heads.begin(), heads.end()), out));
+  for (const std::vector<Cell>& row : rows) writer->row(row);
+  return writer->finish();
 }
 
 void warn_of_scattering(const PathRadiance& path) {
@@ -186,45 +187,36 @@ struct AtmosphereCommand {
   std::string modtran_file, modtran_name = "MODTRAN";
 
   [[nodiscard]] absl::Status run() const {
-    const auto chosen = air.choose();
-    if (!chosen.ok()) return chosen.status();
-    if (absl::Status s = bands.check(); !s.ok()) return s;
-    const auto path = line_of_sight(*chosen);
-    if (!path.ok()) return path.status();
+    ASSIGN_OR_RETURN(const auto chosen, air.choose());
+    RETURN_IF_ERROR(bands.check());
+    ASSIGN_OR_RETURN(const auto path, line_of_sight(chosen));
     PathLight light;
-    const auto place = sun.place(0);
-    if (!place.ok()) return place.status();
-    light.sun = *place;
+    ASSIGN_OR_RETURN(light.sun, sun.place(0));
     if (surroundings_temperature_k) {
-      if (absl::Status s =
-              check_number("--surroundings-temperature-k", *surroundings_temperature_k, 0, 400);
-          !s.ok()) {
-        return s;
-      }
+      RETURN_IF_ERROR(
+          check_number("--surroundings-temperature-k", *surroundings_temperature_k, 0, 400));
       for (std::size_t b = 0; b<kAirBandCount&& * surroundings_temperature_k> 0; ++b) {
         light.surroundings_w_m2_sr_um.push_back(
             planck_radiance_w_m2_sr_um(air_band_lambda_um(b), *surroundings_temperature_k));
       }
     } else {
-      auto around = chosen->surroundings_w_m2_sr_um(target_height_m.value_or(observer_height_m));
-      if (!around.ok()) return around.status();
-      light.surroundings_w_m2_sr_um = *std::move(around);
+      ASSIGN_OR_RETURN(light.surroundings_w_m2_sr_um,
+                       chosen.surroundings_w_m2_sr_um(target_height_m.value_or(observer_height_m)));
     }
-    const PathRadiance ours = chosen->atmosphere.radiance(*path, light);
+    const PathRadiance ours = chosen.atmosphere.radiance(path, light);
     warn_of_scattering(ours);
 
-    const auto other = imported();
-    if (!other.ok()) return other.status();
+    ASSIGN_OR_RETURN(const auto other, imported());
     return output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
-      if (format != "svg") return write(ours, *other, format, out);
+      if (format != "svg") return write(ours, other, format, out);
       std::vector<DrawnSpectrum> spectra = {{"irsig", ours.transmittance, ours.total_w_m2_sr_um}};
-      if (other->has_value()) {
-        spectra.push_back({modtran_name, (*other)->transmittance, (*other)->radiance_w_m2_sr_um});
+      if (other.has_value()) {
+        spectra.push_back({modtran_name, other->transmittance, other->radiance_w_m2_sr_um});
       }
       out << draw(absl::StrFormat(level ? "Level path of %g km at %g m" : "%g km from %g m",
                                   range_m / 1000, observer_height_m) +
                       (level ? "" : absl::StrFormat(" to %g m", *target_height_m)),
-                  chosen->title, spectra, bands, "Path radiance");
+                  chosen.title, spectra, bands, "Path radiance");
       return absl::OkStatus();
     });
   }
@@ -254,12 +246,11 @@ struct AtmosphereCommand {
     if (!text.ok()) {
       return absl::NotFoundError(absl::StrCat(modtran_file, ": ", text.status().message()));
     }
-    const auto paths = parse_imported_paths(*text, modtran_file);
-    if (!paths.ok()) return paths.status();
-    const auto found =
-        find_path(*paths, observer_height_m, target_height_m.value_or(observer_height_m), range_m);
-    if (!found.ok()) return found.status();
-    return std::optional(**found);
+    ASSIGN_OR_RETURN(const auto paths, parse_imported_paths(*text, modtran_file));
+    ASSIGN_OR_RETURN(
+        const auto found,
+        find_path(paths, observer_height_m, target_height_m.value_or(observer_height_m), range_m));
+    return std::optional(*found);
   }
 
   [[nodiscard]] absl::Status write(const PathRadiance& ours,
@@ -319,27 +310,23 @@ struct SkyCommand {
   std::vector<double> zenith_deg, azimuth_deg = {0};
 
   [[nodiscard]] absl::Status run() const {
-    const auto chosen = air.choose();
-    if (!chosen.ok()) return chosen.status();
-    if (absl::Status s = bands.check(); !s.ok()) return s;
-    if (absl::Status s = check_number("--height-m", height_m, 0, 1e8); !s.ok()) return s;
+    ASSIGN_OR_RETURN(const auto chosen, air.choose());
+    RETURN_IF_ERROR(bands.check());
+    RETURN_IF_ERROR(check_number("--height-m", height_m, 0, 1e8));
     for (const double zenith : zenith_deg) {
-      if (absl::Status s = check_number("--zenith-deg", zenith, 0, 180); !s.ok()) return s;
+      RETURN_IF_ERROR(check_number("--zenith-deg", zenith, 0, 180));
     }
     std::vector<std::vector<Cell>> rows;
     std::vector<DrawnSpectrum> spectra;
-    const auto around = chosen->surroundings_w_m2_sr_um(height_m);
-    if (!around.ok()) return around.status();
+    ASSIGN_OR_RETURN(const auto around, chosen.surroundings_w_m2_sr_um(height_m));
     for (const double azimuth : azimuth_deg) {
       for (const double zenith : zenith_deg) {
         PathLight light;
-        light.surroundings_w_m2_sr_um = *around;
-        const auto place = sun.place(azimuth);
-        if (!place.ok()) return place.status();
-        light.sun = *place;
-        const LightPath path = look(chosen->atmosphere.profile(), height_m, zenith,
-                                    std::numeric_limits<double>::infinity(), chosen->refraction);
-        const PathRadiance sky = chosen->atmosphere.radiance(path, light);
+        light.surroundings_w_m2_sr_um = around;
+        ASSIGN_OR_RETURN(light.sun, sun.place(azimuth));
+        const LightPath path = look(chosen.atmosphere.profile(), height_m, zenith,
+                                    std::numeric_limits<double>::infinity(), chosen.refraction);
+        const PathRadiance sky = chosen.atmosphere.radiance(path, light);
         warn_of_scattering(sky);
         append(rows, zenith, azimuth, sky);
         spectra.push_back(
@@ -355,7 +342,7 @@ struct SkyCommand {
              "thermal_radiance_w_m2_sr_um", "scattered_radiance_w_m2_sr_um",
              "sky_radiance_w_m2_sr_um", "model_error_sky_radiance_w_m2_sr_um"},
             rows, format, out);
-      out << draw(absl::StrFormat("The sky from %g m, by zenith angle", height_m), chosen->title,
+      out << draw(absl::StrFormat("The sky from %g m, by zenith angle", height_m), chosen.title,
                   spectra, bands, "Sky radiance");
       return absl::OkStatus();
     });
@@ -398,18 +385,14 @@ struct SunCommand {
   [[nodiscard]] absl::Status run() const {
     std::optional<ChosenAir> chosen;
     if (air.given()) {
-      auto found = air.choose();
-      if (!found.ok()) return found.status();
-      chosen = *std::move(found);
+      ASSIGN_OR_RETURN(chosen, air.choose());
     }
-    const auto where = place(chosen);
-    if (!where.ok()) return where.status();
-    const auto utc = parse_rfc3339(where->time);
-    if (!utc.ok()) return utc.status();
-    const auto sun = sun_position(*utc, where->latitude_deg, where->longitude_deg, where->height_m);
-    if (!sun.ok()) return sun.status();
+    ASSIGN_OR_RETURN(const auto where, place(chosen));
+    ASSIGN_OR_RETURN(const auto utc, parse_rfc3339(where.time));
+    ASSIGN_OR_RETURN(const auto sun,
+                     sun_position(utc, where.latitude_deg, where.longitude_deg, where.height_m));
     std::vector<std::string> heads = {"sun_azimuth_deg", "sun_zenith_deg", "sun_distance_au"};
-    const std::vector<Cell> position = {sun->azimuth_deg, sun->zenith_deg, sun->distance_au};
+    const std::vector<Cell> position = {sun.azimuth_deg, sun.zenith_deg, sun.distance_au};
     std::vector<std::vector<Cell>> rows = {position};
     const auto write = [&] {
       return output.write([&](std::string_view format, std::ostream& out) {
@@ -417,10 +400,10 @@ struct SunCommand {
       });
     };
     if (!chosen) return write();
-    if (absl::Status s = bands.check(); !s.ok()) return s;
-    if (absl::Status s = check_number("--height-m", where->height_m, 0, 1e8); !s.ok()) return s;
+    RETURN_IF_ERROR(bands.check());
+    RETURN_IF_ERROR(check_number("--height-m", where.height_m, 0, 1e8));
     const AirSpectrum here = chosen->atmosphere.sun_irradiance_w_m2_um(
-        where->height_m, SunPlace{sun->zenith_deg, 0, sun->distance_au});
+        where.height_m, SunPlace{sun.zenith_deg, 0, sun.distance_au});
     for (const char* more : {"wavenumber_cm1", "lambda_um", "sun_irradiance_w_m2_um",
                              "sun_irradiance_in_space_w_m2_um"})
       heads.emplace_back(more);
@@ -431,7 +414,7 @@ struct SunCommand {
       std::vector<Cell> row = position;
       row.insert(row.end(),
                  {air_band_centre_cm1(b), lambda_um, here[b],
-                  solar_irradiance_w_m2_um(lambda_um) / (sun->distance_au * sun->distance_au)});
+                  solar_irradiance_w_m2_um(lambda_um) / (sun.distance_au * sun.distance_au)});
       rows.push_back(std::move(row));
     }
     return write();

@@ -27,7 +27,8 @@ void write_for_people(std::ostream& out) {
   out << "\nOf computed temperatures ([heat]): on unless effects.without of the sweep file names "
          "them; the\nbound, in kelvin, is part of the temperatures' error then.\n";
   for (const EffectInfo& e : heat_effect_table()) write(e);
-  out << "\nOf hot gas ([plume]): on unless effects.without names them; plume_on_hull is left out "
+  out << "\nOf hot gas ([plume]): on unless effects.without names them; plume_reflected is left "
+         "out "
          "by "
          "itself,\ntoo, where there is room for it.\n";
   for (const EffectInfo& e : plume_effect_table()) write(e);

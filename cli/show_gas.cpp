@@ -9,6 +9,7 @@
 #include "cli/air_options.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_spectrum.h"
 #include "view/plot_curves.h"
 #include "view/table.h"
@@ -47,41 +48,36 @@ struct GasCommand {
       return absl::InvalidArgumentError(
           "nothing absorbs: one of --co2, --h2o, --co, --soot is missing");
     }
-    const auto bands = chosen_bands();
-    if (!bands.ok()) return bands.status();
+    ASSIGN_OR_RETURN(const auto bands, chosen_bands());
     const std::vector<GasLayer> column = {{state, length_m}};
-    const auto alone = gas_spectrum(column, *bands);
-    if (!alone.ok()) return alone.status();
+    ASSIGN_OR_RETURN(const auto alone, gas_spectrum(column, bands));
     // So thin that absorptance is absorption times length.
     constexpr double kThinM = 1e-9;
-    const auto thin = gas_spectrum(std::vector<GasLayer>{{state, kThinM}}, *bands);
+    const auto thin = gas_spectrum(std::vector<GasLayer>{{state, kThinM}}, bands);
     if (!thin.ok()) return thin.status();
     std::vector<double> absorption_per_m = thin->absorptance;
     for (double& x : absorption_per_m) x /= kThinM;
     std::optional<GasThroughAir> behind;
     std::string subtitle = composition();
     if (range_m) {
-      const auto chosen = air.choose();
-      if (!chosen.ok()) return chosen.status();
+      ASSIGN_OR_RETURN(const auto chosen, air.choose());
       if (!(*range_m >= 0 && *range_m <= 1e6 && height_m >= 0 && height_m <= 1e5)) {
         return absl::InvalidArgumentError(absl::StrFormat(
             "--range-m %g, --height-m %g: expected 0 to 1e6, 0 to 1e5", *range_m, height_m));
       }
-      const AbsorberAmounts amounts = chosen->atmosphere.amounts(level_path(height_m, *range_m));
-      auto through = gas_through_air(column, amounts, *bands);
-      if (!through.ok()) return through.status();
-      behind = *std::move(through);
+      const AbsorberAmounts amounts = chosen.atmosphere.amounts(level_path(height_m, *range_m));
+      ASSIGN_OR_RETURN(behind, gas_through_air(column, amounts, bands));
       absl::StrAppend(&subtitle, absl::StrFormat("; behind %g km of %s at %g m", *range_m / 1000,
-                                                 chosen->title, height_m));
+                                                 chosen.title, height_m));
     } else if (air.given()) {
       return absl::InvalidArgumentError("an air is described, but --range-m is missing");
     }
     return output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
       if (format == "svg") {
-        out << draw(*alone, behind, subtitle);
+        out << draw(alone, behind, subtitle);
         return absl::OkStatus();
       }
-      return write(*alone, absorption_per_m, behind, format, out);
+      return write(alone, absorption_per_m, behind, format, out);
     });
   }
 
@@ -126,8 +122,7 @@ struct GasCommand {
                                  {"apparent_radiance_w_m2_sr_um"},
                                  {"model_error_water_correlation_w_m2_sr_um"}});
     }
-    auto writer = make_table_writer(format, heads, out);
-    if (!writer.ok()) return writer.status();
+    ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
     for (std::size_t i = alone.bands.size(); i-- > 0;) {  // increasing wavelength
       const std::size_t b = alone.bands.first + i;
       std::vector<Cell> row = {gas_band_centre_cm1(b), gas_band_lambda_um(b),
@@ -138,9 +133,9 @@ struct GasCommand {
                    {behind->air_transmittance[i], behind->spectrum.radiance_w_m2_sr_um[i],
                     behind->water_correlation_error_w_m2_sr_um[i]});
       }
-      (*writer)->row(row);
+      writer->row(row);
     }
-    return (*writer)->finish();
+    return writer->finish();
   }
 
   static std::string draw(const GasSpectrum& alone, const std::optional<GasThroughAir>& behind,

@@ -3,6 +3,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "schema/store/store.h"
 #include "view/temperatures.h"
@@ -25,14 +26,12 @@ struct TemperaturesAsked {
   [[nodiscard]] absl::Status run() const {
     TemperatureFilter wanted = filter;
     if (!wanted.time_utc.empty()) {
-      const auto time = parse_rfc3339(wanted.time_utc);
-      if (!time.ok()) return time.status();
-      wanted.time_utc = format_rfc3339_utc(*time);
+      ASSIGN_OR_RETURN(const auto time, parse_rfc3339(wanted.time_utc));
+      wanted.time_utc = format_rfc3339_utc(time);
     }
-    auto reader = StoreReader::open(database);
-    if (!reader.ok()) return reader.status();
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(database));
     return output.write([&](std::string_view format, std::ostream& out) {
-      return write_temperatures(**reader, wanted, format, out);
+      return write_temperatures(*reader, wanted, format, out);
     });
   }
 };

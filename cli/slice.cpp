@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
+#include "core/base/status_macros.h"
 #include "planning/interruption.h"
 #include "view/print.h"
 #include "view/progress.h"
@@ -20,18 +21,16 @@ struct SliceCommand {
   bool source_digest = false;
 
   [[nodiscard]] absl::Status run() const {
-    const auto query = filter.query();
-    if (!query.ok()) return query.status();
-    if (query->interpolate)
+    ASSIGN_OR_RETURN(const auto query, filter.query());
+    if (query.interpolate)
       return absl::InvalidArgumentError(
           "--interpolate: a slice holds computed signatures only; expected --nearest or --within");
-    const auto asked = filter_of(*query);
-    if (!asked.ok()) return asked.status();
+    ASSIGN_OR_RETURN(const auto asked, filter_of(query));
     hear_interruptions();
     std::optional<LoopProgress> progress;
     std::uint64_t before = 0;
     const auto sliced =
-        slice_database(filter.database(), {*asked, filter.text(), source_digest}, out,
+        slice_database(filter.database(), {asked, filter.text(), source_digest}, out,
                        [&](std::uint64_t rows, std::uint64_t of) -> absl::Status {
                          if (interrupted())
                            return absl::AbortedError("interrupted: nothing was written");
@@ -41,9 +40,8 @@ struct SliceCommand {
                          return absl::OkStatus();
                        });
     if (absl::IsNotFound(sliced.status())) {
-      const auto reader = StoreReader::open(filter.database());
-      if (!reader.ok()) return reader.status();
-      if (absl::Status why = explain_nothing(**reader, *asked); !why.ok()) return why;
+      ASSIGN_OR_RETURN(const auto reader, StoreReader::open(filter.database()));
+      RETURN_IF_ERROR(explain_nothing(*reader, asked));
     }
     if (!sliced.ok()) return sliced.status();
     if (!sliced->source_digest.empty()) print_text("of {}\n", sliced->source_digest);

@@ -17,6 +17,7 @@
 #include "coordinator/client/certificate.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/progress_text.h"
+#include "core/base/status_macros.h"
 #include "fmt/ostream.h"
 #include "planning/interruption.h"
 #include "view/print.h"
@@ -178,22 +179,20 @@ absl::Status follow(const Address& coordinator) {
 
 absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOptions& output,
                          bool workers, bool followed) {
-  const auto address = coordinator.address();
-  if (!address.ok()) return address.status();
+  ASSIGN_OR_RETURN(const auto address, coordinator.address());
   if (followed) {
-    if (auto seen = follow(*address); !seen.ok()) return seen;
+    RETURN_IF_ERROR(follow(address));
   }
-  auto status = farm_status(*address);
-  if (!status.ok()) return status.status();
-  if (address->tls)
+  ASSIGN_OR_RETURN(auto status, farm_status(address));
+  if (address.tls)
     for (const std::string& end :
-         running_out(*address->tls, absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch())))
-      status->add_warning("on this side " + end);
+         running_out(*address.tls, absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch())))
+      status.add_warning("on this side " + end);
   return output.write([&](std::string_view format, std::ostream& out) {
     if (format != "text" || workers)
-      for (const std::string& warning : status->warning()) print_note("warning: {}\n", warning);
-    if (workers) return write_workers(*status, format, out);
-    return format == "text" ? write_text(*status, out) : write_status_rows(*status, format, out);
+      for (const std::string& warning : status.warning()) print_note("warning: {}\n", warning);
+    if (workers) return write_workers(status, format, out);
+    return format == "text" ? write_text(status, out) : write_status_rows(status, format, out);
   });
 }
 

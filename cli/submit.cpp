@@ -7,6 +7,7 @@
 #include "cli/loading.h"
 #include "coordinator/client/farm_client.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/time_budget.h"
@@ -17,24 +18,22 @@ namespace {
 
 absl::Status submit_sweep(const std::string& sweep_path, const CoordinatorOptions& coordinator,
                           const AccuracyAsked& asked, std::optional<int> priority) {
-  const auto address = coordinator.address();
-  if (!address.ok()) return address.status();
+  ASSIGN_OR_RETURN(const auto address, coordinator.address());
   // Nobody there is said before minutes are spent on a large model.
-  if (const auto there = farm_status(*address); !there.ok()) return there.status();
-  auto loaded = load_shown(sweep_path, asked);
-  if (!loaded.ok()) return loaded.status();
-  for (const std::string& line : loaded->warnings) print_note("{}\n", line);
-  if (has_time_budget(loaded->resolved)) {
+  if (const auto there = farm_status(address); !there.ok()) return there.status();
+  ASSIGN_OR_RETURN(auto loaded, load_shown(sweep_path, asked));
+  for (const std::string& line : loaded.warnings) print_note("{}\n", line);
+  if (has_time_budget(loaded.resolved)) {
     return placed_problem(
-        loaded->file.location("accuracy.time_budget_s"),
+        loaded.file.location("accuracy.time_budget_s"),
         "a time budget is for `irsig run`, which knows how many workers of which speed there are; "
         "give relative_error or samples_per_replicate instead");
   }
-  const auto reply = submit(*address, loaded->resolved, loaded->assets,
-                            static_cast<std::uint32_t>(physics_version()), nullptr, priority);
-  if (!reply.ok()) return reply.status();
-  print_text("{}: {} jobs, {} to compute\nsweep {}\n", loaded->resolved.sweep().name(),
-             reply->jobs(), reply->jobs_to_compute(), reply->sweep_sha256());
+  ASSIGN_OR_RETURN(const auto reply,
+                   submit(address, loaded.resolved, loaded.assets,
+                          static_cast<std::uint32_t>(physics_version()), nullptr, priority));
+  print_text("{}: {} jobs, {} to compute\nsweep {}\n", loaded.resolved.sweep().name(), reply.jobs(),
+             reply.jobs_to_compute(), reply.sweep_sha256());
   return absl::OkStatus();
 }
 

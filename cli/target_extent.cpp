@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bridge/spec_to_request.h"
+#include "core/base/status_macros.h"
 #include "core/scene/target.h"
 #include "view/range_change.h"
 #include "view/silhouette.h"
@@ -10,17 +11,15 @@
 namespace irsig {
 
 absl::StatusOr<TargetExtent> stored_target_extent(const StoredSweep& sweep) {
-  auto scene = scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat);
-  if (!scene.ok()) return scene.status();
-  const auto part_of_group = part_of_groups(scene->mesh, scene->part);
-  if (!part_of_group.ok()) return part_of_group.status();
-  TargetExtent out = target_extent(scene->mesh.vertex);
+  ASSIGN_OR_RETURN(auto scene, scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat));
+  ASSIGN_OR_RETURN(const auto part_of_group, part_of_groups(scene.mesh, scene.part));
+  TargetExtent out = target_extent(scene.mesh.vertex);
   auto shape = std::make_shared<TargetShape>();
-  for (const PartSpec& part : scene->part) shape->two_sided.push_back(part.two_sided);
-  for (const std::uint32_t group : scene->mesh.triangle_group)
-    shape->part.push_back((*part_of_group)[group]);
-  shape->vertex = std::move(scene->mesh.vertex);
-  shape->triangle = std::move(scene->mesh.triangle);
+  for (const PartSpec& part : scene.part) shape->two_sided.push_back(part.two_sided);
+  for (const std::uint32_t group : scene.mesh.triangle_group)
+    shape->part.push_back(part_of_group[group]);
+  shape->vertex = std::move(scene.mesh.vertex);
+  shape->triangle = std::move(scene.mesh.triangle);
   out.shape = std::move(shape);
   return out;
 }

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "cli/commands.h"
 #include "core/accuracy/cost_model.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "planning/effects_check.h"
 #include "planning/load_sweep.h"
@@ -37,10 +38,9 @@ double thread_cpu_s() {
 absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
   AccuracyAsked asked;
   asked.relative_error = given.relative_error;
-  auto loaded = load_sweep(given.sweep, asked);
-  if (!loaded.ok()) return loaded.status();
-  if (auto known = have_temperatures(*loaded); !known.ok()) return known;
-  const schema::ResolvedSweep& sweep = loaded->resolved;
+  ASSIGN_OR_RETURN(auto loaded, load_sweep(given.sweep, asked));
+  RETURN_IF_ERROR(have_temperatures(loaded));
+  const schema::ResolvedSweep& sweep = loaded.resolved;
   bool first = true;
   std::string failures;
   const auto show = [&](const CheckedView& view) {
@@ -53,14 +53,14 @@ absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
     std::fflush(stdout);
     failures += effects_failures(sweep.sweep().name(), view);
   };
-  const auto checked = check_sweep_effects(
-      *loaded, {given.views, given.row, given.timed, given.reference.value_or(0)}, thread_cpu_s,
-      show);
-  if (!checked.ok()) return checked.status();
+  ASSIGN_OR_RETURN(const auto checked,
+                   check_sweep_effects(
+                       loaded, {given.views, given.row, given.timed, given.reference.value_or(0)},
+                       thread_cpu_s, show));
   std::vector<double> ratios;
-  for (const CheckedView& view : *checked)
+  for (const CheckedView& view : checked)
     ratios.push_back(view.all_s > 0 ? view.chosen_s / view.all_s : 1);
-  const EffectsSummary s = summary_of(*checked);
+  const EffectsSummary s = summary_of(checked);
   std::printf(
       "%zu views, %zu rows, %zu values: %zu out of bound, largest difference %.3f of what is "
       "allowed\ntime auto/all: median %.2f; first view with what all views share %.3g s against "
@@ -113,19 +113,18 @@ absl::Status verify_bounds(const std::vector<MatrixCell>& cells, MatrixOptions o
 }
 
 absl::Status verify_matrix(const VerifyOptions& given, int& exit_code) {
-  const auto cells = matrix_cells(given.small);
-  if (!cells.ok()) return cells.status();
+  ASSIGN_OR_RETURN(const auto cells, matrix_cells(given.small));
   MatrixOptions options;
   options.relative_error = given.relative_error.value_or(options.relative_error);
   options.reference_paths = given.reference.value_or(options.reference_paths);
   options.timed = given.timed;
-  if (given.each_effect) return verify_bounds(*cells, options, exit_code);
+  if (given.each_effect) return verify_bounds(cells, options, exit_code);
   std::printf("relative error %g, effects auto against all, the same paths\n%s\n",
               options.relative_error, effects_cell_header().c_str());
   std::vector<CheckedCell> checked;
   std::string failures;
   std::size_t bad = 0;
-  for (const MatrixCell& cell : *cells) {
+  for (const MatrixCell& cell : cells) {
     auto result = check_cell(cell, options, thread_cpu_s);
     if (!result.ok())
       return {result.status().code(), absl::StrCat(cell.name, ": ", result.status().message())};
@@ -135,10 +134,9 @@ absl::Status verify_matrix(const VerifyOptions& given, int& exit_code) {
     bad += result->summary.out_of_bound > 0 ? 1 : 0;
     checked.push_back(*std::move(result));
   }
-  std::printf("\n%s%s", effects_matrix_summary(*cells, checked).c_str(), failures.c_str());
+  std::printf("\n%s%s", effects_matrix_summary(cells, checked).c_str(), failures.c_str());
   if (!given.values.empty())
-    if (auto status = replace_file(given.values, effects_csv(*cells, checked)); !status.ok())
-      return status;
+    RETURN_IF_ERROR(replace_file(given.values, effects_csv(cells, checked)));
   exit_code = bad == 0 ? 0 : 1;
   return absl::OkStatus();
 }

@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/openssl_handles.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -154,7 +155,7 @@ absl::StatusOr<std::unique_ptr<ClientSockets>> tls_sockets(const TlsIdentity& tl
                                       SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
   SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
   SSL_CTX_set_alpn_select_cb(context.get(), choose_http2, nullptr);
-  if (auto status = use_identity(tls, context.get()); !status.ok()) return status;
+  RETURN_IF_ERROR(use_identity(tls, context.get()));
   for (const Certificate& authority : certificates_of(tls.ca))
     SSL_CTX_add_client_CA(context.get(), authority.get());
   return std::make_unique<TlsSockets>(std::move(context));

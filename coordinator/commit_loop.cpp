@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/farm_log.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -33,8 +34,8 @@ absl::Status run_safely(CommitLoop::Work& work, Farm& farm) {
 }
 
 // Of one request, in a transaction of several: anything but a refusal is undone.
-absl::Status run_apart(CommitLoop::Work& work, Farm& farm, StoreWriter& store,
-                       absl::Status& broken) {
+absl::Status run_subprocess(CommitLoop::Work& work, Farm& farm, StoreWriter& store,
+                            absl::Status& broken) {
   if (broken = store.begin_request(); !broken.ok()) return broken;
   const absl::Status status = run_safely(work, farm);
   if (status.ok() || is_refusal(status)) {
@@ -47,7 +48,7 @@ absl::Status run_apart(CommitLoop::Work& work, Farm& farm, StoreWriter& store,
   }
   log_line(LogLevel::err, {}, "a request failed and was undone: {}", status.ToString());
   broken = store.undo_request();
-  if (broken.ok()) broken = farm.release_what_nobody_holds();
+  if (broken.ok()) broken = farm.release_orphaned_leases();
   return absl::InternalError(absl::StrCat("the request failed: ", status.message()));
 }
 
@@ -140,14 +141,13 @@ absl::Status CommitLoop::serve(Farm& farm, StoreWriter& store, std::vector<Reque
   for (const Request& request : requests) most = std::max(most, request.kind);
   const bool writes = most != Kind::kReads;
   if (writes) {
-    if (auto status = most == Kind::kLeases ? store.begin_unsynced() : store.begin(); !status.ok())
-      return status;
+    RETURN_IF_ERROR(most == Kind::kLeases ? store.begin_unsynced() : store.begin());
   }
   absl::Status broken;
   // What has arrived is heard before anybody is called silent.
   for (auto& request : requests) {
     request.status =
-        writes ? run_apart(request.work, farm, store, broken) : run_safely(request.work, farm);
+        writes ? run_subprocess(request.work, farm, store, broken) : run_safely(request.work, farm);
     if (!writes && is_the_end(request.status)) broken = request.status;
     if (!broken.ok()) break;
   }

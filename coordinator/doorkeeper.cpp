@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/farm_log.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 
 namespace irsig {
@@ -41,7 +42,7 @@ absl::StatusOr<std::unique_ptr<Doorkeeper>> Doorkeeper::make(std::shared_ptr<con
   std::unique_ptr<Doorkeeper> out(
       new Doorkeeper(std::move(tls), visitors, std::move(crl_path), std::move(unix_clock)));
   const double now = out->unix_clock_();
-  if (auto status = out->read_revocations(now); !status.ok()) return status;
+  RETURN_IF_ERROR(out->read_revocations(now));
   out->log_warnings(now);
   return out;
 }

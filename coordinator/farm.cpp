@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "jobs/size_bounds.h"
@@ -40,7 +41,7 @@ Farm::Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_c
       unix_clock_(std::move(unix_clock)),
       coordinator_id_(std::move(coordinator_id)),
       checked_at_s_(clock_()),
-      double_check_(rules.audit_share, coordinator_id_) {}
+      double_check_(rules.audit_fraction, coordinator_id_) {}
 
 absl::StatusOr<schema::RegisterReply> Farm::register_worker(
     const schema::RegisterRequest& request) {
@@ -70,7 +71,7 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
                   .physics_version = request.physics_version(),
                   .memory_bytes = request.memory_bytes(),
                   .heard_at_s = clock_()};
-  if (auto status = check_class(session); !status.ok()) return status;
+  RETURN_IF_ERROR(check_class(session));
   of_other_class_.erase(session.worker_name);
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     if (it->second.worker_name != request.worker_name()) {
@@ -79,9 +80,7 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
     }
     const auto& step = next(it->second.state, SessionEvent::kSuccessor);
     if (step.action == SessionAction::kRelease) {
-      if (auto status = end_lease(it->second, "its worker was started again", true); !status.ok()) {
-        return status;
-      }
+      RETURN_IF_ERROR(end_lease(it->second, "its worker was started again", true));
     }
     leases_.forget(it->first);
     it = sessions_.erase(it);
@@ -106,9 +105,8 @@ absl::StatusOr<Farm::Session*> Farm::hear(const std::string& worker_id) {
 }
 
 absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& request) {
-  const auto heard = hear(request.worker_id());
-  if (!heard.ok()) return heard.status();
-  Session& session = **heard;
+  ASSIGN_OR_RETURN(const auto heard, hear(request.worker_id()));
+  Session& session = *heard;
   const auto& step = next(session.state, SessionEvent::kAskForJob);
   session.state = step.next;
   if (step.action == SessionAction::kRefuse)
@@ -127,7 +125,7 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   if (!job.ok()) return job.status();
   bool is_duplicate = job->has_value();
   if (!is_duplicate && !(all_settled_ && *all_settled_)) {
-    if (auto status = check_class(session); !status.ok()) return status;
+    RETURN_IF_ERROR(check_class(session));
     job = next_to_compute(request.worker_id(), session);
     if (!job.ok()) return job.status();
     if (!job->has_value()) {
@@ -137,10 +135,8 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
     }
   }
   if (!job->has_value()) {
-    const auto finished = all_settled();
-    if (!finished.ok()) return finished.status();
-    reply.set_state(*finished ? schema::LeaseReply::STATE_FINISHED
-                              : schema::LeaseReply::STATE_WAIT);
+    ASSIGN_OR_RETURN(const auto finished, all_settled());
+    reply.set_state(finished ? schema::LeaseReply::STATE_FINISHED : schema::LeaseReply::STATE_WAIT);
     reply.set_wait_s(kIdleWait_s);
     return reply;
   }
@@ -173,9 +169,8 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::duplicate(const JobName& job, Job
 
 absl::StatusOr<std::optional<QueuedJob>> Farm::audit_for(const Session& session) {
   while (const auto job = double_check_.next_for(session.worker_name)) {
-    auto found = duplicate(*job, JobState::kDone);
-    if (!found.ok()) return found.status();
-    if (found->has_value() && check_class(session).ok() && check_physics(session, *job).ok())
+    ASSIGN_OR_RETURN(auto found, duplicate(*job, JobState::kDone));
+    if (found.has_value() && check_class(session).ok() && check_physics(session, *job).ok())
       return found;
   }
   return std::nullopt;
@@ -218,9 +213,9 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::next_to_compute(const std::string
   while (true) {
     auto job = next_job_for(worker_id, session);
     if (!job.ok() || !job->has_value()) return job;
-    const auto known = store_.take_over((*job)->fencing_token, session.determinism_class);
-    if (!known.ok()) return known.status();
-    if (!*known) return job;
+    ASSIGN_OR_RETURN(const auto known,
+                     store_.take_over((*job)->fencing_token, session.determinism_class));
+    if (!known) return job;
     all_settled_.reset();
   }
 }
@@ -231,36 +226,31 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::next_job_for(const std::string& w
   std::vector<std::uint64_t> held;
   std::optional<QueuedJob> chosen;
   while (true) {
-    auto job = store_.lease_next(worker_id, unix_clock_());
-    if (!job.ok()) return job.status();
-    if (!job->has_value()) break;
-    if (should_go_to_another(session, (*job)->spec.job_key())) {
-      held.push_back((*job)->fencing_token);
+    ASSIGN_OR_RETURN(auto job, store_.lease_next(worker_id, unix_clock_()));
+    if (!job.has_value()) break;
+    if (should_go_to_another(session, job->spec.job_key())) {
+      held.push_back(job->fencing_token);
       continue;
     }
-    chosen = *std::move(job);
+    chosen = std::move(job);
     break;
   }
   for (const auto token : held) {
-    if (auto status = store_.release(token, "left to another worker"); !status.ok()) return status;
+    RETURN_IF_ERROR(store_.release(token, "left to another worker"));
   }
   if (!chosen) return chosen;
   const auto status = admit(session, {chosen->spec.sweep_sha256(), chosen->spec.job_key()});
   if (status.ok()) return chosen;
-  if (auto released = store_.release(chosen->fencing_token, "not for this worker");
-      !released.ok()) {
-    return released;
-  }
+  RETURN_IF_ERROR(store_.release(chosen->fencing_token, "not for this worker"));
   return status;
 }
 
 absl::Status Farm::admit(const Session& session, const JobName& job) {
-  if (auto status = check_class(session); !status.ok()) return status;
-  if (auto status = check_physics(session, job); !status.ok()) return status;
-  const auto bound = store_.determinism_class();
-  if (!bound.ok()) return bound.status();
-  return bound->empty() ? store_.bind_determinism_class(session.determinism_class)
-                        : absl::OkStatus();
+  RETURN_IF_ERROR(check_class(session));
+  RETURN_IF_ERROR(check_physics(session, job));
+  ASSIGN_OR_RETURN(const auto bound, store_.determinism_class());
+  return bound.empty() ? store_.bind_determinism_class(session.determinism_class)
+                       : absl::OkStatus();
 }
 
 bool Farm::should_go_to_another(const Session& session, const std::string& job_key) const {
@@ -274,13 +264,12 @@ bool Farm::should_go_to_another(const Session& session, const std::string& job_k
 }
 
 absl::Status Farm::check_class(const Session& session) {
-  const auto bound = store_.determinism_class();
-  if (!bound.ok()) return bound.status();
-  if (bound->empty() || *bound == session.determinism_class) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto bound, store_.determinism_class());
+  if (bound.empty() || bound == session.determinism_class) return absl::OkStatus();
   if (of_other_class_.size() < kMostOfOtherClassTold)
     of_other_class_.try_emplace(session.worker_name, session.determinism_class);
   return absl::FailedPreconditionError(
-      absl::StrCat("this database was begun by workers of the determinism class \"", *bound,
+      absl::StrCat("this database was begun by workers of the determinism class \"", bound,
                    "\"; a worker of the class \"", session.determinism_class,
                    "\" would compute other last bits: run it on machines of the first class, or "
                    "start a new database with --isa, an instruction set that all of them have"));
@@ -316,20 +305,18 @@ absl::Status Farm::check_physics(const Session& session, const JobName& job) {
   if (known != sweeps_.end() && known->second.other_versions.contains(session.physics_version))
     return refused();
   if (known == sweeps_.end() || !known->second.physics_version) {
-    const auto bytes = store_.asset(sha256);
-    if (!bytes.ok()) return bytes.status();
+    ASSIGN_OR_RETURN(const auto bytes, store_.asset(sha256));
     schema::ResolvedSweep sweep;
-    if (!sweep.ParseFromString(*bytes)) {
+    if (!sweep.ParseFromString(bytes)) {
       return absl::DataLossError(absl::StrCat("the stored sweep ", sha256, " is damaged"));
     }
     if (auto status = check_resolved(sweep); !status.ok())
       return absl::FailedPreconditionError(
           absl::StrCat("the stored sweep ", sha256, " cannot be computed: ", status.message()));
     SweepRules& rules = remember(sha256, sweep);
-    const auto stored = store_.physics_version(sha256);
-    if (!stored.ok()) return stored.status();
-    if (*stored > 0) {
-      rules.physics_version = *stored;
+    ASSIGN_OR_RETURN(const auto stored, store_.physics_version(sha256));
+    if (stored > 0) {
+      rules.physics_version = stored;
     } else if (has_key(expand_jobs(sweep, static_cast<int>(session.physics_version)),
                        job.job_key)) {
       // All keys of a sweep were made with one version.
@@ -346,24 +333,21 @@ absl::Status Farm::check_physics(const Session& session, const JobName& job) {
 
 absl::StatusOr<bool> Farm::all_settled() {
   if (!all_settled_) {
-    const auto sweeps = store_.progress();
-    if (!sweeps.ok()) return sweeps.status();
-    all_settled_ = !sweeps->empty() &&
-                   std::all_of(sweeps->begin(), sweeps->end(),
-                               [](const auto& s) { return s.waiting == 0 && s.leased == 0; });
+    ASSIGN_OR_RETURN(const auto sweeps, store_.progress());
+    all_settled_ = !sweeps.empty() && std::all_of(sweeps.begin(), sweeps.end(), [](const auto& s) {
+      return s.waiting == 0 && s.leased == 0;
+    });
   }
   return *all_settled_;
 }
 
 absl::StatusOr<schema::HeartbeatReply> Farm::heartbeat(const schema::HeartbeatRequest& request) {
-  const auto heard = hear(request.worker_id());
-  if (!heard.ok()) return heard.status();
-  const std::uint64_t own =
-      (*heard)->state == SessionState::kComputing ? (*heard)->fencing_token : 0;
+  ASSIGN_OR_RETURN(const auto heard, hear(request.worker_id()));
+  const std::uint64_t own = heard->state == SessionState::kComputing ? heard->fencing_token : 0;
   const bool ours = request.fencing_token() == 0 || request.fencing_token() == own;
   const auto& step =
-      next((*heard)->state, ours ? SessionEvent::kHeartbeat : SessionEvent::kForeignHeartbeat);
-  (*heard)->state = step.next;
+      next(heard->state, ours ? SessionEvent::kHeartbeat : SessionEvent::kForeignHeartbeat);
+  heard->state = step.next;
   schema::HeartbeatReply reply;
   reply.set_lease_valid(step.action != SessionAction::kAnswerInvalid);
   return reply;
@@ -422,8 +406,7 @@ absl::Status Farm::drop_silent_workers() {
     }
     const auto& step = next(session.state, SessionEvent::kSilence);
     if (step.action == SessionAction::kRelease) {
-      const auto status = end_lease(session, "no heartbeat", silent == 1);
-      if (!status.ok()) return status;
+      RETURN_IF_ERROR(end_lease(session, "no heartbeat", silent == 1));
     }
     leases_.forget(it->first);
     it = sessions_.erase(it);
@@ -431,17 +414,16 @@ absl::Status Farm::drop_silent_workers() {
   return absl::OkStatus();
 }
 
-absl::Status Farm::release_what_nobody_holds() {
-  const auto tokens = store_.running_tokens();
-  if (!tokens.ok()) return tokens.status();
+absl::Status Farm::release_orphaned_leases() {
+  ASSIGN_OR_RETURN(const auto tokens, store_.running_tokens());
   all_settled_.reset();
-  for (const std::uint64_t token : *tokens) {
+  for (const std::uint64_t token : tokens) {
     const bool held = std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& session) {
       return session.second.state == SessionState::kComputing &&
              session.second.fencing_token == token;
     });
     if (held) continue;
-    if (auto status = store_.release(token, "a request failed"); !status.ok()) return status;
+    RETURN_IF_ERROR(store_.release(token, "a request failed"));
   }
   return absl::OkStatus();
 }

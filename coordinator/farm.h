@@ -30,7 +30,7 @@ struct FarmRules {
   // many losses are tolerated before the next ones count as failures: what kills its worker would
   // otherwise be tried for ever.
   std::uint32_t tolerated_losses = 5;
-  double audit_share = 0.005;  // of jobs that a second worker computes, too
+  double audit_fraction = 0.005;  // of jobs that a second worker computes, too
 };
 
 // A sweep as it is to be stored: everything that can be worked out without the store.
@@ -89,7 +89,7 @@ class Farm {
   absl::StatusOr<schema::PrioritizeReply> prioritize(const schema::PrioritizeRequest& request);
 
   // After a request was undone: leases that no session knows go back to the queue.
-  absl::Status release_what_nobody_holds();
+  absl::Status release_orphaned_leases();
   // Who may send a result: may be asked from any thread.
   [[nodiscard]] const LeaseBook& leases() const { return leases_; }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "schema/store/content.h"
 
 namespace irsig {
@@ -45,9 +46,8 @@ std::string content_of(const Returned& returned) {
 }  // namespace
 
 absl::StatusOr<schema::CompleteReply> Farm::complete(const Returned& returned) {
-  const auto heard = hear(returned.worker_id);
-  if (!heard.ok()) return heard.status();
-  Session& session = **heard;
+  ASSIGN_OR_RETURN(const auto heard, hear(returned.worker_id));
+  Session& session = *heard;
   const bool own = session.state == SessionState::kComputing && returned.fencing_token != 0 &&
                    returned.fencing_token == session.fencing_token;
   const auto& step = next(session.state, own ? SessionEvent::kResult : SessionEvent::kOtherResult);
@@ -77,10 +77,8 @@ absl::StatusOr<schema::CompleteReply> Farm::complete(const Returned& returned) {
   if (own) {
     leases_.release(returned.worker_id);
     if (absl::IsInvalidArgument(stored)) {
-      if (auto status = count_failure(session, std::string(stored.message()),
-                                      schema::FailRequest::KIND_OTHER);
-          !status.ok())
-        return status;
+      RETURN_IF_ERROR(
+          count_failure(session, std::string(stored.message()), schema::FailRequest::KIND_OTHER));
     }
     session.fencing_token = 0;
   }
@@ -151,14 +149,12 @@ absl::StatusOr<schema::CompleteReply> Farm::store_now(const Session& session, co
   if (status.ok() && known.job.fencing_token != 0)
     status = store_.release(known.job.fencing_token, "another worker's result came first");
   if (!status.ok()) return status;
-  const auto token =
-      store_.lease_job(job.sweep_sha256, job.job_key, returned.worker_id, unix_clock_());
-  if (!token.ok()) return token.status();
-  status = store_.complete(*token, returned.result, session.worker_name, content_of(returned));
+  ASSIGN_OR_RETURN(const auto token, store_.lease_job(job.sweep_sha256, job.job_key,
+                                                      returned.worker_id, unix_clock_()));
+  status = store_.complete(token, returned.result, session.worker_name, content_of(returned));
   if (!status.ok()) {
     // It waits again, as if nothing had come.
-    if (auto released = store_.release(*token, "a result that was refused"); !released.ok())
-      return released;
+    RETURN_IF_ERROR(store_.release(token, "a result that was refused"));
     return status;
   }
   if (status = was_stored(session, job); !status.ok()) return status;
@@ -174,30 +170,26 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
     // Of an older version there is nothing to compare; the same worker's again says nothing.
     if (!known.content_sha256.empty() && known.worker_name != session.worker_name)
       if (const auto verdict = double_check_.agrees(job, content))
-        if (auto status = contradicted(
-                verdict->wrong, absl::StrCat(of_job, " differs from that of two other workers"));
-            !status.ok())
-          return status;
+        RETURN_IF_ERROR(contradicted(
+            verdict->wrong, absl::StrCat(of_job, " differs from that of two other workers")));
     return complete_reply(schema::CompleteReply::STATE_KNOWN);
   }
-  const auto kept = store_.keep_aside(job.sweep_sha256, returned.result, content,
-                                      session.worker_name, unix_clock_());
-  if (!kept.ok()) return kept.status();
+  ASSIGN_OR_RETURN(const auto kept,
+                   store_.store_conflicting_result(job.sweep_sha256, returned.result, content,
+                                                   session.worker_name, unix_clock_()));
   const std::string what =
       absl::StrCat("two results of job ", short_key(job.job_key), " differ: of ", known.worker_name,
                    ", which is stored, and of ", session.worker_name,
-                   *kept ? ", which is kept aside" : ", of which there is no more room aside");
+                   kept ? ", which is kept aside" : ", of which there is no more room aside");
   log_line(LogLevel::err, {.job_key = job.job_key}, what);
   if (differing_.size() < kMostDifferingTold) differing_.push_back(what);
   const auto verdict = double_check_.differs(job, known.content_sha256, known.worker_name, content,
                                              session.worker_name);
   if (verdict.kind == DoubleCheck::Verdict::Kind::kUndecided)
     return complete_reply(schema::CompleteReply::STATE_ASIDE);
-  if (auto status = contradicted(verdict.wrong,
-                                 absl::StrCat(of_job, " differs from that of two other workers"));
-      !status.ok())
-    return status;
-  if (auto status = store_.reopen(job.sweep_sha256, job.job_key); !status.ok()) return status;
+  RETURN_IF_ERROR(
+      contradicted(verdict.wrong, absl::StrCat(of_job, " differs from that of two other workers")));
+  RETURN_IF_ERROR(store_.reopen(job.sweep_sha256, job.job_key));
   KnownJob waiting = known;
   waiting.job.fencing_token = 0;
   return store_now(session, job, waiting, returned);
@@ -242,13 +234,12 @@ bool Farm::somebody_besides(const std::set<std::string>& workers) const {
 // What it computed of other jobs is as doubtful: others compute that again.
 absl::Status Farm::contradicted(const std::string& worker_name, const std::string& reason) {
   if (aside_.contains(worker_name)) return absl::OkStatus();
-  const auto again = store_.reopen_all_of(worker_name);
-  if (!again.ok()) return again.status();
+  ASSIGN_OR_RETURN(const auto again, store_.reopen_all_of(worker_name));
   all_settled_.reset();
-  return set_aside(worker_name, *again == 0 ? reason
-                                            : absl::StrCat(reason, "; what it had computed (",
-                                                           *again, *again == 1 ? " job" : " jobs",
-                                                           ") is computed again"));
+  return set_aside(worker_name,
+                   again == 0 ? reason
+                              : absl::StrCat(reason, "; what it had computed (", again,
+                                             again == 1 ? " job" : " jobs", ") is computed again"));
 }
 
 absl::Status Farm::set_aside(const std::string& worker_name, const std::string& reason) {
@@ -259,8 +250,7 @@ absl::Status Farm::set_aside(const std::string& worker_name, const std::string& 
     if (session.worker_name != worker_name) continue;
     const auto& step = next(session.state, SessionEvent::kDistrust);
     if (step.action == SessionAction::kRelease)
-      if (auto status = end_lease(session, "its worker was set aside", false); !status.ok())
-        return status;
+      RETURN_IF_ERROR(end_lease(session, "its worker was set aside", false));
     session.state = step.next;
     leases_.release(id);
   }
@@ -268,9 +258,8 @@ absl::Status Farm::set_aside(const std::string& worker_name, const std::string& 
 }
 
 absl::Status Farm::fail(const schema::FailRequest& request) {
-  const auto heard = hear(request.worker_id());
-  if (!heard.ok()) return heard.status();
-  Session& session = **heard;
+  ASSIGN_OR_RETURN(const auto heard, hear(request.worker_id()));
+  Session& session = *heard;
   const bool own = session.state == SessionState::kComputing && request.fencing_token() != 0 &&
                    request.fencing_token() == session.fencing_token;
   const auto& step =

@@ -22,6 +22,7 @@
 #include "coordinator/farm_service.h"
 #include "coordinator/front_gate.h"
 #include "coordinator/visitors.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -87,14 +88,10 @@ class Server final : public FarmServer {
   ~Server() override { (void)stop(); }
 
   absl::Status start() {
-    auto door =
-        Doorkeeper::make(options_.listen.tls, visitors_, options_.tls_crl, options_.unix_clock);
-    if (!door.ok()) return door.status();
-    door_ = *std::move(door);
-    auto store = StoreWriter::open(options_.db_path);
-    if (!store.ok()) return store.status();
-    store_ = *std::move(store);
-    if (auto status = take_over(); !status.ok()) return status;
+    ASSIGN_OR_RETURN(door_, Doorkeeper::make(options_.listen.tls, visitors_, options_.tls_crl,
+                                             options_.unix_clock));
+    ASSIGN_OR_RETURN(store_, StoreWriter::open(options_.db_path));
+    RETURN_IF_ERROR(take_over());
     farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id());
     service_.use(farm_->leases(), *door_);
     loop_.start(*farm_, *store_, [this](absl::Status status) {
@@ -127,21 +124,19 @@ class Server final : public FarmServer {
 
  private:
   absl::Status take_over() {
-    if (auto status = store_->begin(); !status.ok()) return status;
-    if (auto status = store_->release_all(); !status.ok()) return status;
-    const auto damaged = store_->reopen_damaged();
-    if (!damaged.ok()) return damaged.status();
-    if (*damaged > 0)
+    RETURN_IF_ERROR(store_->begin());
+    RETURN_IF_ERROR(store_->release_all());
+    ASSIGN_OR_RETURN(const auto damaged, store_->reopen_damaged());
+    if (damaged > 0)
       log_line(LogLevel::warn, {}, "{} heat jobs wait again: their stored temperatures are damaged",
-               *damaged);
+               damaged);
     return store_->commit();
   }
 
   absl::Status finish() {
     if (options_.remove_unused) {
-      const auto removed = store_->remove_if_unused();
-      if (!removed.ok()) return removed.status();
-      if (*removed) return absl::OkStatus();
+      ASSIGN_OR_RETURN(const auto removed, store_->remove_if_unused());
+      if (removed) return absl::OkStatus();
     }
     return store_->finish();
   }
@@ -149,7 +144,7 @@ class Server final : public FarmServer {
   absl::Status bind() {
     const Address& listen = options_.listen;
     if (!listen.unix_path.empty()) {
-      if (auto status = prepare_socket(listen); !status.ok()) return status;
+      RETURN_IF_ERROR(prepare_socket(listen));
     }
     silence_grpc();
     auto gate = FrontGate::open(listen, visitors_);
@@ -209,7 +204,7 @@ class Server final : public FarmServer {
 
 absl::StatusOr<std::unique_ptr<FarmServer>> FarmServer::start(FarmServerOptions options) {
   auto server = std::make_unique<Server>(std::move(options));
-  if (auto status = server->start(); !status.ok()) return status;
+  RETURN_IF_ERROR(server->start());
   return server;
 }
 

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "core/base/status_macros.h"
 #include "schema/store/check_plausible.h"
 #include "schema/store/content.h"
 #include "schema/wire_size.h"
@@ -24,9 +25,7 @@ grpc::ServerUnaryReactor* answer(CommitLoop& loop, CommitLoop::Kind kind,
   loop.post(
       kind,
       [reply, ask = std::move(ask)](Farm& farm) -> absl::Status {
-        auto got = ask(farm);
-        if (!got.ok()) return got.status();
-        *reply = *std::move(got);
+        ASSIGN_OR_RETURN(*reply, ask(farm));
         return absl::OkStatus();
       },
       [reactor](const absl::Status& status) { reactor->Finish(to_grpc(status)); });
@@ -169,14 +168,12 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
     desk_.loop.post(
         CommitLoop::Kind::kWrites,
         [this, kept = std::move(result), checked](Farm& farm) -> absl::Status {
-          auto got = farm.complete({.worker_id = worker_id_,
-                                    .fencing_token = fencing_token_,
-                                    .sweep_sha256 = sweep_sha256_,
-                                    .result = *kept,
-                                    .content_sha256 = content_sha256_,
-                                    .checked = checked});
-          if (!got.ok()) return got.status();
-          *reply_ = *std::move(got);
+          ASSIGN_OR_RETURN(*reply_, farm.complete({.worker_id = worker_id_,
+                                                   .fencing_token = fencing_token_,
+                                                   .sweep_sha256 = sweep_sha256_,
+                                                   .result = *kept,
+                                                   .content_sha256 = content_sha256_,
+                                                   .checked = checked}));
           return wants_job_ ? add_next_job(farm) : absl::OkStatus();
         },
         [this](const absl::Status& status) { end(status); });
@@ -266,16 +263,15 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
   }
 
   absl::Status begin_asset(const schema::AssetHeader& header) {
-    if (auto status = end_last_piece(); !status.ok()) return status;
+    RETURN_IF_ERROR(end_last_piece());
     if (header.size_bytes() > kMaxAssetBytes)
       return absl::InvalidArgumentError(
           absl::StrCat("a model of ", header.size_bytes(), " bytes; at most ", kMaxAssetBytes));
     if (assets_.size() >= kMostAssets || header.sha256().size() > 64)
       return absl::InvalidArgumentError(
           absl::StrCat("more than ", kMostAssets, " files, or one with a wrong hash"));
-    auto file = SpooledFile::make(desk_.folder);
-    if (!file.ok()) return file.status();
-    assets_.push_back({header.sha256(), "", *std::move(file)});
+    ASSIGN_OR_RETURN(auto file, SpooledFile::make(desk_.folder));
+    assets_.push_back({header.sha256(), "", std::move(file)});
     asset_bytes_ = header.size_bytes();
     return absl::OkStatus();
   }
@@ -297,7 +293,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
 
   // Checks, hashes and keys take long: neither gRPC nor the commit loop is held up by them.
   absl::Status finish_reading() override {
-    if (auto status = end_last_piece(); !status.ok()) return status;
+    RETURN_IF_ERROR(end_last_piece());
     const bool posted = desk_.clerk.post([this] {
       if (auto status = safely([&] { return submit(); }); !status.ok()) end(status);
     });
@@ -313,16 +309,14 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
     if (!sweep.ParseFromString(bytes_))
       return absl::InvalidArgumentError("the sweep arrived damaged");
     bytes_ = std::string();
-    auto made = make_submission(std::move(sweep), physics_version_, std::move(assets_));
-    if (!made.ok()) return made.status();
-    made->prediction = std::move(prediction_);
-    made->priority = priority_;
+    ASSIGN_OR_RETURN(auto made,
+                     make_submission(std::move(sweep), physics_version_, std::move(assets_)));
+    made.prediction = std::move(prediction_);
+    made.priority = priority_;
     desk_.loop.post(
         CommitLoop::Kind::kWrites,
-        [this, submission = *std::move(made)](Farm& farm) -> absl::Status {
-          auto got = farm.submit(submission);
-          if (!got.ok()) return got.status();
-          *reply_ = *std::move(got);
+        [this, submission = std::move(made)](Farm& farm) -> absl::Status {
+          ASSIGN_OR_RETURN(*reply_, farm.submit(submission));
           return absl::OkStatus();
         },
         [this](const absl::Status& status) { end(status); });
@@ -352,9 +346,7 @@ class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk>,
     desk.loop.post(
         CommitLoop::Kind::kReads,
         [this, sha = std::move(sha256)](Farm& farm) -> absl::Status {
-          auto got = farm.asset(sha);
-          if (!got.ok()) return got.status();
-          bytes_ = *std::move(got);
+          ASSIGN_OR_RETURN(bytes_, farm.asset(sha));
           return absl::OkStatus();
         },
         [this](const absl::Status& status) {
@@ -436,7 +428,7 @@ grpc::ServerUnaryReactor* FarmService::Fail(grpc::CallbackServerContext* context
     return refuse(context, status);
   return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) -> absl::StatusOr<schema::FailReply> {
-                  if (auto status = farm.fail(*request); !status.ok()) return status;
+                  RETURN_IF_ERROR(farm.fail(*request));
                   return schema::FailReply();
                 });
 }

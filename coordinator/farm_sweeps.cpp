@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "jobs/size_bounds.h"
@@ -67,7 +68,7 @@ absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
   if (physics_version == 0) {
     return absl::InvalidArgumentError("a sweep is submitted with its physics_version");
   }
-  if (auto status = check_resolved(sweep); !status.ok()) return status;
+  RETURN_IF_ERROR(check_resolved(sweep));
   for (const auto& asset : assets) {
     if ((asset.file ? asset.file->sha256() : sha256_hex(asset.bytes)) != asset.sha256) {
       return absl::InvalidArgumentError(
@@ -85,56 +86,45 @@ absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
 
 absl::StatusOr<std::shared_ptr<const std::string>> Farm::asset(const std::string& sha256) {
   if (const auto found = assets_.find(sha256); found != assets_.end()) return found->second;
-  auto bytes = store_.asset(sha256);
-  if (!bytes.ok()) return bytes.status();
-  std::size_t held = bytes->size();
+  ASSIGN_OR_RETURN(auto bytes, store_.asset(sha256));
+  std::size_t held = bytes.size();
   for (const auto& [other, there] : assets_) held += there->size();
   if (held > kMostHeldBytes) assets_.clear();  // those under way are held by their calls
-  auto kept = std::make_shared<const std::string>(*std::move(bytes));
+  auto kept = std::make_shared<const std::string>(std::move(bytes));
   assets_.emplace(sha256, kept);
   return kept;
 }
 
 absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
   // Before anything is written: what a refused request has written stays.
-  if (submission.priority)
-    if (auto status = check_priority(*submission.priority); !status.ok()) return status;
-  if (submission.prediction)
-    if (auto status = check_prediction(*submission.prediction); !status.ok()) return status;
-  const auto added = store_.add_sweep(submission.sweep, submission.sweep_sha256, submission.jobs,
-                                      submission.assets);
-  if (!added.ok()) return added.status();
+  if (submission.priority) RETURN_IF_ERROR(check_priority(*submission.priority));
+  if (submission.prediction) RETURN_IF_ERROR(check_prediction(*submission.prediction));
+  ASSIGN_OR_RETURN(const auto added, store_.add_sweep(submission.sweep, submission.sweep_sha256,
+                                                      submission.jobs, submission.assets));
   if (submission.prediction) {
-    if (auto status =
-            store_.store_prediction(as_stored(*submission.prediction, submission.sweep_sha256));
-        !status.ok())
-      return status;
+    RETURN_IF_ERROR(
+        store_.store_prediction(as_stored(*submission.prediction, submission.sweep_sha256)));
   }
-  if (auto status = store_.set_physics_version(submission.sweep_sha256, submission.physics_version);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(store_.set_physics_version(submission.sweep_sha256, submission.physics_version));
   if (submission.priority)
-    if (auto status = store_.set_priority(submission.sweep_sha256, *submission.priority);
-        !status.ok())
-      return status;
+    RETURN_IF_ERROR(store_.set_priority(submission.sweep_sha256, *submission.priority));
   all_settled_.reset();
   sweeps_.erase(submission.sweep_sha256);
   remember(submission.sweep_sha256, submission.sweep).physics_version = submission.physics_version;
   schema::SubmitReply reply;
   reply.set_sweep_sha256(submission.sweep_sha256);
-  reply.set_jobs(added->jobs);
-  reply.set_jobs_to_compute(added->to_compute);
+  reply.set_jobs(added.jobs);
+  reply.set_jobs_to_compute(added.to_compute);
   log_line(LogLevel::info, {.sweep = submission.sweep.sweep().name()},
-           "{} jobs, {} to compute (sha256 {})", added->jobs, added->to_compute,
+           "{} jobs, {} to compute (sha256 {})", added.jobs, added.to_compute,
            submission.sweep_sha256);
   return reply;
 }
 
 absl::StatusOr<schema::StatusReply> Farm::status() {
-  const auto sweeps = store_.progress();
-  if (!sweeps.ok()) return sweeps.status();
+  ASSIGN_OR_RETURN(const auto sweeps, store_.progress());
   schema::StatusReply reply;
-  for (const auto& sweep : *sweeps) {
+  for (const auto& sweep : sweeps) {
     auto* out = reply.add_sweep();
     out->set_name(sweep.name);
     out->set_sweep_sha256(sweep.sweep_sha256);
@@ -179,24 +169,21 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     reply.add_warning(absl::StrCat("worker ", name, " computes nothing: it is of the determinism ",
                                    "class \"", its_class, "\", the database of another one"));
   reply.set_audited(double_check_.audited());
-  const auto aside = store_.results_aside();
-  if (!aside.ok()) return aside.status();
-  reply.set_differing(*aside);
+  ASSIGN_OR_RETURN(const auto aside, store_.results_aside());
+  reply.set_differing(aside);
   return reply;
 }
 
 absl::StatusOr<schema::CancelReply> Farm::cancel(const std::string& sweep_sha256) {
-  const auto cancelled = store_.cancel(sweep_sha256);
-  if (!cancelled.ok()) return cancelled.status();
+  ASSIGN_OR_RETURN(const auto cancelled, store_.cancel(sweep_sha256));
   all_settled_.reset();
   schema::CancelReply reply;
-  reply.set_cancelled(*cancelled);
+  reply.set_cancelled(cancelled);
   return reply;
 }
 
 absl::StatusOr<schema::PrioritizeReply> Farm::prioritize(const schema::PrioritizeRequest& request) {
-  if (auto status = store_.set_priority(request.sweep_sha256(), request.priority()); !status.ok())
-    return status;
+  RETURN_IF_ERROR(store_.set_priority(request.sweep_sha256(), request.priority()));
   log_line(LogLevel::info, {}, "priority {} (sha256 {})", request.priority(),
            request.sweep_sha256());
   return schema::PrioritizeReply();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -80,7 +81,7 @@ absl::Status FrameMeter::header_block(const FrameScanner::Frame& frame) {
 absl::Status FrameMeter::headers(const FrameScanner::Frame& frame) {
   block_bytes_ = 0;
   block_frames_ = 0;
-  if (auto status = header_block(frame); !status.ok()) return status;
+  RETURN_IF_ERROR(header_block(frame));
   if (frame.stream <= last_stream_) return absl::OkStatus();  // the trailers of an open one
   last_stream_ = frame.stream;
   open_.insert(frame.stream);
@@ -132,8 +133,7 @@ absl::Status FrameMeter::from_server(std::string_view bytes, double now_s) {
         (frame.type == kHeaders || frame.type == kData) && (frame.flags & kEndStream) != 0;
     if (ends) close(frame.stream);
     // A client can make the server do it, by what breaks a rule of one stream (CVE-2025-8671).
-    if (frame.type == kRstStream)
-      if (auto status = reset(frame.stream, now_s); !status.ok()) return status;
+    if (frame.type == kRstStream) RETURN_IF_ERROR(reset(frame.stream, now_s));
   }
   return absl::OkStatus();
 }

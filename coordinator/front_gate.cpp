@@ -27,6 +27,7 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/farm_log.h"
 #include "coordinator/relay.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -112,12 +113,10 @@ class Gate final : public FrontGate {
   ~Gate() override { stop(); }
 
   absl::Status open(const Address& address) {
-    auto opened = address.unix_path.empty() ? open_port(address) : open_path(address.unix_path);
-    if (!opened.ok()) return opened;
+    RETURN_IF_ERROR(address.unix_path.empty() ? open_port(address) : open_path(address.unix_path));
     if (address.tls) {
-      auto sockets = tls_sockets(*address.tls);
-      if (!sockets.ok()) return sockets.status();
-      desk_.sockets = *std::move(sockets);
+      ASSIGN_OR_RETURN(auto sockets, tls_sockets(*address.tls));
+      desk_.sockets = std::move(sockets);
     } else {
       desk_.sockets = plain_sockets();
     }
@@ -175,9 +174,8 @@ class Gate final : public FrontGate {
     const std::size_t colon = place.rfind(':');
     std::string host = place.substr(0, colon);
     if (host.starts_with('[')) host = host.substr(1, host.size() - 2);
-    const auto found = resolve(host, place.substr(colon + 1));
-    if (!found.ok()) return found.status();
-    for (const addrinfo* at = found->get(); at != nullptr; at = at->ai_next) {
+    ASSIGN_OR_RETURN(const auto found, resolve(host, place.substr(colon + 1)));
+    for (const addrinfo* at = found.get(); at != nullptr; at = at->ai_next) {
       // The first one's port is that of all.
       if (port_ != 0) {
         const auto port = htons(static_cast<std::uint16_t>(port_));
@@ -293,7 +291,7 @@ void FrontGate::raise_open_files() {
 absl::StatusOr<std::unique_ptr<FrontGate>> FrontGate::open(const Address& address,
                                                            Visitors& visitors) {
   auto gate = std::make_unique<Gate>(visitors);
-  if (auto status = gate->open(address); !status.ok()) return status;
+  RETURN_IF_ERROR(gate->open(address));
   return gate;
 }
 

@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   app.add_option("--lost-after-s", rules.lost_after_s, "silence after which a worker is lost")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 86400.0));
-  app.add_option("--audit-share", rules.audit_share,
+  app.add_option("--audit-share", rules.audit_fraction,
                  "of jobs that a second worker computes, too, so that their bits can be compared")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   if (!(rules.lost_after_s >= 2 * rules.heartbeat_s))
     return report(
         absl::InvalidArgumentError("--lost-after-s must be at least twice --heartbeat-s"));
-  if (!(rules.audit_share >= 0))
+  if (!(rules.audit_fraction >= 0))
     return report(absl::InvalidArgumentError("--audit-share: expected a number from 0 to 1"));
   if (listen.empty()) listen = "unix:" + db_path + "-farm";
   const auto address = irsig::parse_address(listen, network);

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
@@ -68,7 +69,7 @@ absl::StatusOr<DetectorOfFile> read_detector(const std::string& path) {
   SweepFile file;
   file.file_name = path;
   schema::DetectorFile spec;
-  if (const absl::Status status = fill_from_toml(*text, file, spec); !status.ok()) return status;
+  RETURN_IF_ERROR(fill_from_toml(*text, file, spec));
   Findings findings(file);
   check_numbers(spec, "", findings);
   if (!spec.has_noise())
@@ -92,10 +93,11 @@ absl::StatusOr<DetectorOfFile> read_detector(const std::string& path) {
   DetectorOfFile out;
   out.name = spec.has_name() ? spec.name() : path;
   if (spec.has_response_file()) {
-    auto response = read_response(
-        (std::filesystem::path(path).parent_path() / spec.response_file()).string(), kind.column);
-    if (!response.ok()) return response.status();
-    out.detector.response = *std::move(response);
+    ASSIGN_OR_RETURN(
+        auto response,
+        read_response((std::filesystem::path(path).parent_path() / spec.response_file()).string(),
+                      kind.column));
+    out.detector.response = std::move(response);
     if (spec.noise().kind() == "background")
       for (const SpectralPoint& p : out.detector.response)
         if (p.value > 1)

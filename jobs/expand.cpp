@@ -208,7 +208,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   asked.clear_output();
   asked.clear_profile();
   asked.clear_uncertainty();  // what a run of changes asks for stands in it
-  asked.mutable_model()->clear_accepted_backface_share();
+  asked.mutable_model()->clear_accepted_backface_fraction();
   for (schema::Part& part : *asked.mutable_part()) part.clear_hot();  // decides who gets paths
   return canonical_encoding(sweep);
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 
@@ -196,8 +197,7 @@ void resolve_accuracy(schema::Goniometer& spec, Findings& findings) {
 absl::StatusOr<GoniometerFile> parse_goniometer(std::string_view text, std::string_view file_name) {
   GoniometerFile file;
   file.scene.file_name = std::string(file_name);
-  if (const absl::Status status = fill_from_toml(text, file.scene, file.spec); !status.ok())
-    return status;
+  RETURN_IF_ERROR(fill_from_toml(text, file.scene, file.spec));
   copy_scene(file);
   return file;
 }

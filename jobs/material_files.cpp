@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/materials/optical/optical_files.h"
 #include "jobs/material_kinds.h"
 #include "jobs/section_check.h"
@@ -33,9 +34,8 @@ bool only_in_file(const schema::Material& material, const OpticalProperty& prope
 
 absl::Status fill_constants(const std::string& bytes, const std::string& name,
                             schema::Material& material) {
-  const auto table = read_optical_constants(bytes, name);
-  if (!table.ok()) return table.status();
-  for (const OpticalConstant& at : *table) {
+  ASSIGN_OR_RETURN(const auto table, read_optical_constants(bytes, name));
+  for (const OpticalConstant& at : table) {
     schema::OpticalConstant& point = *material.add_optical_constants();
     point.set_lambda_um(at.lambda_um);
     point.set_n(at.n);
@@ -46,14 +46,13 @@ absl::Status fill_constants(const std::string& bytes, const std::string& name,
 
 absl::Status fill_brdf(const std::string& bytes, const std::string& name,
                        schema::Material& material) {
-  const auto table = read_brdf(bytes, name);
-  if (!table.ok()) return table.status();
+  ASSIGN_OR_RETURN(const auto table, read_brdf(bytes, name));
   schema::BrdfTable& brdf = *material.mutable_brdf();
-  for (const double v : table->lambda_um) brdf.add_lambda_um(v);
-  for (const double v : table->theta_i_deg) brdf.add_theta_i_deg(v);
-  for (const double v : table->theta_r_deg) brdf.add_theta_r_deg(v);
-  for (const double v : table->phi_deg) brdf.add_phi_deg(v);
-  for (const float v : table->brdf_per_sr) brdf.add_brdf_per_sr(static_cast<double>(v));
+  for (const double v : table.lambda_um) brdf.add_lambda_um(v);
+  for (const double v : table.theta_i_deg) brdf.add_theta_i_deg(v);
+  for (const double v : table.theta_r_deg) brdf.add_theta_r_deg(v);
+  for (const double v : table.phi_deg) brdf.add_phi_deg(v);
+  for (const float v : table.brdf_per_sr) brdf.add_brdf_per_sr(static_cast<double>(v));
   return absl::OkStatus();
 }
 
@@ -61,10 +60,10 @@ absl::Status fill_brdf(const std::string& bytes, const std::string& name,
 absl::Status fill_spectrum(const std::string& bytes, const std::string& name,
                            const OpticalProperty& property, schema::Material& material) {
   const bool emissivity = std::string(property.name) == "emissivity";
-  const auto table = read_spectrum(bytes, name, emissivity ? "emissivity" : "reflectance");
-  if (!table.ok()) return table.status();
+  ASSIGN_OR_RETURN(const auto table,
+                   read_spectrum(bytes, name, emissivity ? "emissivity" : "reflectance"));
   const FieldDescriptor* field = material.GetDescriptor()->FindFieldByName(property.table);
-  for (const SpectralPoint& at : *table) {
+  for (const SpectralPoint& at : table) {
     auto& point = static_cast<schema::SpectralPoint&>(
         *material.GetReflection()->AddMessage(&material, field));
     point.set_lambda_um(at.lambda_um);

@@ -67,7 +67,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Model.height_m", 1e-3, 1e5, kSize},
     {"Model.draft_m", 0, 1e6, "a target above the water is raised by offset_m"},
     {"Model.offset_m", -1e6, 1e6, kPlacement},
-    {"Model.accepted_backface_share", 0, 1, "a share of the silhouette"},
+    {"Model.accepted_backface_fraction", 0, 1, "a share of the silhouette"},
     {"Place.latitude_deg", -90, 90, "pole to pole"},
     {"Place.longitude_deg", -180, 180, "half a turn to either side"},
     {"Place.height_m", -500, 100e3, "the shore of the Dead Sea to the end of the air"},

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "jobs/nearest_name.h"
 #include "jobs/number_bounds.h"
 #include "jobs/section_check.h"
@@ -314,8 +315,7 @@ class Filler {
 }  // namespace
 
 absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& message) {
-  if (const absl::Status status = check_toml_nesting(text, file.file_name); !status.ok())
-    return status;
+  RETURN_IF_ERROR(check_toml_nesting(text, file.file_name));
   toml::table table;
   try {
     table = toml::parse(text, file.file_name);
@@ -340,8 +340,7 @@ absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& mes
 absl::StatusOr<SweepFile> parse_sweep(std::string_view text, std::string_view file_name) {
   SweepFile file;
   file.file_name = std::string(file_name);
-  if (const absl::Status status = fill_from_toml(text, file, file.sweep); !status.ok())
-    return status;
+  RETURN_IF_ERROR(fill_from_toml(text, file, file.sweep));
   return file;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "jobs/check_weather.h"
 #include "jobs/condition_table.h"
 #include "jobs/number_bounds.h"
@@ -151,7 +152,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
                                                     std::string_view model_bytes,
                                                     std::vector<Problem>* warnings) {
   SweepFile file = as_read;
-  if (const absl::Status status = expand_conditions(file); !status.ok()) return status;
+  RETURN_IF_ERROR(expand_conditions(file));
   schema::ResolvedSweep resolved;
   *resolved.mutable_sweep() = file.sweep;
   Findings findings(file);

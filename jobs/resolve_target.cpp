@@ -14,7 +14,7 @@ namespace {
 
 std::string element_path(const char* array, int i) { return absl::StrCat(array, "[", i, "]"); }
 
-constexpr const char* kBackfaces = "accepted_backface_share";
+constexpr const char* kBackfaces = "accepted_backface_fraction";
 
 // The file name without its folders.
 std::string base_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }

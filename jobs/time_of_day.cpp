@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 
 namespace irsig {
@@ -31,13 +32,12 @@ absl::StatusOr<DayTime> day_time(const std::string& text) {
   constexpr double kDayS = 86400;
   // A day without leap second, far from the ends of the calendar.
   constexpr const char* kAnyDay = "2001-01-01T";
-  const auto utc = parse_rfc3339(absl::StrCat(kAnyDay, text));
-  if (!utc.ok()) return utc.status();
-  const auto local =
-      parse_rfc3339(absl::StrCat(kAnyDay, text.substr(0, text.find_first_of("+-Zz")), "Z"));
-  if (!local.ok()) return local.status();
+  ASSIGN_OR_RETURN(const auto utc, parse_rfc3339(absl::StrCat(kAnyDay, text)));
+  ASSIGN_OR_RETURN(
+      const auto local,
+      parse_rfc3339(absl::StrCat(kAnyDay, text.substr(0, text.find_first_of("+-Zz")), "Z")));
   const auto of_day = [](double unix_s) { return unix_s - std::floor(unix_s / kDayS) * kDayS; };
-  const double utc_s = unix_seconds(*utc), local_s = unix_seconds(*local);
+  const double utc_s = unix_seconds(utc), local_s = unix_seconds(local);
   return DayTime{of_day(local_s), of_day(utc_s), local_s - utc_s};
 }
 

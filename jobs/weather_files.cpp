@@ -7,6 +7,7 @@
 #include "core/atmosphere/air_profile.h"
 #include "core/atmosphere/imported_path.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/thermal/weather_file.h"
 #include "jobs/condition_table.h"
 #include "jobs/section_check.h"
@@ -89,7 +90,7 @@ absl::Status read_weather_files(SweepFile& file, const FileReader& read) {
     reader.text("condition_file", file.sweep.condition_file());
     if (!reader.status().ok()) return reader.status();
   }
-  if (const absl::Status status = expand_conditions(file); !status.ok()) return status;
+  RETURN_IF_ERROR(expand_conditions(file));
   if (file.sweep.air().has_profile_file())
     reader.profile("air.profile_file", file.sweep.air().profile_file());
   for (int i = 0; i < file.sweep.season_size(); ++i) {

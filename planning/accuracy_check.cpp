@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
+#include "core/base/status_macros.h"
 #include "core/study/effects_check.h"
 #include "core/study/stated_errors.h"
 #include "fmt/format.h"
@@ -42,22 +43,21 @@ absl::StatusOr<StatedRow> stated_row(StoreReader& reader, const StoredSignature&
     v.rounding = kRoundingRelative * std::abs(scale);
     return v;
   };
-  const double behind_w_sr = s.apparent_intensity_w_sr - s.contrast_intensity_w_sr;
+  const double background_w_sr = s.apparent_intensity_w_sr - s.contrast_intensity_w_sr;
   set(Stated::kIntensity, s.intensity_w_sr, s.intensity_stderr_w_sr, s.intensity_w_sr)
       .numerical_error = s.numerical_error_w_sr;
   set(Stated::kApparent, s.apparent_intensity_w_sr, s.apparent_intensity_stderr_w_sr,
       s.apparent_intensity_w_sr)
       .numerical_error = s.apparent_numerical_error_w_sr;
   set(Stated::kContrast, s.contrast_intensity_w_sr, s.contrast_intensity_stderr_w_sr,
-      std::max(std::abs(s.apparent_intensity_w_sr), std::abs(behind_w_sr)))
+      std::max(std::abs(s.apparent_intensity_w_sr), std::abs(background_w_sr)))
       .numerical_error = s.contrast_numerical_error_w_sr;
   set(Stated::kArea, s.projected_area_m2, s.projected_area_stderr_m2, s.projected_area_m2);
-  const auto spectrum = reader.spectrum(s.signature_id);
-  if (!spectrum.ok()) return spectrum.status();
-  for (int k = 0; k < spectrum->spectral_intensity_w_sr_um_size(); ++k) {
+  ASSIGN_OR_RETURN(const auto spectrum, reader.spectrum(s.signature_id));
+  for (int k = 0; k < spectrum.spectral_intensity_w_sr_um_size(); ++k) {
     StatedValue& v = out.spectrum.emplace_back();
-    v.value = static_cast<double>(spectrum->spectral_intensity_w_sr_um(k));
-    v.stderr_ = static_cast<double>(spectrum->spectral_intensity_stderr_w_sr_um(k));
+    v.value = static_cast<double>(spectrum.spectral_intensity_w_sr_um(k));
+    v.stderr_ = static_cast<double>(spectrum.spectral_intensity_stderr_w_sr_um(k));
     v.rounding = kRoundingRelative * std::abs(v.value);
   }
   return out;
@@ -69,12 +69,11 @@ absl::StatusOr<std::vector<ViewRows>> stored_views(StoreReader& reader,
                                                    std::uint64_t count) {
   SignatureFilter filter;
   filter.sweep = sweep.sweep().name();
-  const auto rows = reader.find(filter);
-  if (!rows.ok()) return rows.status();
+  ASSIGN_OR_RETURN(const auto rows, reader.find(filter));
   const auto bands = static_cast<std::uint64_t>(sweep.sweep().band_size()),
              of_view = bands * static_cast<std::uint64_t>(sweep.condition_size());
   std::map<std::uint64_t, std::vector<const StoredSignature*>> views;
-  for (const StoredSignature& s : *rows)
+  for (const StoredSignature& s : rows)
     if (!s.superseded) views[(s.row - 1) / of_view].push_back(&s);
   if (views.empty())
     return absl::InvalidArgumentError(
@@ -87,9 +86,8 @@ absl::StatusOr<std::vector<ViewRows>> stored_views(StoreReader& reader,
     ViewRows& v = out.emplace_back();
     v.viewpoint = static_cast<std::uint32_t>(view);
     for (const StoredSignature* s : stored) {
-      auto row = stated_row(reader, *s, (s->row - 1) % of_view, bands);
-      if (!row.ok()) return row.status();
-      v.row.push_back(*std::move(row));
+      ASSIGN_OR_RETURN(auto row, stated_row(reader, *s, (s->row - 1) % of_view, bands));
+      v.row.push_back(std::move(row));
     }
   }
   return out;
@@ -149,15 +147,15 @@ class Checker {
   [[nodiscard]] absl::StatusOr<CheckedErrors> check(const ViewRows& view) const {
     schema::ViewJob job;
     job.set_viewpoint_index(view.viewpoint);
-    auto request = request_from_job(sweep_, job, environment_, temperatures_, plumes_);
-    if (!request.ok()) return request.status();
+    ASSIGN_OR_RETURN(auto request,
+                     request_from_job(sweep_, job, environment_, temperatures_, plumes_));
     LongerRun longer;
     longer.times = times_;
     // As the worker has it (bridge/job_runner.cpp).
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
     if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
       longer.row_samples = accuracy.samples_per_replicate();
-    return check_stated_errors(simulator_, *std::move(request), view.row, longer);
+    return check_stated_errors(simulator_, std::move(request), view.row, longer);
   }
 
   const schema::ResolvedSweep& sweep_;
@@ -181,22 +179,18 @@ absl::StatusOr<CheckedDatabase> check_database_errors(
     AccuracySource& source, const ErrorCheckAsked& asked,
     const std::function<void(const CheckedViewpoint&)>& seen) {
   const schema::ResolvedSweep& sweep = source.loaded.resolved;
-  auto views = stored_views(*source.database, sweep, asked.views);
-  if (!views.ok()) return views.status();
-  if (auto known = have_temperatures(source.loaded); !known.ok()) return known;
-  const auto scene = scene_from_sweep(sweep, source.loaded.assets, source.loaded.heat);
-  if (!scene.ok()) return scene.status();
-  const auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
-  const auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
-  if (!environment.ok()) return environment.status();
-  auto plumes = plumes_from_sweep(sweep, source.loaded.assets);
-  if (!plumes.ok()) return plumes.status();
-  Checker checker(sweep, **simulator, *environment, scene->temperatures, *std::move(plumes),
-                  *std::move(views), asked.times, seen);
+  ASSIGN_OR_RETURN(auto views, stored_views(*source.database, sweep, asked.views));
+  RETURN_IF_ERROR(have_temperatures(source.loaded));
+  ASSIGN_OR_RETURN(const auto scene,
+                   scene_from_sweep(sweep, source.loaded.assets, source.loaded.heat));
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
+  ASSIGN_OR_RETURN(const auto environment, environment_from_sweep(sweep, simulator->band_grids()));
+  ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, source.loaded.assets));
+  Checker checker(sweep, *simulator, environment, scene.temperatures, std::move(plumes),
+                  std::move(views), asked.times, seen);
   const std::uint32_t workers =
       asked.workers > 0 ? asked.workers : std::max(std::thread::hardware_concurrency(), 1u);
-  if (auto status = checker.run(workers); !status.ok()) return status;
+  RETURN_IF_ERROR(checker.run(workers));
   return CheckedDatabase{checker.rows(), checker.views(), checker.least_times()};
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
+#include "core/base/status_macros.h"
 #include "core/effects/effects.h"
 
 namespace irsig {
@@ -48,10 +49,8 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
                                              std::uint32_t band, const ReferenceValue& reference,
                                              WorkBudget budget, const CpuClock& cpu_s) {
   const schema::ResolvedSweep row = one_row(sweep, condition, band);
-  const auto scene = scene_from_sweep(row, assets, heat);
-  if (!scene.ok()) return scene.status();
-  const auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto scene, scene_from_sweep(row, assets, heat));
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   budget.cpu_s /= 2;
   budget.primary_rays /= 2;
   budget.least_seeds = 6;
@@ -59,30 +58,27 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
   for (const auto& [name, mode] : {std::pair{kAutomatic, EffectChoice::Mode::kAuto},
                                    std::pair{kAllEffects, EffectChoice::Mode::kAll}}) {
     // Each its own: what one has remembered of air and sky does not help the other.
-    const auto environment = environment_from_sweep(row, (*simulator)->band_grids());
-    if (!environment.ok()) return environment.status();
-    auto request = request_from_job(row, {}, *environment, scene->temperatures, {});
-    if (!request.ok()) return request.status();
-    request->viewpoint = viewpoint;
-    request->selected_condition = request->selected_band = {0};
-    request->effects = {mode, {}};
-    request->accuracy.target_paths = 0;
-    request->accuracy.samples_per_replicate = 0;
+    ASSIGN_OR_RETURN(const auto environment, environment_from_sweep(row, simulator->band_grids()));
+    ASSIGN_OR_RETURN(auto request, request_from_job(row, {}, environment, scene.temperatures, {}));
+    request.viewpoint = viewpoint;
+    request.selected_condition = request.selected_band = {0};
+    request.effects = {mode, {}};
+    request.accuracy.target_paths = 0;
+    request.accuracy.samples_per_replicate = 0;
     // What is asked for shall be the relative error, of whatever value.
-    request->accuracy.absolute_error_k = 0;
+    request.accuracy.absolute_error_k = 0;
     const bool automatic = mode == EffectChoice::Mode::kAuto;
     const auto simulate = [&](double asked, std::uint64_t seed) -> absl::StatusOr<EstimateRun> {
-      request->accuracy.relative_error = asked;
-      request->seed = seed;
-      const auto view = (*simulator)->simulate(*request);
-      if (!view.ok()) return view.status();
+      request.accuracy.relative_error = asked;
+      request.seed = seed;
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(request));
       if (automatic && (out.left_out.empty() || out.left_out.back().asked_relative_error != asked))
-        out.left_out.push_back({asked, left_out_of(view->row.front(), request->max_reflections)});
-      return run_of(*view, 0);
+        out.left_out.push_back({asked, left_out_of(view.row.front(), request.max_reflections)});
+      return run_of(view, 0);
     };
-    auto points = whole_run_curve({name, simulate}, kAsked, reference, budget, cpu_s);
-    if (!points.ok()) return points.status();
-    out.work.push_back({"effects", name, *std::move(points)});
+    ASSIGN_OR_RETURN(auto points,
+                     whole_run_curve({name, simulate}, kAsked, reference, budget, cpu_s));
+    out.work.push_back({"effects", name, std::move(points)});
   }
   return out;
 }

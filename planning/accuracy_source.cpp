@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 
 namespace irsig {
@@ -20,10 +21,9 @@ bool is_database(const std::string& path) {
 // The one sweep of the database, or the one that is asked for.
 absl::StatusOr<std::string> choose(StoreReader& reader, const std::string& path,
                                    const std::string& asked) {
-  const auto sweeps = reader.progress();
-  if (!sweeps.ok()) return sweeps.status();
+  ASSIGN_OR_RETURN(const auto sweeps, reader.progress());
   std::vector<std::string> names;
-  for (const SweepProgress& sweep : *sweeps) names.push_back(sweep.name);
+  for (const SweepProgress& sweep : sweeps) names.push_back(sweep.name);
   if (names.empty()) return absl::InvalidArgumentError(absl::StrCat(path, " holds no sweep"));
   if (asked.empty() && names.size() == 1) return names.front();
   for (const std::string& name : names)
@@ -42,24 +42,20 @@ absl::StatusOr<AccuracySource> load_accuracy_source(const std::string& path,
     if (!sweep_name.empty())
       return absl::InvalidArgumentError(
           absl::StrCat("--sweep ", sweep_name, ": ", path, " is no database but one sweep"));
-    auto loaded = load_sweep(path, {});
-    if (!loaded.ok()) return loaded.status();
-    out.loaded = *std::move(loaded);
+    ASSIGN_OR_RETURN(auto loaded, load_sweep(path, {}));
+    out.loaded = std::move(loaded);
     return out;
   }
-  auto reader = StoreReader::open(path);
-  if (!reader.ok()) return reader.status();
-  const auto name = choose(**reader, path, sweep_name);
-  if (!name.ok()) return name.status();
-  auto stored = (*reader)->sweep(*name);
-  if (!stored.ok()) return stored.status();
+  ASSIGN_OR_RETURN(auto reader, StoreReader::open(path));
+  ASSIGN_OR_RETURN(const auto name, choose(*reader, path, sweep_name));
+  ASSIGN_OR_RETURN(auto stored, reader->sweep(name));
   // Errors about keys of the sweep say where it stands.
   out.loaded.file.file_name = path;
-  out.loaded.file.sweep = stored->resolved.sweep();
-  out.loaded.resolved = std::move(stored->resolved);
-  out.loaded.assets = std::move(stored->assets);
-  out.loaded.heat = std::move(stored->heat);
-  out.database = *std::move(reader);
+  out.loaded.file.sweep = stored.resolved.sweep();
+  out.loaded.resolved = std::move(stored.resolved);
+  out.loaded.assets = std::move(stored.assets);
+  out.loaded.heat = std::move(stored.heat);
+  out.database = std::move(reader);
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "core/study/precompute.h"
 #include "core/study/work_precision.h"
@@ -60,32 +61,30 @@ absl::StatusOr<std::unique_ptr<BuiltScene>> build(const LoadedSweep& loaded, con
   }
   auto out = std::make_unique<BuiltScene>();
   const double start_s = process_cpu_s();
-  auto scene = scene_from_sweep(resolved, loaded.assets, loaded.heat);
-  if (!scene.ok()) return scene.status();
-  scene->tracer = change.tracer;
-  auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
-  out->simulator = *std::move(simulator);
-  auto environment = environment_from_sweep(resolved, out->simulator->band_grids());
-  if (!environment.ok()) return environment.status();
+  ASSIGN_OR_RETURN(auto scene, scene_from_sweep(resolved, loaded.assets, loaded.heat));
+  scene.tracer = change.tracer;
+  ASSIGN_OR_RETURN(auto simulator, Simulator::create(scene));
+  out->simulator = std::move(simulator);
+  ASSIGN_OR_RETURN(auto environment,
+                   environment_from_sweep(resolved, out->simulator->band_grids()));
   // Of the target's own light: hot gas has samples of its own.
-  auto request = request_from_job(resolved, {}, *std::move(environment), scene->temperatures, {});
-  if (!request.ok()) return request.status();
-  out->request = *std::move(request);
+  ASSIGN_OR_RETURN(auto request,
+                   request_from_job(resolved, {}, std::move(environment), scene.temperatures, {}));
+  out->request = std::move(request);
   out->request.viewpoint = place.viewpoint;
   // The first view of a sweep also makes what all views share: air and sky remember it.
-  const auto first = ViewEstimator::create(*out->simulator, out->request, place.condition);
-  if (!first.ok()) return first.status();
+  ASSIGN_OR_RETURN(const auto first,
+                   ViewEstimator::create(*out->simulator, out->request, place.condition));
   const double shared_s = process_cpu_s();
-  auto estimator = ViewEstimator::create(*out->simulator, out->request, place.condition);
-  if (!estimator.ok()) return estimator.status();
-  out->estimator = *std::move(estimator);
+  ASSIGN_OR_RETURN(auto estimator,
+                   ViewEstimator::create(*out->simulator, out->request, place.condition));
+  out->estimator = std::move(estimator);
   out->view_cpu_s = process_cpu_s() - shared_s;
   out->scene_cpu_s = std::max(shared_s - start_s - out->view_cpu_s, 0.0);
   return out;
 }
 
-WorkMethod method(std::string name, const ViewEstimator& estimator, const EstimatorKnobs& knobs,
+WorkMethod method(std::string name, const ViewEstimator& estimator, const EstimatorOptions& knobs,
                   ViewRow row, std::uint64_t first_samples = 64) {
   return {std::move(name),
           [&estimator, knobs, row](std::uint64_t samples, std::uint64_t seed) {
@@ -111,20 +110,20 @@ class RowStudy {
   }
 
   absl::StatusOr<StudiedRow> run() {
-    out_.reference =
-        reference_value(*scene_.estimator, shipped_, row_, 1u << 14, share_of(0.2), process_cpu_s);
+    out_.reference = reference_value(*scene_.estimator, shipped_, row_, 1u << 14, fraction_of(0.2),
+                                     process_cpu_s);
     const std::uint32_t most = shipped_.max_reflections;
-    EstimatorKnobs pseudo = shipped_;
+    EstimatorOptions pseudo = shipped_;
     pseudo.pseudo_random = true;
     add("methods", method(kPlain, *scene_.estimator, plain_monte_carlo(most), row_, 32), 0.28,
         1u << 22);
-    EstimatorKnobs unmasked = shipped_;
+    EstimatorOptions unmasked = shipped_;
     unmasked.coverage_mask = unmasked.hot_parts = false;
     add("methods", method(kPseudo, *scene_.estimator, pseudo, row_), 0.08);
     add("methods", method(kUnmasked, *scene_.estimator, unmasked, row_), 0.08);
     add("methods", method(kQuasi, *scene_.estimator, shipped_, row_), 0.08);
     for (const std::uint32_t n : {0u, 1u, 2u, 3u, 4u}) {
-      EstimatorKnobs knobs = shipped_;
+      EstimatorOptions knobs = shipped_;
       knobs.max_reflections = n;
       add("reflections",
           method(fmt::format("{} reflection{}", n, n == 1 ? "" : "s"), *scene_.estimator, knobs,
@@ -132,15 +131,15 @@ class RowStudy {
           0.03);
     }
     trace_once();
-    if (auto status = effects(); !status.ok()) return status;
-    if (auto status = tracers(); !status.ok()) return status;
-    if (auto status = steps(); !status.ok()) return status;
-    if (auto status = precompute(); !status.ok()) return status;
+    RETURN_IF_ERROR(effects());
+    RETURN_IF_ERROR(tracers());
+    RETURN_IF_ERROR(steps());
+    RETURN_IF_ERROR(precompute());
     return present(out_);
   }
 
  private:
-  [[nodiscard]] WorkBudget share_of(double share) const {
+  [[nodiscard]] WorkBudget fraction_of(double share) const {
     WorkBudget budget = budget_;
     budget.cpu_s *= share;
     budget.primary_rays *= share;
@@ -149,7 +148,7 @@ class RowStudy {
 
   void add(const std::string& group, const WorkMethod& method, double share,
            std::uint64_t most_samples = 1u << 18) {
-    WorkBudget budget = share_of(share);
+    WorkBudget budget = fraction_of(share);
     budget.most_samples_per_replicate = most_samples;
     out_.work.push_back(
         {group, method.name, work_curve(method, out_.reference, budget, process_cpu_s)});
@@ -190,12 +189,11 @@ class RowStudy {
   }
 
   absl::Status effects() {
-    auto curves =
-        effects_curves(loaded_.resolved, loaded_.assets, loaded_.heat, place_.viewpoint,
-                       row_.condition, row_.band, out_.reference, share_of(0.12), process_cpu_s);
-    if (!curves.ok()) return curves.status();
-    for (WorkMeasurement& m : curves->work) out_.work.push_back(std::move(m));
-    out_.left_out = std::move(curves->left_out);
+    ASSIGN_OR_RETURN(auto curves, effects_curves(loaded_.resolved, loaded_.assets, loaded_.heat,
+                                                 place_.viewpoint, row_.condition, row_.band,
+                                                 out_.reference, fraction_of(0.12), process_cpu_s));
+    for (WorkMeasurement& m : curves.work) out_.work.push_back(std::move(m));
+    out_.left_out = std::move(curves.left_out);
     return absl::OkStatus();
   }
 
@@ -204,9 +202,8 @@ class RowStudy {
     for (const auto& [name, options] :
          {std::pair{"robust, no guard", TracerOptions{true, TracerGuard::kNone}},
           std::pair{"fast, no guard", TracerOptions{false, TracerGuard::kNone}}}) {
-      const auto scene = build(loaded_, place_, {options, std::nullopt});
-      if (!scene.ok()) return scene.status();
-      add("tracing", method(name, *(*scene)->estimator, shipped_, row_), 0.03);
+      ASSIGN_OR_RETURN(const auto scene, build(loaded_, place_, {options, std::nullopt}));
+      add("tracing", method(name, *scene->estimator, shipped_, row_), 0.03);
     }
     return absl::OkStatus();
   }
@@ -270,13 +267,12 @@ class RowStudy {
     double in_band_w_sr = 0;
     const double start_s = process_cpu_s();
     for (int run = 0; run < kRuns; ++run) {
-      const auto spectrum =
-          precompute_spectrum(target, band.lambda_min_um, band.lambda_max_um, p.step_um());
-      if (!spectrum.ok()) return spectrum.status();
+      ASSIGN_OR_RETURN(const auto spectrum, precompute_spectrum(target, band.lambda_min_um,
+                                                                band.lambda_max_um, p.step_um()));
       in_band_w_sr = 0;
-      for (std::size_t k = 1; k < spectrum->size(); ++k)
-        in_band_w_sr += ((*spectrum)[k].lambda_um - (*spectrum)[k - 1].lambda_um) *
-                        ((*spectrum)[k].value + (*spectrum)[k - 1].value) / 2;
+      for (std::size_t k = 1; k < spectrum.size(); ++k)
+        in_band_w_sr += (spectrum[k].lambda_um - spectrum[k - 1].lambda_um) *
+                        (spectrum[k].value + spectrum[k - 1].value) / 2;
     }
     WorkPoint point;
     point.cpu_s = (process_cpu_s() - start_s) / kRuns;
@@ -292,7 +288,7 @@ class RowStudy {
   const Place& place_;
   ViewRow row_;
   WorkBudget budget_;
-  EstimatorKnobs shipped_;
+  EstimatorOptions shipped_;
   RowMeasurements out_;
 };
 
@@ -325,8 +321,7 @@ absl::StatusOr<ChosenRows> choose_rows(const schema::ResolvedSweep& sweep,
 absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded,
                                                        const AccuracyRows& rows) {
   const schema::ResolvedSweep& sweep = loaded.resolved;
-  const auto chosen = choose_rows(sweep, rows);
-  if (!chosen.ok()) return chosen.status();
+  ASSIGN_OR_RETURN(const auto chosen, choose_rows(sweep, rows));
   Place place;
   const schema::Viewpoint& middle = sweep.viewpoint(sweep.viewpoint_size() / 2);
   place.viewpoint = {middle.aspect_azimuth_deg(), middle.aspect_elevation_deg(), middle.range_m()};
@@ -335,19 +330,18 @@ absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded
     place.viewpoint.aspect_elevation_deg = (*rows.aspect_deg)[1];
   }
   Place everything = place;
-  place.condition = {chosen->condition};
+  place.condition = {chosen.condition};
   for (int i = 0; i < sweep.condition_size(); ++i)
     everything.condition.push_back(static_cast<std::uint32_t>(i));
-  const auto scene = build(loaded, everything, {});
-  if (!scene.ok()) return scene.status();
+  ASSIGN_OR_RETURN(const auto scene, build(loaded, everything, {}));
   WorkBudget budget;
-  budget.cpu_s = rows.seconds / static_cast<double>(chosen->band.size());
-  budget.primary_rays = rows.primary_rays / static_cast<double>(chosen->band.size());
+  budget.cpu_s = rows.seconds / static_cast<double>(chosen.band.size());
+  budget.primary_rays = rows.primary_rays / static_cast<double>(chosen.band.size());
   std::vector<StudiedRow> out;
-  for (const std::uint32_t band : chosen->band) {
-    auto row = RowStudy(loaded, **scene, place, {chosen->condition, band}, budget).run();
-    if (!row.ok()) return row.status();
-    out.push_back(*std::move(row));
+  for (const std::uint32_t band : chosen.band) {
+    ASSIGN_OR_RETURN(auto row,
+                     RowStudy(loaded, *scene, place, {chosen.condition, band}, budget).run());
+    out.push_back(std::move(row));
   }
   return out;
 }

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -56,33 +57,29 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
     return absl::InvalidArgumentError(
         "verify-effects: the sweep asks for no relative error, so that nothing would be left out: "
         "say --relative-error");
-  const auto rows = chosen_rows(sweep, asked);
-  if (!rows.ok()) return rows.status();
-  const auto scene = scene_from_sweep(sweep, loaded.assets, loaded.heat);
-  if (!scene.ok()) return scene.status();
-  const auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto rows, chosen_rows(sweep, asked));
+  ASSIGN_OR_RETURN(const auto scene, scene_from_sweep(sweep, loaded.assets, loaded.heat));
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   // One for each of the two runs: neither profits from what the other has made.
-  const auto for_chosen = environment_from_sweep(sweep, (*simulator)->band_grids()),
-             for_all = environment_from_sweep(sweep, (*simulator)->band_grids());
-  if (!for_chosen.ok()) return for_chosen.status();
+  ASSIGN_OR_RETURN(const auto for_chosen, environment_from_sweep(sweep, simulator->band_grids()),
+                   for_all = environment_from_sweep(sweep, simulator->band_grids()));
   if (!for_all.ok()) return for_all.status();
-  const auto plumes = plumes_from_sweep(sweep, loaded.assets);
-  if (!plumes.ok()) return plumes.status();
+  ASSIGN_OR_RETURN(const auto plumes, plumes_from_sweep(sweep, loaded.assets));
   std::vector<CheckedView> views;
-  for (const ChosenViewRows& chosen : *rows) {
+  for (const ChosenViewRows& chosen : rows) {
     schema::ViewJob job;
     job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
     job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
     job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());
-    auto request = request_from_job(sweep, job, *for_chosen, scene->temperatures, *plumes);
-    if (!request.ok()) return request.status();
-    request->effects = {EffectChoice::Mode::kAuto, {}};
-    auto view = check_effects(**simulator, *std::move(request),
-                              {*for_all, views.empty(), asked.timed, asked.reference_paths}, cpu_s);
-    if (!view.ok()) return view.status();
-    seen(*view);
-    views.push_back(*std::move(view));
+    ASSIGN_OR_RETURN(auto request,
+                     request_from_job(sweep, job, for_chosen, scene.temperatures, plumes));
+    request.effects = {EffectChoice::Mode::kAuto, {}};
+    ASSIGN_OR_RETURN(
+        auto view,
+        check_effects(*simulator, std::move(request),
+                      {*for_all, views.empty(), asked.timed, asked.reference_paths}, cpu_s));
+    seen(view);
+    views.push_back(std::move(view));
   }
   return views;
 }

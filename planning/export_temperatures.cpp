@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bridge/sweep_temperatures.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "planning/sweep_facets.h"
 #include "view/table.h"
@@ -17,20 +18,16 @@ absl::Status export_temperatures(const std::string& database, const std::string&
                                  std::ostream& out) {
   std::string time_utc;
   if (!time.empty()) {
-    const auto parsed = parse_rfc3339(time);
-    if (!parsed.ok()) return parsed.status();
-    time_utc = format_rfc3339_utc(*parsed);
+    ASSIGN_OR_RETURN(const auto parsed, parse_rfc3339(time));
+    time_utc = format_rfc3339_utc(parsed);
   }
-  const auto facets = SweepFacets::load(database, sweep_name);
-  if (!facets.ok()) return facets.status();
-  const schema::ResolvedSweep& sweep = facets->sweep();
-  const std::vector<std::uint32_t>& part = facets->part();
-  const auto mesh = field_mesh(sweep, facets->source().loaded.assets);
-  if (!mesh.ok()) return mesh.status();
+  ASSIGN_OR_RETURN(const auto facets, SweepFacets::load(database, sweep_name));
+  const schema::ResolvedSweep& sweep = facets.sweep();
+  const std::vector<std::uint32_t>& part = facets.part();
+  ASSIGN_OR_RETURN(const auto mesh, field_mesh(sweep, facets.source().loaded.assets));
   const std::vector<Column> columns = {{"season"}, {"time"}, {"part"},        {"facet"}, {"x"},
                                        {"y"},      {"z"},    {"temperature"}, {"error"}};
-  const auto table = make_table_writer("csv", columns, out);
-  if (!table.ok()) return table.status();
+  ASSIGN_OR_RETURN(const auto table, make_table_writer("csv", columns, out));
   // Nobody knows the temperature of a facet that nobody sees.
   const auto known = [](double value) { return std::isnan(value) ? Cell() : Cell(value); };
   bool any = false;
@@ -40,15 +37,15 @@ absl::Status export_temperatures(const std::string& database, const std::string&
     if (!time_utc.empty() && condition.time_utc() != time_utc) continue;
     any = true;
     for (std::size_t f = 0; f < part.size(); ++f) {
-      const SweepFacets::Temperature at = facets->temperature(c, f);
-      const std::array<double, 3> place = mesh->centroid(f);
-      (*table)->row({condition.season(), condition.time_utc(),
-                     sweep.sweep().part(static_cast<int>(part[f])).name(), std::uint64_t{f},
-                     place[0], place[1], place[2], known(at.kelvin), known(at.error_k)});
+      const SweepFacets::Temperature at = facets.temperature(c, f);
+      const std::array<double, 3> place = mesh.centroid(f);
+      table->row({condition.season(), condition.time_utc(),
+                  sweep.sweep().part(static_cast<int>(part[f])).name(), std::uint64_t{f}, place[0],
+                  place[1], place[2], known(at.kelvin), known(at.error_k)});
     }
   }
   if (!any) return absl::NotFoundError("nothing to export: no condition matches the filters");
-  return (*table)->finish();
+  return table->finish();
 }
 
 }  // namespace irsig

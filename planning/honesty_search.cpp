@@ -19,6 +19,7 @@
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/replicates.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/scene/mesh.h"
 #include "core/stability/reference_view.h"
 #include "jobs/expand.h"
@@ -50,30 +51,25 @@ struct Computed {
 absl::StatusOr<Computed> resolved_scene(const RandomScene& scene) {
   Computed out;
   out.model = model_obj(scene);
-  const auto file = parse_sweep(sweep_toml(scene, "model.obj"), "scene.toml");
-  if (!file.ok()) return file.status();
-  auto resolved = resolve_sweep(*file, out.model);
-  if (!resolved.ok()) return resolved.status();
-  out.sweep = *std::move(resolved);
+  ASSIGN_OR_RETURN(const auto file, parse_sweep(sweep_toml(scene, "model.obj"), "scene.toml"));
+  ASSIGN_OR_RETURN(out.sweep, resolve_sweep(file, out.model));
   const Assets model = model_alone(out.sweep, out.model);
-  auto heat = heat_outputs(out.sweep, model);
-  if (!heat.ok()) return heat.status();
-  out.heat = *std::move(heat);
+  ASSIGN_OR_RETURN(auto heat, heat_outputs(out.sweep, model));
+  out.heat = std::move(heat);
   for (const schema::JobSpec& job : expand_jobs(out.sweep, physics_version()))
     if (job.has_view()) out.job = job.view();
   return out;
 }
 
 absl::Status compute_rows(Computed& program) {
-  const auto runner =
-      JobRunner::create(program.sweep, model_alone(program.sweep, program.model), program.heat);
-  if (!runner.ok()) return runner.status();
+  ASSIGN_OR_RETURN(
+      const auto runner,
+      JobRunner::create(program.sweep, model_alone(program.sweep, program.model), program.heat));
   for (const schema::JobSpec& job : expand_jobs(program.sweep, physics_version())) {
     if (!job.has_view()) continue;  // its temperatures are known
-    const auto result = (*runner)->run(job);
-    if (!result.ok()) return result.status();
-    program.rays += result->rays();
-    program.row.insert(program.row.end(), result->view().row().begin(), result->view().row().end());
+    ASSIGN_OR_RETURN(const auto result, runner->run(job));
+    program.rays += result.rays();
+    program.row.insert(program.row.end(), result.view().row().begin(), result.view().row().end());
   }
   return absl::OkStatus();
 }
@@ -81,7 +77,7 @@ absl::Status compute_rows(Computed& program) {
 absl::StatusOr<Computed> compute(const RandomScene& scene) {
   auto program = resolved_scene(scene);
   if (!program.ok()) return program;
-  if (const absl::Status status = compute_rows(*program); !status.ok()) return status;
+  RETURN_IF_ERROR(compute_rows(*program));
   return program;
 }
 
@@ -90,8 +86,9 @@ struct Named {
   double value, stderr_, error, bounds;
 };
 std::array<Named, 3> quantities(const schema::SignatureRow& r) {
-  const double bounds = r.unseen_bound_w_sr() + r.truncation_bound_w_sr() +
-                        r.quadrature_bound_w_sr() + r.sky_bound_w_sr() + r.omitted_bound_w_sr();
+  const double bounds = r.undersampling_bound_w_sr() + r.truncation_bound_w_sr() +
+                        r.quadrature_bound_w_sr() + r.direction_interpolation_bound_w_sr() +
+                        r.omitted_bound_w_sr();
   return {Named{"total", r.intensity_w_sr().value(), r.intensity_w_sr().stderr(),
                 r.numerical_error_w_sr(), bounds},
           Named{"apparent", r.apparent_intensity_w_sr().value(),
@@ -105,19 +102,18 @@ JudgedValue judged(const schema::SignatureRow& row, const Named& q, const std::s
   out.what = absl::StrCat(prefix, q.name, ", band ", row.band_index());
   out.value = q.value;
   out.error = q.error;
-  out.target_reached = row.stop_reason() == schema::STOP_REASON_TARGET_REACHED;
+  out.accuracy_reached = row.stop_reason() == schema::STOP_REASON_ACCURACY_REACHED;
   out.statistical = q.stderr_ > 0.9 * q.error && q.bounds < 0.1 * q.error;
   return out;
 }
 
 absl::StatusOr<ReferenceView> reference_of(const Computed& program) {
-  const auto scene =
-      scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat);
-  if (!scene.ok()) return scene.status();
-  const auto request =
-      request_from_job(program.sweep, program.job, nullptr, scene->temperatures, {});
-  if (!request.ok()) return request.status();
-  return ReferenceView::make(*scene, *request, 0);
+  ASSIGN_OR_RETURN(
+      const auto scene,
+      scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat));
+  ASSIGN_OR_RETURN(const auto request,
+                   request_from_job(program.sweep, program.job, nullptr, scene.temperatures, {}));
+  return ReferenceView::make(scene, request, 0);
 }
 
 // Whether the reference, too, has nothing of the target in sight: then it is right that no row is
@@ -134,15 +130,14 @@ bool sees_nothing(const Computed& program, std::uint64_t seed, SceneVerdict& ver
 
 absl::Status by_reference(const Computed& program, const SearchOptions& options, std::uint64_t seed,
                           SceneVerdict& verdict) {
-  const auto reference = reference_of(program);
-  if (!reference.ok()) return reference.status();
+  ASSIGN_OR_RETURN(const auto reference, reference_of(program));
   const auto estimates = [](const ReferenceView::Row& row) {
     return std::array{row.total, row.apparent, row.contrast};
   };
   // The count is fixed by pilots with numbers of their own.
   double samples = 0;
   for (const std::uint64_t pilot_samples : {kPilotSamples, 8 * kPilotSamples}) {
-    const ReferenceView::Result pilot = reference->run(pilot_samples, 3 * seed + pilot_samples);
+    const ReferenceView::Result pilot = reference.run(pilot_samples, 3 * seed + pilot_samples);
     verdict.reference_rays += pilot.rays;
     double ratio = 0;
     for (const schema::SignatureRow& row : program.row) {
@@ -162,7 +157,7 @@ absl::Status by_reference(const Computed& program, const SearchOptions& options,
         std::clamp(std::max(samples, 1.3 * ratio * ratio * count), count, std::max(most, count));
   }
   const ReferenceView::Result truth =
-      reference->run(static_cast<std::uint64_t>(samples), 3 * seed + 1);
+      reference.run(static_cast<std::uint64_t>(samples), 3 * seed + 1);
   verdict.reference_rays += truth.rays;
   for (const schema::SignatureRow& row : program.row) {
     const auto stated = quantities(row);
@@ -182,9 +177,8 @@ absl::Status by_reference(const Computed& program, const SearchOptions& options,
 
 absl::Status by_invariance(const RandomScene& scene, const Computed& program, Invariance by,
                            SceneVerdict& verdict) {
-  const auto other = compute(changed(scene, by));
-  if (!other.ok()) return other.status();
-  verdict.program_rays += other->rays;
+  ASSIGN_OR_RETURN(const auto other, compute(changed(scene, by)));
+  verdict.program_rays += other.rays;
   const std::string prefix = absl::StrCat(name_of(by), ": ");
   for (const schema::SignatureRow& row : program.row) {
     const auto here = quantities(row);
@@ -192,7 +186,7 @@ absl::Status by_invariance(const RandomScene& scene, const Computed& program, In
       JudgedValue v = judged(row, here[i], prefix);
       v.by_reference = false;
       double error2 = 0;
-      for (const schema::SignatureRow& there : other->row) {
+      for (const schema::SignatureRow& there : other.row) {
         const std::uint32_t band =
             by == Invariance::kSplitBand ? there.band_index() / 2 : there.band_index();
         if (band != row.band_index()) continue;
@@ -551,7 +545,7 @@ std::string summary_text(const SearchSummary& summary) {
       if (!(std::abs(v.deviation()) <= kBeyond))
         absl::StrAppend(&beyond, absl::StrFormat("  seed %d (%s) %s: %.4g errors%s\n", s.seed,
                                                  name_of(s.family), v.what, v.deviation(),
-                                                 v.target_reached ? ", target_reached" : ""));
+                                                 v.accuracy_reached ? ", accuracy_reached" : ""));
     }
   }
   std::string out =

@@ -37,7 +37,7 @@ struct JudgedValue {
   double truth = 0, truth_error = 0;  // one sigma
   bool by_reference = true;           // else by an invariance
   bool statistical = false;           // its error is mostly standard error, bounds below a tenth
-  bool target_reached = false;
+  bool accuracy_reached = false;
   // (value - truth) / both errors together.
   [[nodiscard]] double deviation() const;
 };

@@ -11,6 +11,7 @@
 #include "bridge/sweep_temperatures.h"
 #include "core/base/printable.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/model_file.h"
 #include "jobs/expand.h"
@@ -78,28 +79,22 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
 }
 
 absl::StatusOr<SweepFile> load_sweep_text(const std::string& text, const std::string& path) {
-  auto file = parse_sweep(text, path);
-  if (!file.ok()) return file.status();
+  ASSIGN_OR_RETURN(auto file, parse_sweep(text, path));
   const auto reader = [&](std::uint64_t most_bytes) {
     return [&path, most_bytes](const std::string& name) {
       return read_file_beside(path, name, most_bytes);
     };
   };
   for (const auto read : {read_material_files, read_weather_files})
-    if (const absl::Status status = read(*file, reader(kMostTableBytes)); !status.ok())
-      return status;
-  if (const absl::Status status = read_temperature_files(*file, reader(kMostModelBytes));
-      !status.ok())
-    return status;
-  if (const absl::Status status = read_plume_file(*file, reader(kMostModelBytes)); !status.ok())
-    return status;
+    RETURN_IF_ERROR(read(file, reader(kMostTableBytes)));
+  RETURN_IF_ERROR(read_temperature_files(file, reader(kMostModelBytes)));
+  RETURN_IF_ERROR(read_plume_file(file, reader(kMostModelBytes)));
   return file;
 }
 
 absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAsked& asked) {
-  auto file = load_sweep_file(path);
-  if (!file.ok()) return file.status();
-  return try_sweep(*std::move(file), path, asked);
+  ASSIGN_OR_RETURN(auto file, load_sweep_file(path));
+  return try_sweep(std::move(file), path, asked);
 }
 
 absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
@@ -119,8 +114,7 @@ absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
     loaded.file.where["accuracy.time_budget_s"] = "--time-budget-s";
   }
   if (asked.effects) {
-    if (absl::Status status = replace_effects(*asked.effects, loaded.file); !status.ok())
-      return status;
+    RETURN_IF_ERROR(replace_effects(*asked.effects, loaded.file));
   }
   std::string model_bytes;
   if (loaded.file.sweep.model().has_file()) {
@@ -134,9 +128,8 @@ absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
     model_bytes = *std::move(bytes);
   }
   std::vector<Problem> warnings;
-  auto resolved = resolve_sweep(loaded.file, model_bytes, &warnings);
-  if (!resolved.ok()) return resolved.status();
-  loaded.resolved = *std::move(resolved);
+  ASSIGN_OR_RETURN(auto resolved, resolve_sweep(loaded.file, model_bytes, &warnings));
+  loaded.resolved = std::move(resolved);
   if (!loaded.resolved.model_sha256().empty())
     loaded.assets[loaded.resolved.model_sha256()] = std::move(model_bytes);
   for (const auto& [name, bytes] : fields_of(loaded.file))
@@ -148,18 +141,15 @@ absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
   for (schema::Condition& condition : *loaded.resolved.mutable_condition())
     for (std::string& warning : *condition.mutable_warning())
       warning = loaded.file.as_written(warning);
-  if (!asked.shard.empty())
-    if (absl::Status status = take_shard(asked.shard, loaded.resolved); !status.ok()) return status;
+  if (!asked.shard.empty()) RETURN_IF_ERROR(take_shard(asked.shard, loaded.resolved));
   loaded.size = size_of(loaded.resolved, bytes_of(loaded.assets));
-  if (!asked.any_size)
-    if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
+  if (!asked.any_size) RETURN_IF_ERROR(check_size(loaded.size));
   const auto runner = JobRunner::create(loaded.resolved, loaded.assets, {});
   if (!runner.ok()) return located(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();
   // How many facets have temperatures is known only now.
   loaded.size.database_bytes += static_cast<double>((*runner)->heat_bytes());
-  if (!asked.any_size)
-    if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
+  if (!asked.any_size) RETURN_IF_ERROR(check_size(loaded.size));
   for (std::string& line : located_warnings((*runner)->warnings(), loaded.file))
     loaded.warnings.push_back(std::move(line));
   return loaded;

@@ -8,6 +8,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/scratch_folder.h"
+#include "core/base/status_macros.h"
 #include "planning/interruption.h"
 #include "planning/pilot_farm.h"
 #include "view/heat_effects.h"
@@ -21,9 +22,8 @@ using Steady = std::chrono::steady_clock;
 class LocalPilotFarm final : public PilotFarm {
  public:
   static absl::StatusOr<std::unique_ptr<LocalPilotFarm>> start(const Assets& assets) {
-    auto folder = ScratchFolder::make();
-    if (!folder.ok()) return folder.status();
-    auto pilot = std::unique_ptr<LocalPilotFarm>(new LocalPilotFarm(*std::move(folder), assets));
+    ASSIGN_OR_RETURN(auto folder, ScratchFolder::make());
+    auto pilot = std::unique_ptr<LocalPilotFarm>(new LocalPilotFarm(std::move(folder), assets));
     hear_interruptions();
     auto farm =
         LocalFarm::start({.db_path = pilot->database(),
@@ -39,52 +39,43 @@ class LocalPilotFarm final : public PilotFarm {
   absl::StatusOr<std::vector<PilotStage>> run(std::vector<schema::ResolvedSweep> sweeps) override {
     for (schema::ResolvedSweep& sweep : sweeps) {
       sweep.mutable_sweep()->set_name(absl::StrCat("pilot ", ++sweeps_));
-      const auto sent =
-          submit(farm_->address(), sweep, assets_, static_cast<std::uint32_t>(physics_version()));
-      if (!sent.ok()) return sent.status();
+      ASSIGN_OR_RETURN(const auto sent, submit(farm_->address(), sweep, assets_,
+                                               static_cast<std::uint32_t>(physics_version())));
     }
     const auto start = Steady::now();
-    if (auto status = farm_->start_workers(); !status.ok()) return status;
-    if (auto status = wait(); !status.ok()) return status;
+    RETURN_IF_ERROR(farm_->start_workers());
+    RETURN_IF_ERROR(wait());
     wall_s_ = std::chrono::duration<double>(Steady::now() - start).count();
-    auto reader = StoreReader::open(database());
-    if (!reader.ok()) return reader.status();
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(database()));
     std::vector<PilotStage> stages;
     for (const schema::ResolvedSweep& sweep : sweeps) {
       PilotStage& stage = stages.emplace_back();
       SignatureFilter filter;
       filter.sweep = sweep.sweep().name();
-      auto rows = (*reader)->find(filter);
-      if (!rows.ok()) return rows.status();
-      stage.rows = *std::move(rows);
-      const auto stored = (*reader)->sweep(filter.sweep, SweepFiles::kTemperatures);
-      if (!stored.ok()) return stored.status();
-      const auto heat = HeatEffects::make(*stored);
-      if (!heat.ok()) return heat.status();
+      ASSIGN_OR_RETURN(auto rows, reader->find(filter));
+      stage.rows = std::move(rows);
+      ASSIGN_OR_RETURN(const auto stored, reader->sweep(filter.sweep, SweepFiles::kTemperatures));
+      ASSIGN_OR_RETURN(const auto heat, HeatEffects::make(stored));
       for (const StoredSignature& row : stage.rows) {
-        auto ledger = (*reader)->ledger(row.signature_id);
-        if (!ledger.ok()) return ledger.status();
-        for (StoredEffect& effect : heat->of(row)) ledger->effect.push_back(std::move(effect));
-        stage.ledgers.push_back(*std::move(ledger));
+        ASSIGN_OR_RETURN(auto ledger, reader->ledger(row.signature_id));
+        for (StoredEffect& effect : heat.of(row)) ledger.effect.push_back(std::move(effect));
+        stage.ledgers.push_back(std::move(ledger));
       }
-      auto jobs = (*reader)->job_costs(filter.sweep);
-      if (!jobs.ok()) return jobs.status();
-      stage.jobs = *std::move(jobs);
-      auto profile =
-          (*reader)->profiles({.sweep = filter.sweep, .season = "", .band = "", .profile = ""});
-      if (!profile.ok()) return profile.status();
-      stage.profile = *std::move(profile);
+      ASSIGN_OR_RETURN(auto jobs, reader->job_costs(filter.sweep));
+      stage.jobs = std::move(jobs);
+      ASSIGN_OR_RETURN(
+          auto profile,
+          reader->profiles({.sweep = filter.sweep, .season = "", .band = "", .profile = ""}));
+      stage.profile = std::move(profile);
       for (const StoredJobCost& job : stage.jobs) cpu_s_ += job.cpu_s;
     }
     return stages;
   }
 
   [[nodiscard]] absl::StatusOr<double> bytes() const override {
-    auto reader = StoreReader::open(database());
-    if (!reader.ok()) return reader.status();
-    const auto bytes = (*reader)->bytes();
-    if (!bytes.ok()) return bytes.status();
-    return static_cast<double>(*bytes);
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(database()));
+    ASSIGN_OR_RETURN(const auto bytes, reader->bytes());
+    return static_cast<double>(bytes);
   }
   [[nodiscard]] double cpu_s() const override { return cpu_s_; }
   [[nodiscard]] double wall_s() const override { return wall_s_; }
@@ -106,10 +97,9 @@ class LocalPilotFarm final : public PilotFarm {
   absl::Status wait() {
     while (true) {
       if (interrupted()) return absl::AbortedError("interrupted");
-      const auto status = farm_status(farm_->address(), 30);
-      if (!status.ok()) return status.status();
+      ASSIGN_OR_RETURN(const auto status, farm_status(farm_->address(), 30));
       std::uint64_t settled = 0, jobs = 0;
-      for (const auto& sweep : status->sweep()) {
+      for (const auto& sweep : status.sweep()) {
         if (sweep.quarantined() > 0)
           return absl::AbortedError("a job of the pilot failed: " +
                                     absl::StrJoin(sweep.failure(), "\n  "));
@@ -118,7 +108,7 @@ class LocalPilotFarm final : public PilotFarm {
       }
       if (settled == jobs) return absl::OkStatus();
       show(settled, jobs);
-      if (auto alive = farm_->keep_alive(settled); !alive.ok()) return alive;
+      RETURN_IF_ERROR(farm_->keep_alive(settled));
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }

@@ -11,9 +11,10 @@
 #include "bridge/job_runner.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/model_file.h"
 #include "core/scene/mesh_measure.h"
+#include "core/scene/model_file.h"
 #include "core/scene/target.h"
 #include "jobs/expand.h"
 
@@ -64,13 +65,13 @@ absl::StatusOr<std::vector<AskedMesh>> asked_meshes(const std::string& list,
   for (const std::string& name : names) {
     if (name.empty())
       return wrong(list, "a name is empty, expected factors or files, separated by commas");
-    auto mesh = model.has_generate() ? generated(name, model) : from_file(name, model);
-    if (!mesh.ok()) return mesh.status();
+    ASSIGN_OR_RETURN(auto mesh,
+                     model.has_generate() ? generated(name, model) : from_file(name, model));
     for (const AskedMesh& other : out)
-      if (other.triangles == mesh->triangles && other.file_bytes == mesh->file_bytes)
+      if (other.triangles == mesh.triangles && other.file_bytes == mesh.file_bytes)
         return wrong(name, absl::StrCat("is the same mesh as ", other.name,
                                         ", expected meshes of different densities"));
-    out.push_back(*std::move(mesh));
+    out.push_back(std::move(mesh));
   }
   return out;
 }
@@ -123,14 +124,14 @@ MeshValue area_of(const schema::Estimate& area, std::uint64_t target_paths) {
 
 // What can be said of a mesh before anything is traced. `sweep` is that of the mesh.
 absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::ResolvedSweep& sweep) {
-  const auto scene = scene_from_sweep(sweep, model_alone(sweep, asked.file_bytes), {});
-  if (!scene.ok()) return scene.status();
-  if (auto parts = part_of_groups(scene->mesh, scene->part); !parts.ok()) return parts.status();
+  ASSIGN_OR_RETURN(const auto scene,
+                   scene_from_sweep(sweep, model_alone(sweep, asked.file_bytes), {}));
+  if (auto parts = part_of_groups(scene.mesh, scene.part); !parts.ok()) return parts.status();
   MeasuredMesh out;
   out.name = asked.name;
   out.asked_triangles = asked.triangles;
-  out.facets = scene->mesh.triangle.size();
-  out.surface_area_m2 = measure(scene->mesh).area_m2;
+  out.facets = scene.mesh.triangle.size();
+  out.surface_area_m2 = measure(scene.mesh).area_m2;
   return out;
 }
 
@@ -139,10 +140,8 @@ absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
                    const CpuClock& cpu_s, MeasuredMesh& out) {
   const double start_s = cpu_s();
   const Assets model = model_alone(sweep, asked.file_bytes);
-  const auto heat = heat_outputs(sweep, model);
-  if (!heat.ok()) return heat.status();
-  const auto runner = JobRunner::create(sweep, model, *heat);
-  if (!runner.ok()) return runner.status();
+  ASSIGN_OR_RETURN(const auto heat, heat_outputs(sweep, model));
+  ASSIGN_OR_RETURN(const auto runner, JobRunner::create(sweep, model, heat));
   out.setup_cpu_s = cpu_s() - start_s;
   for (const std::uint64_t viewpoint : views) {
     schema::JobSpec job;
@@ -150,14 +149,13 @@ absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
     view.set_viewpoint_index(static_cast<std::uint32_t>(viewpoint));
     view.add_condition_index(rows.condition);
     view.mutable_band_index()->Assign(rows.band.begin(), rows.band.end());
-    const auto result = (*runner)->run(job);
-    if (!result.ok()) return result.status();
+    ASSIGN_OR_RETURN(const auto result, runner->run(job));
     MeshView& seen = out.view.emplace_back();
-    seen.samples = static_cast<double>(result->samples());
-    seen.cpu_s = result->seconds();
-    for (const schema::SignatureRow& row : result->view().row()) {
+    seen.samples = static_cast<double>(result.samples());
+    seen.cpu_s = result.seconds();
+    for (const schema::SignatureRow& row : result.view().row()) {
       // Of a silhouette, which is the same in all bands.
-      seen.projected_area_m2 = area_of(row.projected_area_m2(), result->target_paths());
+      seen.projected_area_m2 = area_of(row.projected_area_m2(), result.target_paths());
       seen.intensity_w_sr.push_back({row.intensity_w_sr().value(), row.numerical_error_w_sr()});
     }
   }
@@ -169,45 +167,42 @@ absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
 absl::StatusOr<MeshComparison> compare_meshes(
     const LoadedSweep& loaded, const MeshStudyAsked& asked, const CpuClock& cpu_s,
     const std::function<void(const MeasuredMesh&)>& seen) {
-  const auto rows = choose_rows(loaded.resolved, asked.rows);
-  if (!rows.ok()) return rows.status();
-  const auto meshes = asked_meshes(asked.meshes, loaded.resolved.sweep().model());
-  if (!meshes.ok()) return meshes.status();
-  auto sweep = comparable(loaded.resolved, asked.relative_error);
-  if (!sweep.ok()) return sweep.status();
+  ASSIGN_OR_RETURN(const auto rows, choose_rows(loaded.resolved, asked.rows));
+  ASSIGN_OR_RETURN(const auto meshes, asked_meshes(asked.meshes, loaded.resolved.sweep().model()));
+  ASSIGN_OR_RETURN(auto sweep, comparable(loaded.resolved, asked.relative_error));
   std::vector<std::uint64_t> views =
-      spread_views(static_cast<std::uint64_t>(sweep->viewpoint_size()), asked.views);
+      spread_views(static_cast<std::uint64_t>(sweep.viewpoint_size()), asked.views);
   std::sort(views.begin(), views.end());
 
   MeshComparison out;
-  out.sweep = sweep->sweep().name();
-  const schema::Condition& condition = sweep->condition(static_cast<int>(rows->condition));
+  out.sweep = sweep.sweep().name();
+  const schema::Condition& condition = sweep.condition(static_cast<int>(rows.condition));
   out.season = condition.season();
   out.time_utc = condition.time_utc();
-  for (const std::uint32_t band : rows->band)
-    out.band.push_back(sweep->sweep().band(static_cast<int>(band)).name());
+  for (const std::uint32_t band : rows.band)
+    out.band.push_back(sweep.sweep().band(static_cast<int>(band)).name());
   for (const std::uint64_t view : views) {
-    const schema::Viewpoint& v = sweep->viewpoint(static_cast<int>(view));
+    const schema::Viewpoint& v = sweep.viewpoint(static_cast<int>(view));
     out.viewpoint.push_back({v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()});
   }
   const auto of = [](const AskedMesh& mesh, const absl::Status& status) {
     return absl::Status(status.code(),
                         absl::StrCat("--meshes ", mesh.name, ": ", status.message()));
   };
-  for (const AskedMesh& mesh : *meshes) {
-    take(mesh, *sweep);
-    auto looked = looked_at(mesh, *sweep);
+  for (const AskedMesh& mesh : meshes) {
+    take(mesh, sweep);
+    auto looked = looked_at(mesh, sweep);
     if (!looked.ok()) return of(mesh, looked.status());
     for (const MeasuredMesh& other : out.mesh)
-      if (sweep->sweep().model().has_generate() && other.facets == looked->facets)
+      if (sweep.sweep().model().has_generate() && other.facets == looked->facets)
         return wrong(mesh.name, absl::StrCat("makes the same ", looked->facets, " facets as ",
                                              other.name, ", expected different densities"));
     out.mesh.push_back(*std::move(looked));
   }
   for (std::size_t i = 0; i < out.mesh.size(); ++i) {
-    const AskedMesh& mesh = (*meshes)[i];
-    take(mesh, *sweep);
-    if (auto status = trace(mesh, *sweep, *rows, views, cpu_s, out.mesh[i]); !status.ok())
+    const AskedMesh& mesh = meshes[i];
+    take(mesh, sweep);
+    if (auto status = trace(mesh, sweep, rows, views, cpu_s, out.mesh[i]); !status.ok())
       return of(mesh, status);
     seen(out.mesh[i]);
   }

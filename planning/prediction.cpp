@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "coordinator/client/progress_text.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 
@@ -43,12 +44,11 @@ std::string prediction_line(const StoredPrediction& p) {
 
 absl::StatusOr<std::string> store_in(const std::string& db_path,
                                      const StoredPrediction& prediction) {
-  auto writer = StoreWriter::open(db_path);
-  if (!writer.ok()) return writer.status();
-  if (auto status = (*writer)->begin(); !status.ok()) return status;
-  if (auto status = (*writer)->store_prediction(prediction); !status.ok()) return status;
-  if (auto status = (*writer)->commit(); !status.ok()) return status;
-  const absl::Status finished = (*writer)->finish();
+  ASSIGN_OR_RETURN(auto writer, StoreWriter::open(db_path));
+  RETURN_IF_ERROR(writer->begin());
+  RETURN_IF_ERROR(writer->store_prediction(prediction));
+  RETURN_IF_ERROR(writer->commit());
+  const absl::Status finished = writer->finish();
   if (absl::IsUnavailable(finished)) return std::string(finished.message());
   if (!finished.ok()) return finished;
   return std::string();

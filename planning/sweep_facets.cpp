@@ -3,26 +3,22 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 
 absl::StatusOr<SweepFacets> SweepFacets::load(const std::string& database,
                                               const std::string& sweep) {
-  auto source = load_accuracy_source(database, sweep);
-  if (!source.ok()) return source.status();
+  ASSIGN_OR_RETURN(auto source, load_accuracy_source(database, sweep));
   SweepFacets out;
-  out.source_ = *std::move(source);
+  out.source_ = std::move(source);
   const LoadedSweep& loaded = out.source_.loaded;
-  auto scene = scene_from_sweep(loaded.resolved, loaded.assets, loaded.heat);
-  if (!scene.ok()) return scene.status();
-  out.scene_ = *std::move(scene);
-  const auto of_groups = part_of_groups(out.scene_.mesh, out.scene_.part);
-  if (!of_groups.ok()) return of_groups.status();
+  ASSIGN_OR_RETURN(out.scene_, scene_from_sweep(loaded.resolved, loaded.assets, loaded.heat));
+  ASSIGN_OR_RETURN(const auto of_groups, part_of_groups(out.scene_.mesh, out.scene_.part));
   for (const std::uint32_t group : out.scene_.mesh.triangle_group)
-    out.part_.push_back((*of_groups)[group]);
-  auto fields =
-      facet_temperatures(loaded.resolved, loaded.assets, loaded.heat, out.scene_.mesh, out.part_);
-  if (!fields.ok()) return fields.status();
-  out.fields_ = *std::move(fields);
+    out.part_.push_back(of_groups[group]);
+  ASSIGN_OR_RETURN(out.fields_, facet_temperatures(loaded.resolved, loaded.assets, loaded.heat,
+                                                   out.scene_.mesh, out.part_));
   return out;
 }
 

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/replicates.h"
+#include "core/base/status_macros.h"
 #include "jobs/expand.h"
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
@@ -116,24 +117,22 @@ class Planner {
   }
 
   absl::StatusOr<SweepPilot> run() {
-    const auto before = farm_.bytes();
-    if (!before.ok()) return before.status();
+    ASSIGN_OR_RETURN(const auto before, farm_.bytes());
     const auto model = static_cast<double>(bytes_of(loaded_.assets));
-    pilot_.database_fixed_bytes = *before + model + stored_sweep_bytes(loaded_.resolved);
+    pilot_.database_fixed_bytes = before + model + stored_sweep_bytes(loaded_.resolved);
     std::uint64_t wanted = kViewsAtFirst;
     do {
-      if (auto status = add_views(wanted); !status.ok()) return status;
+      RETURN_IF_ERROR(add_views(wanted));
       wanted += kViewsMore;
     } while (wanted <= kViewsAtMost &&
              relative_scatter(view_costs(pilot_, pilot_.rule), pilot_.views) > kScatter);
-    const auto after = farm_.bytes();
-    if (!after.ok()) return after.status();
+    ASSIGN_OR_RETURN(const auto after, farm_.bytes());
     pilot_.database_bytes_per_view = (1 + static_cast<double>(left_out_) / kConditions) *
-                                     (*after - *before - model - sweep_bytes_ - few_bytes_) /
+                                     (after - before - model - sweep_bytes_ - few_bytes_) /
                                      static_cast<double>(computed_views_);
     add_left_out();
     if (loaded_.resolved.sweep().profile_size() > 0) {
-      if (auto status = add_profiles(*after); !status.ok()) return status;
+      RETURN_IF_ERROR(add_profiles(after));
     }
     pilot_.cpu_s = farm_.cpu_s();
     return pilot_;
@@ -176,8 +175,7 @@ class Planner {
   // The same views and samples with a few of the chosen conditions.
   absl::Status run_few(const std::vector<std::uint64_t>& views, std::uint64_t samples,
                        bool warm_up) {
-    const auto before = farm_.bytes();
-    if (!before.ok()) return before.status();
+    ASSIGN_OR_RETURN(const auto before, farm_.bytes());
     const double sweep_bytes = sweep_bytes_;
     const std::uint64_t computed = computed_views_;
     schema::ResolvedSweep few = with_count(views, samples);
@@ -187,13 +185,11 @@ class Planner {
     for (int i = 0; i < kFewConditions; ++i) kept.push_back(i * kConditions / kFewConditions);
     keep_conditions(few, kept);
     cut_into(few, 1);
-    auto done = farm_.run({std::move(few)});
-    if (!done.ok()) return done.status();
+    ASSIGN_OR_RETURN(auto done, farm_.run({std::move(few)}));
     for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at)
-      few_cpu_s_.push_back(done->front().cpu_s(at));
-    const auto after = farm_.bytes();
-    if (!after.ok()) return after.status();
-    few_bytes_ += *after - *before;
+      few_cpu_s_.push_back(done.front().cpu_s(at));
+    ASSIGN_OR_RETURN(const auto after, farm_.bytes());
+    few_bytes_ += after - before;
     return absl::OkStatus();
   }
 
@@ -227,9 +223,8 @@ class Planner {
     std::vector<std::uint64_t> counts = {kFirstPilotSamples, kSecondPilotSamples};
     for (std::uint64_t& n : counts) n = std::min(n, pilot_.rule.max_samples_per_replicate);
     if (further_ > 0) counts.push_back(further_);
-    if (auto status = run_stages(views, counts, first, warm_up); !status.ok()) return status;
-    if (!condition_.empty())
-      if (auto status = run_few(views, counts[1], warm_up); !status.ok()) return status;
+    RETURN_IF_ERROR(run_stages(views, counts, first, warm_up));
+    if (!condition_.empty()) RETURN_IF_ERROR(run_few(views, counts[1], warm_up));
     if (first > 0) return absl::OkStatus();
     // Far beyond the second pilot, another stage: where the job's own third pilot will be, or a
     // quarter of what is needed.
@@ -254,11 +249,10 @@ class Planner {
     for (auto& sweeps : runs) {
       const double cpu_before = farm_.cpu_s();
       const auto count = static_cast<double>(sweeps.size());
-      auto done = farm_.run(std::move(sweeps));
-      if (!done.ok()) return done.status();
+      ASSIGN_OR_RETURN(auto done, farm_.run(std::move(sweeps)));
       if (pilot_.start_s == 0)
         pilot_.start_s = std::max(0.0, farm_.wall_s() - (farm_.cpu_s() - cpu_before)) / count;
-      for (PilotStage& stage : *done) stages.push_back(std::move(stage));
+      for (PilotStage& stage : done) stages.push_back(std::move(stage));
     }
     for (std::size_t s = 0; s < counts.size(); ++s) {
       const PilotStage& stage = stages[s];
@@ -342,10 +336,11 @@ class Planner {
     }
     const auto first_samples = static_cast<double>(kFirstProfileSamples),
                second_samples = static_cast<double>(kSecondProfileSamples);
-    auto stages = farm_.run({with_profiles(std::vector<double>(points.size(), first_samples)),
-                             with_profiles(std::vector<double>(points.size(), second_samples))});
-    if (!stages.ok()) return stages.status();
-    for (std::size_t v = 0; v < views.size(); ++v) set_points(v, points, replicates, *stages);
+    ASSIGN_OR_RETURN(
+        auto stages,
+        farm_.run({with_profiles(std::vector<double>(points.size(), first_samples)),
+                   with_profiles(std::vector<double>(points.size(), second_samples))}));
+    for (std::size_t v = 0; v < views.size(); ++v) set_points(v, points, replicates, stages);
     // Rows of different profiles take different times: the last stage has them in proportion.
     std::vector<double> share(points.size(), second_samples);
     double largest = all_points * second_samples;
@@ -362,22 +357,20 @@ class Planner {
     for (std::size_t p = 0; p < points.size(); ++p)
       proportional += share[p] * static_cast<double>(points[p]);
     if (proportional > 2 * all_points * first_samples) {
-      auto last = farm_.run({with_profiles(share)});
-      if (!last.ok()) return last.status();
-      stages->push_back(last->front());
+      ASSIGN_OR_RETURN(auto last, farm_.run({with_profiles(share)}));
+      stages.push_back(last.front());
       largest = proportional;
     }
     const double fewest = all_points * first_samples;
     for (std::size_t v = 0; v < views.size(); ++v) {
       ViewPilot& view = pilot_.view[v];
-      const double fast = stages->front().cpu_s(v), slow = stages->back().cpu_s(v);
+      const double fast = stages.front().cpu_s(v), slow = stages.back().cpu_s(v);
       view.profile_cpu_s_per_sample = std::max(0.0, (slow - fast) / (largest - fewest));
       view.profile_cpu_s =
           std::max(0.0, fast - view.cpu_s.front() - view.profile_cpu_s_per_sample * fewest);
     }
-    const auto after = farm_.bytes();
-    if (!after.ok()) return after.status();
-    pilot_.database_bytes_per_view = (*after - bytes_before - (sweep_bytes_ - sweep_bytes_before)) /
+    ASSIGN_OR_RETURN(const auto after, farm_.bytes());
+    pilot_.database_bytes_per_view = (after - bytes_before - (sweep_bytes_ - sweep_bytes_before)) /
                                      static_cast<double>(computed_views_ - computed_before);
     return absl::OkStatus();
   }
@@ -431,9 +424,8 @@ absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& far
 absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded) {
   if (has_time_budget(loaded.resolved))
     return absl::FailedPreconditionError("a time budget has yet to be turned into samples");
-  auto farm = start_pilot_farm(loaded.assets);
-  if (!farm.ok()) return farm.status();
-  return pilot_sweep(loaded, **farm);
+  ASSIGN_OR_RETURN(auto farm, start_pilot_farm(loaded.assets));
+  return pilot_sweep(loaded, *farm);
 }
 
 std::vector<ViewCost> view_costs(const SweepPilot& pilot, const CountRule& rule) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "core/scene/target.h"
 
@@ -95,9 +96,8 @@ absl::StatusOr<int> choose_condition(const schema::ResolvedSweep& sweep, const s
                                      const std::string& time) {
   std::string time_utc;
   if (!time.empty()) {
-    const auto parsed = parse_rfc3339(time);
-    if (!parsed.ok()) return parsed.status();
-    time_utc = format_rfc3339_utc(*parsed);
+    ASSIGN_OR_RETURN(const auto parsed, parse_rfc3339(time));
+    time_utc = format_rfc3339_utc(parsed);
   }
   std::vector<int> found;
   std::vector<std::string> names, all;
@@ -140,9 +140,9 @@ absl::Status check_filters(const Query& query) {
 absl::StatusOr<FalseColorPicture> draw_temperatures(const SweepFacets& facets, int condition,
                                                     const SignatureFilter::Direction& aspect,
                                                     std::uint32_t long_side_px) {
-  const auto target = make_target(facets.scene().mesh, facets.scene().part, widest_isa());
-  if (!target.ok()) return target.status();
-  const PicturePlane plane = plane_of(*target, aspect);
+  ASSIGN_OR_RETURN(const auto target,
+                   make_target(facets.scene().mesh, facets.scene().part, widest_isa()));
+  const PicturePlane plane = plane_of(target, aspect);
   const double pixel_m = std::max(plane.width_m, plane.height_m) / long_side_px;
   const auto side = [&](double side_m) {
     return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(std::lround(side_m / pixel_m)));
@@ -155,13 +155,12 @@ absl::StatusOr<FalseColorPicture> draw_temperatures(const SweepFacets& facets, i
   out.subtitle = "Temperatures of facets, parallel projection";
   out.width_px = side(plane.width_m);
   out.height_px = side(plane.height_m);
-  for (const std::uint32_t facet : facets_seen(*target, plane, out.width_px, out.height_px))
+  for (const std::uint32_t facet : facets_seen(target, plane, out.width_px, out.height_px))
     out.value.push_back(facet == RayPacket::kMiss
                             ? std::numeric_limits<float>::quiet_NaN()
                             : static_cast<float>(facets.temperature(condition, facet).kelvin));
-  const auto range = range_of(out.value);
-  if (!range.ok()) return range.status();
-  out.range = *range;
+  ASSIGN_OR_RETURN(const auto range, range_of(out.value));
+  out.range = range;
   out.axis = bar_axis("Temperature in K", out.range);
   return out;
 }
@@ -170,26 +169,23 @@ absl::StatusOr<FalseColorPicture> temperature_picture(const std::string& databas
                                                       const Query& query,
                                                       const std::optional<ColorRange>& range,
                                                       std::uint32_t long_side_px) {
-  if (absl::Status status = check_filters(query); !status.ok()) return status;
+  RETURN_IF_ERROR(check_filters(query));
   Query asked = query;
   if (query.row) {
-    auto reader = StoreReader::open(database);
-    if (!reader.ok()) return reader.status();
-    const auto rows = run_query(**reader, query);
-    if (!rows.ok()) return rows.status();
-    if (rows->size() != 1)
+    ASSIGN_OR_RETURN(auto reader, StoreReader::open(database));
+    ASSIGN_OR_RETURN(const auto rows, run_query(*reader, query));
+    if (rows.size() != 1)
       return absl::InvalidArgumentError("--row: several sweeps have it, choose one with --sweep");
-    const StoredSignature& s = rows->front().signature;
+    const StoredSignature& s = rows.front().signature;
     asked.sweep = s.sweep;
     asked.season = s.season;
     asked.time = s.time_utc;
     asked.aspect = {s.aspect_azimuth_deg, s.aspect_elevation_deg};
   }
-  const auto facets = SweepFacets::load(database, asked.sweep);
-  if (!facets.ok()) return facets.status();
-  const auto condition = choose_condition(facets->sweep(), asked.season, asked.time);
-  if (!condition.ok()) return condition.status();
-  auto picture = draw_temperatures(*facets, *condition, *asked.aspect, long_side_px);
+  ASSIGN_OR_RETURN(const auto facets, SweepFacets::load(database, asked.sweep));
+  ASSIGN_OR_RETURN(const auto condition,
+                   choose_condition(facets.sweep(), asked.season, asked.time));
+  auto picture = draw_temperatures(facets, condition, *asked.aspect, long_side_px);
   if (!picture.ok() || !range) return picture;
   picture->range = *range;
   picture->axis = bar_axis(picture->axis.title, *range);

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/time_budget.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 
@@ -29,8 +30,7 @@ absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t sampl
   auto sweep = with_samples(loaded.resolved, samples);
   // Only workers encode thumbnails; 0.25 ms a row is nothing that a budget would notice.
   sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
-  const auto runner = JobRunner::create(sweep, loaded.assets, loaded.heat);
-  if (!runner.ok()) return runner.status();
+  ASSIGN_OR_RETURN(const auto runner, JobRunner::create(sweep, loaded.assets, loaded.heat));
   Timing timing;
   for (const int view : views) {
     schema::JobSpec job;
@@ -43,11 +43,10 @@ absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t sampl
       job.mutable_view()->add_band_index(static_cast<std::uint32_t>(i));
     }
     const auto start = std::chrono::steady_clock::now();
-    const auto result = (*runner)->run(job);
-    if (!result.ok()) return result.status();
+    ASSIGN_OR_RETURN(const auto result, runner->run(job));
     timing.seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    timing.samples += static_cast<double>(result->samples());
+    timing.samples += static_cast<double>(result.samples());
   }
   return timing;
 }
@@ -72,36 +71,33 @@ absl::StatusOr<std::string> spend_time_budget(LoadedSweep& loaded, std::uint32_t
   const auto accuracy = loaded.resolved.sweep().accuracy();
   const int count = loaded.resolved.viewpoint_size();
   const std::set<int> views = {0, count / 2, count - 1};
-  if (auto known = have_temperatures(loaded); !known.ok()) return known;
+  RETURN_IF_ERROR(have_temperatures(loaded));
   // The first run also pays for what is built once (tables, caches): it is not counted.
   if (const auto warm = time_views(loaded, kFewSamples, views); !warm.ok()) return warm.status();
-  const auto few = time_views(loaded, kFewSamples, views);
-  if (!few.ok()) return few.status();
+  ASSIGN_OR_RETURN(const auto few, time_views(loaded, kFewSamples, views));
   Timing many;
   std::uint64_t samples = kFewSamples;
   do {
     samples *= 4;
-    const auto timed = time_views(loaded, samples, views);
-    if (!timed.ok()) return timed.status();
-    many = *timed;
-  } while (many.seconds - few->seconds < kEnough_s &&
+    ASSIGN_OR_RETURN(many, time_views(loaded, samples, views));
+  } while (many.seconds - few.seconds < kEnough_s &&
            samples < accuracy.max_samples_per_replicate());
   const double per_sample_s =
-      std::max(1e-12, (many.seconds - few->seconds) / (many.samples - few->samples));
+      std::max(1e-12, (many.seconds - few.seconds) / (many.samples - few.samples));
   const double n = static_cast<double>(views.size());
-  const double per_job_s = std::max(0.0, (few->seconds - few->samples * per_sample_s) / n);
-  const auto answer = samples_per_replicate_for(
-      {.budget_s = accuracy.time_budget_s(),
-       .workers = workers,
-       .jobs = static_cast<std::uint64_t>(count),
-       .seconds_per_job = per_job_s,
-       .seconds_per_sample = per_sample_s,
-       .replicates = accuracy.replicates(),
-       .max_samples_per_replicate = accuracy.max_samples_per_replicate()});
-  if (!answer.ok()) return answer.status();
-  loaded.resolved = with_samples(std::move(loaded.resolved), *answer);
+  const double per_job_s = std::max(0.0, (few.seconds - few.samples * per_sample_s) / n);
+  ASSIGN_OR_RETURN(const auto answer,
+                   samples_per_replicate_for(
+                       {.budget_s = accuracy.time_budget_s(),
+                        .workers = workers,
+                        .jobs = static_cast<std::uint64_t>(count),
+                        .seconds_per_job = per_job_s,
+                        .seconds_per_sample = per_sample_s,
+                        .replicates = accuracy.replicates(),
+                        .max_samples_per_replicate = accuracy.max_samples_per_replicate()}));
+  loaded.resolved = with_samples(std::move(loaded.resolved), answer);
   return fmt::format("{:g} s for {} viewpoints on {} workers: {} samples per replicate",
-                     accuracy.time_budget_s(), count, workers, *answer);
+                     accuracy.time_budget_s(), count, workers, answer);
 }
 
 bool is_same_but_for_samples(const schema::ResolvedSweep& stored,

@@ -362,7 +362,7 @@ class Rows:
 
     def ledger(self) -> list[list[dict]]:
         """Of each row: which effects were simulated, why others were not, and how much they could have changed."""
-        return [self._database.sql("SELECT effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, share_w_sr "
+        return [self._database.sql("SELECT effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, fraction_w_sr "
                                    "FROM ledger_view WHERE signature_id = ?", row) for row in self._ids()]
 
     def thumbnails(self) -> list[bytes | None]:

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/message.h"
 
@@ -77,8 +78,7 @@ class Scan {
       const FieldDescriptor* field = type.FindFieldByNumber(static_cast<int>(tag >> 3U));
       if (field == nullptr)
         return absl::InvalidArgumentError(absl::StrCat(type.name(), " has no field ", tag >> 3U));
-      if (const absl::Status status = value(in, *field, WireType(tag & 7U), depth); !status.ok())
-        return status;
+      RETURN_IF_ERROR(value(in, *field, WireType(tag & 7U), depth));
     }
     return absl::OkStatus();
   }
@@ -115,8 +115,7 @@ class Scan {
     if (until >= 0 && length > until) return damaged(type);
     if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
       const CodedInputStream::Limit outer = in.PushLimit(length);
-      if (const absl::Status status = message(in, *field.message_type(), depth + 1); !status.ok())
-        return status;
+      RETURN_IF_ERROR(message(in, *field.message_type(), depth + 1));
       if (in.BytesUntilLimit() != 0) return damaged(type);
       in.PopLimit(outer);
       return absl::OkStatus();

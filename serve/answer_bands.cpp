@@ -3,6 +3,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
@@ -31,26 +32,23 @@ absl::StatusOr<Answer> search_of(const PageSources& sources, const Question& q) 
     return absl::InvalidArgumentError(
         fmt::format("parameter detector = \"{}\": this page has {} (irsig serve --detector FILE)",
                     *q.bands.detector, sources.detector.size()));
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   Query query = selection_query(q.a, q.quantity);
   if (q.bands.all_conditions) query.season = query.time = "";
   if (q.range_m) query.range_m = {*q.range_m};
-  const auto some =
-      run_query_of_some(**reader, query, q.range_m ? kMostMoved : kMostRows, sources.extent_of);
-  if (!some.ok()) return some.status();
-  if (some->rows.empty()) return absl::NotFoundError("nothing is stored (yet) of this band");
-  auto population = band_population(**reader, some->rows, nullptr, {}, AspectWeight::kSolidAngle);
-  if (!population.ok()) return population.status();
+  ASSIGN_OR_RETURN(
+      const auto some,
+      run_query_of_some(*reader, query, q.range_m ? kMostMoved : kMostRows, sources.extent_of));
+  if (some.rows.empty()) return absl::NotFoundError("nothing is stored (yet) of this band");
+  ASSIGN_OR_RETURN(auto population,
+                   band_population(*reader, some.rows, nullptr, {}, AspectWeight::kSolidAngle));
   const Detector detector = q.bands.detector ? sources.detector[*q.bands.detector].detector
                                              : Detector{{}, ConstantNoise{q.bands.nei_w_m2}};
-  auto search = BandSearch::make(*std::move(population), detector);
-  if (!search.ok()) return search.status();
-  const auto sweep = (*reader)->sweep(q.a.sweep, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
-  auto found = search->search(q.bands.merit, search->step_um(), kCompared);
-  return Answer{*std::move(search), std::move(found), sweep->resolved.sweep().accuracy(),
-                some->matching};
+  ASSIGN_OR_RETURN(auto search, BandSearch::make(std::move(population), detector));
+  ASSIGN_OR_RETURN(const auto sweep, reader->sweep(q.a.sweep, SweepFiles::kNone));
+  auto found = search.search(q.bands.merit, search.step_um(), kCompared);
+  return Answer{std::move(search), std::move(found), sweep.resolved.sweep().accuracy(),
+                some.matching};
 }
 
 std::string windows(const BandSearch& search, const std::vector<Candidate>& map) {
@@ -92,41 +90,38 @@ std::string best(const BandSearch& search, const WindowChoice& choice) {
 }  // namespace
 
 absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Question& q) {
-  const auto made = search_of(sources, q);
-  if (!made.ok()) return made.status();
-  const WindowChoice choice = made->search.compare(q.bands.merit, made->found.best);
+  ASSIGN_OR_RETURN(const auto made, search_of(sources, q));
+  const WindowChoice choice = made.search.compare(q.bands.merit, made.found.best);
   JsonObject out;
   out.text("title", merit_name(q.bands.merit));
   out.text("detector", q.bands.detector ? sources.detector[*q.bands.detector].name
                                         : fmt::format("NEI {:g} W/m2", q.bands.nei_w_m2));
-  out.count("rows", made->search.population().row.size());
+  out.count("rows", made.search.population().row.size());
   if (q.range_m) out.number("range_m", *q.range_m);
-  out.json("window", windows(made->search, made->found.map));
-  out.json("best", best(made->search, choice));
-  const BandPopulation& population = made->search.population();
-  std::vector<std::string> notes = notes_on(choice, population, made->accuracy);
-  if (population.row.size() < made->matching)
+  out.json("window", windows(made.search, made.found.map));
+  out.json("best", best(made.search, choice));
+  const BandPopulation& population = made.search.population();
+  std::vector<std::string> notes = notes_on(choice, population, made.accuracy);
+  if (population.row.size() < made.matching)
     notes.push_back(
         fmt::format("{} of {} rows, drawn at random, which is not in the margins: the "
                     "command takes all",
-                    population.row.size(), made->matching));
+                    population.row.size(), made.matching));
   out.texts("notes", notes);
   out.text("command", bands_command(sources.database[q.a.database], q, detector_file(sources, q)));
   return json_reply(out.finish());
 }
 
 absl::StatusOr<std::string> bands_csv(const PageSources& sources, const Question& q) {
-  const auto made = search_of(sources, q);
-  if (!made.ok()) return made.status();
+  ASSIGN_OR_RETURN(const auto made, search_of(sources, q));
   std::ostringstream out;
-  if (auto s = write_map(made->search, q.bands.merit, made->found, "csv", out); !s.ok()) return s;
+  RETURN_IF_ERROR(write_map(made.search, q.bands.merit, made.found, "csv", out));
   return out.str();
 }
 
 absl::StatusOr<std::string> bands_svg(const PageSources& sources, const Question& q) {
-  const auto made = search_of(sources, q);
-  if (!made.ok()) return made.status();
-  return plot_map_of_windows(made->search, q.bands.merit, made->found,
+  ASSIGN_OR_RETURN(const auto made, search_of(sources, q));
+  return plot_map_of_windows(made.search, q.bands.merit, made.found,
                              fmt::format("Windows of {}", q.a.band));
 }
 

@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "serve/json_text.h"
 #include "view/compare.h"
@@ -170,11 +171,10 @@ absl::StatusOr<PageReply> answer_contents(const PageSources& sources) {
 absl::StatusOr<PageReply> answer_progress(const PageSources& sources) {
   JsonObject all = each_database(
       sources, [&](std::size_t database, StoreReader& reader, JsonObject& out) -> absl::Status {
-        const auto progress = reader.progress();
-        if (!progress.ok()) return progress.status();
+        ASSIGN_OR_RETURN(const auto progress, reader.progress());
         out.flag("writing", has_writer_lock(sources.database[database]));
         std::vector<std::string> sweeps;
-        for (const SweepProgress& sweep : *progress) sweeps.push_back(describe(sweep));
+        for (const SweepProgress& sweep : progress) sweeps.push_back(describe(sweep));
         out.objects("sweep", sweeps);
         return absl::OkStatus();
       });

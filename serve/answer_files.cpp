@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "view/plot.h"
 #include "view/query_table.h"
@@ -19,17 +20,15 @@ constexpr const char* kPng = "image/png";
 using Bytes = absl::StatusOr<std::string>;
 
 Bytes table(const PageSources& sources, const Question& q, const Query& query, bool spectrum) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  auto rows = run_query(**reader, query, sources.extent_of);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty()) return absl::NotFoundError("no signature matches");
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  ASSIGN_OR_RETURN(auto rows, run_query(*reader, query, sources.extent_of));
+  if (rows.empty()) return absl::NotFoundError("no signature matches");
   std::ostringstream out;
   QueryContent content;
   content.spectrum = spectrum;
   content.causes = query.row.has_value();
   content.quantity = query.quantity;
-  if (auto s = write_rows(**reader, *rows, content, "csv", out); !s.ok()) return s;
+  RETURN_IF_ERROR(write_rows(*reader, rows, content, "csv", out));
   return out.str();
 }
 
@@ -44,47 +43,40 @@ Bytes spectrum_csv(const PageSources& sources, const Question& q) {
 }
 
 Bytes cut_csv(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   std::ostringstream out;
-  if (auto s = write_polar(**reader, selection_query(q.a, q.quantity), q.elevation_deg, "csv", out);
-      !s.ok())
-    return s;
+  RETURN_IF_ERROR(
+      write_polar(*reader, selection_query(q.a, q.quantity), q.elevation_deg, "csv", out));
   return out.str();
 }
 
 Bytes compare_csv(const PageSources& sources, const Question& q) {
-  const auto compared = compare_selections(sources, q);
-  if (!compared.ok()) return compared.status();
+  ASSIGN_OR_RETURN(const auto compared, compare_selections(sources, q));
   std::ostringstream out;
-  if (auto s = write_comparison(*compared, columns_of(q.quantity), "csv", out); !s.ok()) return s;
+  RETURN_IF_ERROR(write_comparison(compared, columns_of(q.quantity), "csv", out));
   return out.str();
 }
 
 Bytes map_svg(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  return plot_map(**reader, selection_query(q.a, q.quantity));
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  return plot_map(*reader, selection_query(q.a, q.quantity));
 }
 Bytes cut_svg(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  return plot_polar(**reader, selection_query(q.a, q.quantity), q.elevation_deg);
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  return plot_polar(*reader, selection_query(q.a, q.quantity), q.elevation_deg);
 }
 Bytes spectrum_svg(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   // plot_spectrum has no way to move a row; a picture of another range than asked would be wrong.
   if (q.range_m)
     return absl::InvalidArgumentError(
         "a spectrum at another range is not drawn as a file: take its CSV");
-  return plot_spectrum(**reader, row_query(q));
+  return plot_spectrum(*reader, row_query(q));
 }
 
 Bytes image_png(const PageSources& sources, const Question& q) {
-  auto image = answer_thumbnail(sources, q);
-  if (!image.ok()) return image.status();
-  return std::move(image->body);
+  ASSIGN_OR_RETURN(auto image, answer_thumbnail(sources, q));
+  return std::move(image.body);
 }
 
 struct File {
@@ -115,11 +107,10 @@ absl::StatusOr<PageReply> answer_file(const PageSources& sources, const std::str
                                       const Parameters& parameters) {
   for (const File& f : kFiles) {
     if (f.name != file) continue;
-    const auto question = parse_question(parameters, f.needs, sources.database.size());
-    if (!question.ok()) return question.status();
-    auto bytes = f.bytes(sources, *question);
-    if (!bytes.ok()) return bytes.status();
-    return PageReply{200, f.type, *std::move(bytes), file};
+    ASSIGN_OR_RETURN(const auto question,
+                     parse_question(parameters, f.needs, sources.database.size()));
+    ASSIGN_OR_RETURN(auto bytes, f.bytes(sources, question));
+    return PageReply{200, f.type, std::move(bytes), file};
   }
   return absl::NotFoundError("there is no such file here");
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
@@ -51,44 +52,38 @@ std::string points(const std::vector<PolarPoint>& point) {
 absl::StatusOr<std::vector<StoredValue>> values_of_selection(StoreReader& reader,
                                                              const Selection& selection,
                                                              SignatureQuantity quantity) {
-  auto values = reader.values(value_filter(selection, quantity));
-  if (!values.ok()) return values.status();
-  if (values->empty()) {
+  ASSIGN_OR_RETURN(auto values, reader.values(value_filter(selection, quantity)));
+  if (values.empty()) {
     // Explains a name that there is not.
-    const auto rows = run_query(reader, selection_query(selection, quantity));
-    if (!rows.ok()) return rows.status();
+    ASSIGN_OR_RETURN(const auto rows, run_query(reader, selection_query(selection, quantity)));
     return absl::NotFoundError(
         fmt::format("nothing is stored (yet) of sweep {}, {}, {}, {}, from {:g} m", selection.sweep,
                     selection.season, selection.time, selection.band, selection.at_range_m));
   }
-  if (absl::Status status = check_computed(*values, quantity); !status.ok()) return status;
+  RETURN_IF_ERROR(check_computed(values, quantity));
   return values;
 }
 
 absl::StatusOr<PageReply> answer_map(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  const auto values = values_of_selection(**reader, q.a, q.quantity);
-  if (!values.ok()) return values.status();
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  ASSIGN_OR_RETURN(const auto values, values_of_selection(*reader, q.a, q.quantity));
   JsonObject out;
   name_quantity(out, q.quantity);
   out.text("command", selection_command(sources.database[q.a.database], q.a, q.quantity));
-  out.counts("row", picked_rows(*values, [](const StoredValue& v) { return v.row; }));
+  out.counts("row", picked_rows(values, [](const StoredValue& v) { return v.row; }));
   out.numbers("azimuth_deg",
-              picked(*values, [](const StoredValue& v) { return v.aspect_azimuth_deg; }));
+              picked(values, [](const StoredValue& v) { return v.aspect_azimuth_deg; }));
   out.numbers("elevation_deg",
-              picked(*values, [](const StoredValue& v) { return v.aspect_elevation_deg; }));
-  out.numbers("value", picked(*values, [](const StoredValue& v) { return v.value; }));
-  out.numbers("error", picked(*values, [](const StoredValue& v) { return v.numerical_error; }));
+              picked(values, [](const StoredValue& v) { return v.aspect_elevation_deg; }));
+  out.numbers("value", picked(values, [](const StoredValue& v) { return v.value; }));
+  out.numbers("error", picked(values, [](const StoredValue& v) { return v.numerical_error; }));
   return json_reply(out.finish());
 }
 
 absl::StatusOr<PageReply> answer_cut(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  const auto values = values_of_selection(**reader, q.a, q.quantity);
-  if (!values.ok()) return values.status();
-  const auto cut = polar_cut(*values, columns_of(q.quantity), q.elevation_deg);
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  ASSIGN_OR_RETURN(const auto values, values_of_selection(*reader, q.a, q.quantity));
+  const auto cut = polar_cut(values, columns_of(q.quantity), q.elevation_deg);
   if (absl::IsOutOfRange(cut.status()) && !q.elevation_deg)
     return absl::OutOfRangeError(
         fmt::format("{}: choose one below", std::string(cut.status().message())));
@@ -105,13 +100,12 @@ absl::StatusOr<PageReply> answer_cut(const PageSources& sources, const Question&
 }
 
 absl::StatusOr<PageReply> answer_compare(const PageSources& sources, const Question& q) {
-  const auto compared = compare_selections(sources, q);
-  if (!compared.ok()) return compared.status();
+  ASSIGN_OR_RETURN(const auto compared, compare_selections(sources, q));
   JsonObject out;
   name_quantity(out, q.quantity);
   out.text("command", selection_command(sources.database[q.a.database], q.a, q.quantity) + "\n" +
                           selection_command(sources.database[q.b->database], *q.b, q.quantity));
-  const std::vector<ComparedAspect>& v = compared->value;
+  const std::vector<ComparedAspect>& v = compared.value;
   using C = ComparedAspect;
   out.counts("a_row", picked_rows(v, [](const C& c) { return c.a.row; }));
   out.counts("b_row", picked_rows(v, [](const C& c) { return c.b.row; }));
@@ -124,17 +118,16 @@ absl::StatusOr<PageReply> answer_compare(const PageSources& sources, const Quest
   out.numbers("difference", picked(v, [](const C& c) { return c.difference; }));
   out.numbers("difference_error", picked(v, [](const C& c) { return c.difference_error; }));
   out.numbers("sigmas", picked(v, [](const C& c) { return c.sigmas; }));
-  out.count("only_in_a", compared->only_in_a);
-  out.count("only_in_b", compared->only_in_b);
+  out.count("only_in_a", compared.only_in_a);
+  out.count("only_in_b", compared.only_in_b);
   return json_reply(out.finish());
 }
 
 namespace {
 
 absl::StatusOr<schema::Band> band_of(StoreReader& reader, const Selection& selection) {
-  const auto sweep = reader.sweep(selection.sweep, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
-  for (const schema::Band& band : sweep->resolved.sweep().band())
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(selection.sweep, SweepFiles::kNone));
+  for (const schema::Band& band : sweep.resolved.sweep().band())
     if (band.name() == selection.band) return band;
   return absl::NotFoundError(
       fmt::format("sweep {} has no band {}", selection.sweep, selection.band));
@@ -157,14 +150,9 @@ absl::StatusOr<Comparison> compare_selections(const PageSources& sources, const 
   schema::Band band[2];
   const Selection* selection[2] = {&q.a, &*q.b};
   for (int i = 0; i < 2; ++i) {
-    const auto reader = open_database(sources, selection[i]->database);
-    if (!reader.ok()) return reader.status();
-    auto found = values_of_selection(**reader, *selection[i], q.quantity);
-    if (!found.ok()) return found.status();
-    values[i] = *std::move(found);
-    auto of = band_of(**reader, *selection[i]);
-    if (!of.ok()) return of.status();
-    band[i] = *std::move(of);
+    ASSIGN_OR_RETURN(const auto reader, open_database(sources, selection[i]->database));
+    ASSIGN_OR_RETURN(values[i], values_of_selection(*reader, *selection[i], q.quantity));
+    ASSIGN_OR_RETURN(band[i], band_of(*reader, *selection[i]));
   }
   if (!is_same_band(band[0], band[1]))
     return absl::FailedPreconditionError(fmt::format(

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
@@ -35,33 +36,29 @@ std::string budget_of(const QueryRow& row, SignatureQuantity quantity) {
 
 absl::StatusOr<std::vector<QueryRow>> one_row(const PageSources& sources, StoreReader& reader,
                                               const Question& question) {
-  auto rows = run_query(reader, row_query(question), sources.extent_of);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty())
+  ASSIGN_OR_RETURN(auto rows, run_query(reader, row_query(question), sources.extent_of));
+  if (rows.empty())
     return absl::NotFoundError(fmt::format("sweep \"{}\" has no row {} (yet)", question.a.sweep,
                                            question.row.value_or(0)));
   return rows;
 }
 
 absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  const auto rows = one_row(sources, **reader, q);
-  if (!rows.ok()) return rows.status();
-  std::vector<std::string> notes = notes_on(*rows);
-  const auto floors = floor_notes(**reader, *rows);
-  if (!floors.ok()) return floors.status();
-  notes.insert(notes.end(), floors->begin(), floors->end());
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  ASSIGN_OR_RETURN(const auto rows, one_row(sources, *reader, q));
+  std::vector<std::string> notes = notes_on(rows);
+  ASSIGN_OR_RETURN(const auto floors, floor_notes(*reader, rows));
+  notes.insert(notes.end(), floors.begin(), floors.end());
 
   std::ostringstream signature, explained;
   QueryContent content;
   content.causes = true;
-  if (auto s = write_rows(**reader, *rows, content, "json", signature); !s.ok()) return s;
-  if (auto s = explain_row(**reader, q.a.sweep, *q.row, "json", explained); !s.ok()) return s;
+  RETURN_IF_ERROR(write_rows(*reader, rows, content, "json", signature));
+  RETURN_IF_ERROR(explain_row(*reader, q.a.sweep, *q.row, "json", explained));
 
   const std::string& database = sources.database[q.a.database];
   const QuantityColumns& quantity = columns_of(q.quantity);
-  const StoredSignature& stored = rows->front().signature;
+  const StoredSignature& stored = rows.front().signature;
   JsonObject out;
   out.text("command", row_command(database, q, false));
   out.text("explain_command", explain_command(database, q));
@@ -73,20 +70,17 @@ absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question&
   out.number("value_stderr", stored.*quantity.value_stderr);
   out.number("numerical_error", stored.*quantity.numerical_error);
   out.texts("notes", notes);
-  out.json("budget", budget_of(rows->front(), q.quantity));
+  out.json("budget", budget_of(rows.front(), q.quantity));
   out.json("signature", signature.str());
   out.json("explained", explained.str());
   return json_reply(out.finish());
 }
 
 absl::StatusOr<PageReply> answer_spectrum(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
-  const auto rows = one_row(sources, **reader, q);
-  if (!rows.ok()) return rows.status();
-  const auto got = spectrum_of(**reader, rows->front());
-  if (!got.ok()) return got.status();
-  const schema::Spectrum& spectrum = got->spectrum;
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
+  ASSIGN_OR_RETURN(const auto rows, one_row(sources, *reader, q));
+  ASSIGN_OR_RETURN(const auto got, spectrum_of(*reader, rows.front()));
+  const schema::Spectrum& spectrum = got.spectrum;
   const QuantityColumns& quantity = columns_of(q.quantity);
   if ((spectrum.*quantity.spectral_value)().empty())
     return absl::FailedPreconditionError(fmt::format(
@@ -107,18 +101,15 @@ absl::StatusOr<PageReply> answer_spectrum(const PageSources& sources, const Ques
 }
 
 absl::StatusOr<PageReply> answer_thumbnail(const PageSources& sources, const Question& q) {
-  const auto reader = open_database(sources, q.a.database);
-  if (!reader.ok()) return reader.status();
+  ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   Question stored = q;  // an image is of the stored range
   stored.range_m.reset();
-  const auto rows = one_row(sources, **reader, stored);
-  if (!rows.ok()) return rows.status();
-  auto thumbnail = stored_thumbnail(**reader, *rows);
-  if (!thumbnail.ok()) return thumbnail.status();
-  if (const std::string wrong = png_defect(thumbnail->png()); !wrong.empty())
+  ASSIGN_OR_RETURN(const auto rows, one_row(sources, *reader, stored));
+  ASSIGN_OR_RETURN(auto thumbnail, stored_thumbnail(*reader, rows));
+  if (const std::string wrong = png_defect(thumbnail.png()); !wrong.empty())
     return absl::FailedPreconditionError(
         fmt::format("the stored image of row {} is damaged: {}", *q.row, wrong));
-  return PageReply{200, "image/png", thumbnail->png(), ""};
+  return PageReply{200, "image/png", thumbnail.png(), ""};
 }
 
 }  // namespace irsig

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "serve/json_text.h"
 #include "serve/www_files.h"
@@ -67,9 +68,9 @@ absl::StatusOr<PageReply> find_answer(const PageSources& sources, const std::str
                                       const Parameters& parameters) {
   for (const Route& route : kRoutes) {
     if (route.path != path) continue;
-    const auto question = parse_question(parameters, route.needs, sources.database.size());
-    if (!question.ok()) return question.status();
-    return route.answer(sources, *question);
+    ASSIGN_OR_RETURN(const auto question,
+                     parse_question(parameters, route.needs, sources.database.size()));
+    return route.answer(sources, question);
   }
   const std::string_view name = path;
   const auto below = [&](std::string_view folder) {

@@ -16,6 +16,8 @@
 #include <csignal>
 #include <optional>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 namespace {
 
@@ -272,7 +274,7 @@ class Server : public HttpServer {
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::listen(const std::string& address,
                                                                int port) {
   auto server = std::make_unique<Server>();
-  if (auto status = server->listen_at(address, port); !status.ok()) return status;
+  RETURN_IF_ERROR(server->listen_at(address, port));
   return server;
 }
 

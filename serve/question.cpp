@@ -8,6 +8,7 @@
 
 #include "absl/strings/numbers.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -153,7 +154,7 @@ absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs need
     out.a.sweep = take.text("sweep", true).value_or("");
     out.row = take.count("row", true);
   }
-  if (absl::Status status = take.finish(); !status.ok()) return status;
+  RETURN_IF_ERROR(take.finish());
   return out;
 }
 

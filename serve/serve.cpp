@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "schema/store/store.h"
 #include "serve/answers.h"
 #include "serve/hosts.h"
@@ -95,27 +96,24 @@ class Page {
 }  // namespace
 
 absl::Status serve(const ServeOptions& options) {
-  const auto address = parse_listen_address(options.address);
-  if (!address.ok()) return address.status();
+  ASSIGN_OR_RETURN(const auto address, parse_listen_address(options.address));
   if (options.port < 0 || options.port > 65535)
     return absl::InvalidArgumentError(
         fmt::format("--port {}: expected 0 (a free one) to 65535", options.port));
   for (const std::string& database : options.database)
     if (const auto reader = StoreReader::open(database); !reader.ok()) return reader.status();
-  const auto secret = new_secret();
-  if (!secret.ok()) return secret.status();
-  const auto server = HttpServer::listen(address->address, options.port);
-  if (!server.ok()) return server.status();
+  ASSIGN_OR_RETURN(const auto secret, new_secret());
+  ASSIGN_OR_RETURN(const auto server, HttpServer::listen(address.address, options.port));
 
-  const Page page(options, *secret, address->loopback);
+  const Page page(options, secret, address.loopback);
   options.on_ready(
-      page_url(*address, (*server)->port(), *secret),
-      address->loopback
+      page_url(address, server->port(), secret),
+      address.loopback
           ? ""
           : fmt::format("whoever knows the address below and reaches {} can read these databases; "
                         "nothing is encrypted, so that whoever can listen to the network learns it",
-                        address->address));
-  (*server)->run(
+                        address.address));
+  server->run(
       {[&](const HttpRequest& request) { return http_reply(page.reply_to(request)); }, refused});
   return absl::OkStatus();
 }

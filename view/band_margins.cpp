@@ -89,7 +89,7 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
       const double whole = of_target.whole_shape[i] * square_of(population_.row[i].range_m);
       const double per_w_sr = whole > 0 ? ratio_ / whole : 0;
       out.rest.push_back(of(of_target.rest, p, i));
-      out.unseen.push_back(per_w_sr * t.unseen_stderr_w_sr * shape);
+      out.unseen.push_back(per_w_sr * t.undersampling_stderr_w_sr * shape);
       out.bound.push_back(per_w_sr * t.bias_bound_w_sr * half * shape);
       out.bound_slope.push_back(per_w_sr * t.bias_bound_w_sr * half * slope);
       out.model.push_back(per_w_sr * t.model_error_w_sr * half * shape);

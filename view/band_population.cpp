@@ -11,6 +11,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/base/status_macros.h"
 #include "core/geo/frames.h"
 #include "view/measured_row.h"
 
@@ -94,9 +95,8 @@ absl::StatusOr<Contrast> stored_contrast(StoreReader& reader, const QueryRow& ro
                                          std::vector<double>& lambda_um) {
   if (row.interpolation)
     return absl::InvalidArgumentError("interpolated rows have no spectra whose errors are known");
-  const auto got = spectrum_of(reader, row);
-  if (!got.ok()) return got.status();
-  const schema::Spectrum& s = got->spectrum;
+  ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, row));
+  const schema::Spectrum& s = got.spectrum;
   if (s.contrast_spectral_intensity_w_sr_um().empty())
     return absl::FailedPreconditionError(fmt::format(
         "row {} was stored by an older irsig, without a contrast spectrum: run the sweep again",
@@ -106,16 +106,16 @@ absl::StatusOr<Contrast> stored_contrast(StoreReader& reader, const QueryRow& ro
   if (lambda_um != axis)
     return absl::InvalidArgumentError("the rows have not all the same wavelengths");
   const auto& stderrs = s.contrast_spectral_intensity_stderr_w_sr_um();
-  auto errors = SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
-                                s.contrast_spectral_intensity_modes());
-  if (!errors.ok()) return errors.status();
+  ASSIGN_OR_RETURN(auto errors,
+                   SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
+                                   s.contrast_spectral_intensity_modes()));
   const Measured contrast = contrast_of(row.signature);
   const auto known = [](double value) { return std::isnan(value) ? 0 : value; };
   const auto& values = s.contrast_spectral_intensity_w_sr_um();
   const auto& behind = s.background_radiance_w_m2_sr_um();
   return Contrast{{{values.begin(), values.end()},
-                   errors->modes(),
-                   errors->rest(),
+                   errors.modes(),
+                   errors.rest(),
                    contrast.bias_bound(),
                    contrast.unseen_stderr,
                    std::hypot(known(row.signature.contrast_model_error_w_sr),
@@ -142,9 +142,8 @@ absl::StatusOr<std::vector<double>> weights_of(std::span<const QueryRow> rows,
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (const RowWeights& table : own_weights) {
       if (table.of_aspects) continue;
-      const auto factor = weight_of(table, rows[i].signature);
-      if (!factor.ok()) return factor.status();
-      out[i] *= *factor;
+      ASSIGN_OR_RETURN(const auto factor, weight_of(table, rows[i].signature));
+      out[i] *= factor;
     }
   // Rows of one aspect share its weight.
   std::vector<double> of_rows(aspects.size(), 0);
@@ -181,10 +180,9 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
     if (added) aspect.push_back({s.aspect_azimuth_deg, s.aspect_elevation_deg});
     aspect_of.push_back(at->second);
   }
-  const auto sweep = reader.sweep(any.sweep, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
-  const auto weights = weights_of(rows, aspect, aspect_of, weight, own_weights, sweep->resolved);
-  if (!weights.ok()) return weights.status();
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(any.sweep, SweepFiles::kNone));
+  ASSIGN_OR_RETURN(const auto weights,
+                   weights_of(rows, aspect, aspect_of, weight, own_weights, sweep.resolved));
   std::map<Place, const QueryRow*> partner, own_place;
   for (const auto& [all, of] : {std::pair{rows, &own_place}, {against, &partner}})
     for (const QueryRow& row : all)
@@ -200,11 +198,10 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
   std::map<std::tuple<std::string, std::string, double, double>, std::size_t> places;
   BandPopulation out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if ((*weights)[i] == 0) continue;
+    if (weights[i] == 0) continue;
     const StoredSignature& s = rows[i].signature;
-    auto own = stored_contrast(reader, rows[i], out.lambda_um);
-    if (!own.ok()) return own.status();
-    BandCase made{(*weights)[i],
+    ASSIGN_OR_RETURN(auto own, stored_contrast(reader, rows[i], out.lambda_um));
+    BandCase made{weights[i],
                   0,
                   0,
                   s.season,
@@ -212,18 +209,17 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
                   s.aspect_azimuth_deg,
                   s.aspect_elevation_deg,
                   s.range_m,
-                  std::move(own->target),
+                  std::move(own.target),
                   std::nullopt,
-                  std::move(own->background_w_m2_sr_um)};
+                  std::move(own.background_w_m2_sr_um)};
     if (other != nullptr) {
       const auto found = partner.find(place_of(s));
       if (found == partner.end())
         return absl::InvalidArgumentError(fmt::format(
             "the other target has no row for {} {}, aspect {:g},{:g} at {:g} m", s.season,
             s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m));
-      auto theirs = stored_contrast(*other, *found->second, out.lambda_um);
-      if (!theirs.ok()) return theirs.status();
-      made.against = std::move(theirs->target);
+      ASSIGN_OR_RETURN(auto theirs, stored_contrast(*other, *found->second, out.lambda_um));
+      made.against = std::move(theirs.target);
     }
     if (made.target.modes.empty() || (made.against && made.against->modes.empty()))
       ++out.without_modes;
@@ -239,9 +235,7 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
     out.row.push_back(std::move(made));
   }
   if (out.lambda_um.size() < 2) return absl::InvalidArgumentError("the band has one wavelength");
-  auto own = response_of(*sweep, any.band);
-  if (!own.ok()) return own.status();
-  out.own_response = *std::move(own);
+  ASSIGN_OR_RETURN(out.own_response, response_of(sweep, any.band));
   return out;
 }
 

@@ -20,7 +20,7 @@ struct TargetContrast {
   std::vector<double> value;  // at the aperture: the target less its background. [W/(sr um)]
   SpectralSet modes;          // of its errors, and what they leave over
   std::vector<double> rest;
-  double bias_bound_w_sr, unseen_stderr_w_sr;  // of the whole band
+  double bias_bound_w_sr, undersampling_stderr_w_sr;  // of the whole band
   double model_error_w_sr;                     // one sigma, with that of uncertain inputs
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/accuracy/spectral_modes.h"
+#include "core/base/status_macros.h"
 #include "view/measured_row.h"
 
 namespace irsig {
@@ -54,14 +55,14 @@ absl::StatusOr<Measured> sum_of(const Values& value, const Values& value_stderr,
                                 std::string_view modes, const Measured& whole, double share,
                                 const BandWeights& weights) {
   const std::vector<double> mean(value.begin(), value.end());
-  const auto errors =
-      SumErrors::make({value_stderr.data(), static_cast<std::size_t>(value_stderr.size())}, modes);
-  if (!errors.ok()) return errors.status();
+  ASSIGN_OR_RETURN(
+      const auto errors,
+      SumErrors::make({value_stderr.data(), static_cast<std::size_t>(value_stderr.size())}, modes));
   // Bounds scale as the response does; the samples' error is the sum's own.
   Measured out = scaled(whole, share);
   out.value = 0;
   for (std::size_t k = 0; k < mean.size(); ++k) out.value += weights.weight[k] * mean[k];
-  out.stderr_ = errors->of(weights.weight);
+  out.stderr_ = errors.of(weights.weight);
   out.of(BoundOf::kQuadrature) += weights.shape_bound(mean);
   return out;
 }
@@ -190,9 +191,8 @@ absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,
   if (row.interpolation)
     return absl::InvalidArgumentError(
         "an interpolated row has no spectrum whose errors are known: ask for viewpoints");
-  const auto got = spectrum_of(reader, row);
-  if (!got.ok()) return got.status();
-  const schema::Spectrum& s = got->spectrum;
+  ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, row));
+  const schema::Spectrum& s = got.spectrum;
   if (s.apparent_spectral_intensity_w_sr_um().empty() ||
       s.contrast_spectral_intensity_w_sr_um().empty())
     return absl::FailedPreconditionError(fmt::format(
@@ -218,19 +218,18 @@ absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,
         fmt::format("band {}: its own response is 0 where the other one is not, so that nothing is "
                     "known of errors there",
                     row.signature.band));
-  const auto source =
-      sum_of(s.spectral_intensity_w_sr_um(), s.spectral_intensity_stderr_w_sr_um(),
-             s.spectral_intensity_modes(), source_of(row.signature), share, *weights);
-  if (!source.ok()) return source.status();
-  const auto apparent = sum_of(
-      s.apparent_spectral_intensity_w_sr_um(), s.apparent_spectral_intensity_stderr_w_sr_um(),
-      s.apparent_spectral_intensity_modes(), apparent_of(row.signature), share, *weights);
-  if (!apparent.ok()) return apparent.status();
-  const auto contrast = sum_of(
-      s.contrast_spectral_intensity_w_sr_um(), s.contrast_spectral_intensity_stderr_w_sr_um(),
-      s.contrast_spectral_intensity_modes(), contrast_of(row.signature), share, *weights);
-  if (!contrast.ok()) return contrast.status();
-  return InBand{*source, *apparent, *contrast,
+  ASSIGN_OR_RETURN(const auto source,
+                   sum_of(s.spectral_intensity_w_sr_um(), s.spectral_intensity_stderr_w_sr_um(),
+                          s.spectral_intensity_modes(), source_of(row.signature), share, *weights));
+  ASSIGN_OR_RETURN(const auto apparent, sum_of(s.apparent_spectral_intensity_w_sr_um(),
+                                               s.apparent_spectral_intensity_stderr_w_sr_um(),
+                                               s.apparent_spectral_intensity_modes(),
+                                               apparent_of(row.signature), share, *weights));
+  ASSIGN_OR_RETURN(const auto contrast, sum_of(s.contrast_spectral_intensity_w_sr_um(),
+                                               s.contrast_spectral_intensity_stderr_w_sr_um(),
+                                               s.contrast_spectral_intensity_modes(),
+                                               contrast_of(row.signature), share, *weights));
+  return InBand{source, apparent, contrast,
                 !s.spectral_intensity_modes().empty() &&
                     !s.apparent_spectral_intensity_modes().empty() &&
                     !s.contrast_spectral_intensity_modes().empty()};
@@ -243,15 +242,11 @@ absl::StatusOr<std::vector<InBand>> in_band(StoreReader& reader, std::span<const
   for (const QueryRow& row : rows) {
     const auto [own, is_new] = known.try_emplace({row.signature.sweep, row.signature.band});
     if (is_new) {
-      const auto sweep = reader.sweep(row.signature.sweep, SweepFiles::kNone);
-      if (!sweep.ok()) return sweep.status();
-      auto found = response_of(*sweep, row.signature.band);
-      if (!found.ok()) return found.status();
-      own->second = *std::move(found);
+      ASSIGN_OR_RETURN(const auto sweep, reader.sweep(row.signature.sweep, SweepFiles::kNone));
+      ASSIGN_OR_RETURN(own->second, response_of(sweep, row.signature.band));
     }
-    auto sum = in_band(reader, row, response, own->second);
-    if (!sum.ok()) return sum.status();
-    out.push_back(*std::move(sum));
+    ASSIGN_OR_RETURN(auto sum, in_band(reader, row, response, own->second));
+    out.push_back(std::move(sum));
   }
   return out;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "view/axis.h"
 #include "view/plot_curves.h"
 #include "view/svg.h"
@@ -101,8 +102,7 @@ absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                                  {"as_good"},
                                  {"errors_alone", false},
                                  {"samples_to_tell", false}});
-  auto writer = make_table_writer(format, columns, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, columns, out));
   std::uint64_t rank = 0;
   for (const CandidateMerit& m : choice.candidate) {
     std::vector<Cell> line = {++rank};
@@ -112,9 +112,9 @@ absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                              number_cell(m.best_numerical), number_cell(m.best),
                              number_cell(m.as_good_numerical), number_cell(m.as_good),
                              number_cell(m.errors_alone), number_cell(m.samples_to_tell)});
-    (*writer)->row(line);
+    writer->row(line);
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 absl::Status write_map(const BandSearch& search, const MeritOf& merit,
@@ -124,17 +124,16 @@ absl::Status write_map(const BandSearch& search, const MeritOf& merit,
   std::vector<Column> columns = {{"lambda_min_um"}, {"lambda_max_um"}, {"merit"}};
   if (errors) columns.push_back({"samples_stderr"});
   if (!one) columns.insert(columns.end(), {{"second_min_um"}, {"second_max_um"}});
-  auto writer = make_table_writer(format, columns, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, columns, out));
   for (const Candidate& c : found.map) {
     std::vector<Cell> line = {search.lambda_min_um(c.one), search.lambda_max_um(c.one),
                               number_cell(c.merit)};
     if (errors) line.push_back(number_cell(search.mean_stderr(c.one)));
     if (!one)
       line.insert(line.end(), {search.lambda_min_um(*c.other), search.lambda_max_um(*c.other)});
-    (*writer)->row(line);
+    writer->row(line);
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
@@ -143,8 +142,7 @@ absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
   std::vector<Column> columns = {{"rank"}};
   add_columns(search, filters, columns);
   columns.insert(columns.end(), {{"range_m"}, {"merit"}});
-  auto writer = make_table_writer(format, columns, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, columns, out));
   std::uint64_t rank = 0;
   for (const CandidateMerit& m : choice.candidate) {
     ++rank;
@@ -152,10 +150,10 @@ absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
       std::vector<Cell> line = {rank};
       add_cells(search, filters, m.of, line);
       line.insert(line.end(), {range_m, number_cell(search.merit_at(merit, m.of, range_m))});
-      (*writer)->row(line);
+      writer->row(line);
     }
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 std::string plot_ranges(const BandSearch& search, const MeritOf& merit, const WindowChoice& choice,
@@ -187,8 +185,7 @@ absl::Status write_detection(const BandSearch& search, const WindowChoice& choic
                                  {"weight"},
                                  {"detection_range_m"},
                                  {"reach"}});
-  auto writer = make_table_writer(format, columns, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, columns, out));
   std::uint64_t rank = 0;
   for (const CandidateMerit& m : choice.candidate) {
     ++rank;
@@ -202,10 +199,10 @@ absl::Status write_detection(const BandSearch& search, const WindowChoice& choic
                                std::string(known           ? "between"
                                            : d.range_m > 0 ? "beyond the farthest"
                                                            : "below the nearest")});
-      (*writer)->row(line);
+      writer->row(line);
     }
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 std::string note_on_detection(const BandSearch& search, const WindowChoice& choice,

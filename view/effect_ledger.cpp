@@ -41,8 +41,8 @@ double relative_bound(const StoredSignature& s, const StoredEffect& e) {
 std::string_view reason_in_words(std::string_view reason) {
   if (reason == "always") return "cannot be left out";
   if (reason == "not_in_scene") return "nothing in this scene and condition causes it";
-  if (reason == "within_share") return "the error asked for has room for its bound";
-  if (reason == "above_share") return "the error asked for has no room for its bound";
+  if (reason == "within_fraction") return "the error asked for has room for its bound";
+  if (reason == "above_fraction") return "the error asked for has no room for its bound";
   if (reason == "other_row") return "another row of the view needs it";
   if (reason == "no_goal") return "no relative error was asked for that says what is small";
   if (reason == "not_worth") return "so little could be left out that it does not pay to find out";
@@ -65,7 +65,7 @@ std::string ledger_table(const StoredSignature& row, const std::vector<StoredEff
                        bound(e.bound_w_sr, row.intensity_w_sr),
                        bound(e.apparent_bound_w_sr, row.apparent_intensity_w_sr),
                        bound(e.contrast_bound_w_sr, row.contrast_intensity_w_sr),
-                       percent_of(e.share_w_sr, row.intensity_w_sr), time_of(e),
+                       percent_of(e.fraction_w_sr, row.intensity_w_sr), time_of(e),
                        std::string(reason_in_words(e.reason)));
   }
   return out;

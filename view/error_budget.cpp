@@ -26,16 +26,16 @@ std::vector<ErrorPart> error_budget(const QueryRow& row, const QuantityColumns& 
   if (row.range_change) {
     const Measured m = with_rest({s.*quantity.value, s.*quantity.value_stderr, {}, 0},
                                  s.*quantity.numerical_error, BoundOf::kMoved);
-    out.push_back({"standard error", "of the samples", false, m.stderr_, m.sampled_share()});
+    out.push_back({"standard error", "of the samples", false, m.stderr_, m.sampled_fraction()});
     out.push_back({"bounds together", "all bounds of the stored row and that of moving it", true,
                    m.bias_bound(), m.share(BoundOf::kMoved)});
     return out;
   }
   const Measured m = quantity.measured(s);
-  out.push_back({"standard error", "of the samples", false, m.stderr_, m.sampled_share()});
+  out.push_back({"standard error", "of the samples", false, m.stderr_, m.sampled_fraction()});
   out.push_back({"unseen, estimate",
                  "a standard error for the brightest that a sample could have met", false,
-                 m.unseen_stderr, m.unseen_share()});
+                 m.unseen_stderr, m.unseen_fraction()});
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
     if (applies(which, quantity.quantity))

@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "view/effect_ledger.h"
 #include "view/error_budget.h"
 #include "view/heat_effects.h"
@@ -38,52 +39,43 @@ absl::StatusOr<QueryRow> find_one(StoreReader& reader, const std::string& sweep,
   Query query;
   query.sweep = sweep;
   query.row = row;
-  auto rows = run_query(reader, query);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty())
+  ASSIGN_OR_RETURN(auto rows, run_query(reader, query));
+  if (rows.empty())
     return absl::NotFoundError(sweep.empty()
                                    ? fmt::format("no row {}: this database holds no signature", row)
                                    : fmt::format("sweep \"{}\" has no row {}", sweep, row));
-  if (rows->size() > 1) {
+  if (rows.size() > 1) {
     std::vector<std::string> names;
-    for (const QueryRow& r : *rows) names.push_back(r.signature.sweep);
+    for (const QueryRow& r : rows) names.push_back(r.signature.sweep);
     return absl::InvalidArgumentError(
         fmt::format("{} sweeps have a row {}: choose one of {} with --sweep", names.size(), row,
                     fmt::join(names, ", ")));
   }
-  return rows->front();
+  return rows.front();
 }
 
 absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, std::uint64_t row) {
-  auto found = find_one(reader, sweep, row);
-  if (!found.ok()) return found.status();
-  Explained out{*std::move(found), {}, {}, {}, {}, {}, {}};
+  ASSIGN_OR_RETURN(auto found, find_one(reader, sweep, row));
+  Explained out{std::move(found), {}, {}, {}, {}, {}, {}};
   const std::int64_t id = out.signature().signature_id;
-  auto ledger = reader.ledger(id);
-  if (!ledger.ok()) return ledger.status();
-  out.ledger = *std::move(ledger);
-  auto inputs = reader.inputs(id);
-  if (!inputs.ok()) return inputs.status();
-  out.input = *std::move(inputs);
-  auto parts = reader.parts(id);
-  if (!parts.ok()) return parts.status();
-  out.part = *std::move(parts);
+  ASSIGN_OR_RETURN(auto ledger, reader.ledger(id));
+  out.ledger = std::move(ledger);
+  ASSIGN_OR_RETURN(out.input, reader.inputs(id));
+  ASSIGN_OR_RETURN(out.part, reader.parts(id));
   const StoredSignature& s = out.signature();
   if (!s.superseded) {
-    auto temperatures = reader.computed_temperatures(
-        {.sweep = s.sweep, .season = s.season, .time_utc = s.time_utc});
-    if (!temperatures.ok()) return temperatures.status();
-    out.temperature = *std::move(temperatures);
+    ASSIGN_OR_RETURN(out.temperature,
+                     reader.computed_temperatures(
+                         {.sweep = s.sweep, .season = s.season, .time_utc = s.time_utc}));
   }
-  const auto stored = reader.sweep(out.signature().sweep, SweepFiles::kTemperatures);
-  if (!stored.ok()) return stored.status();
-  out.accuracy = stored->resolved.sweep().accuracy();
-  out.slice.assign(stored->resolved.slice().begin(), stored->resolved.slice().end());
-  const auto heat = HeatEffects::make(*stored);
-  if (!heat.ok()) return heat.status();
+  ASSIGN_OR_RETURN(const auto stored,
+                   reader.sweep(out.signature().sweep, SweepFiles::kTemperatures));
+  out.accuracy = stored.resolved.sweep().accuracy();
+  out.slice.assign(stored.resolved.slice().begin(), stored.resolved.slice().end());
+  ASSIGN_OR_RETURN(const auto heat, HeatEffects::make(stored));
   if (!out.ledger.effect.empty())
-    for (StoredEffect& effect : heat->of(s)) out.ledger.effect.push_back(std::move(effect));
-  out.left_out = heat->kelvin_of(s);
+    for (StoredEffect& effect : heat.of(s)) out.ledger.effect.push_back(std::move(effect));
+  out.left_out = heat.kelvin_of(s);
   return out;
 }
 
@@ -154,8 +146,8 @@ std::string values(const Explained& e) {
       line("standard error", s.background_radiance_stderr_w_m2_sr, s.background_radiance_w_m2_sr);
   out += head("projected area", s.projected_area_m2, "m2");
   out += line("standard error", s.projected_area_stderr_m2, s.projected_area_m2);
-  if (s.backface_share > 0)
-    out += head("seen from behind", 100 * s.backface_share,
+  if (s.backface_fraction > 0)
+    out += head("seen from behind", 100 * s.backface_fraction,
                 "% of the silhouette: one-sided facets, which send nothing");
   if (s.apparent_temperature_k > 0)
     out += head("apparent temperature", s.apparent_temperature_k, "K, at the target");
@@ -195,7 +187,7 @@ std::string energy(const std::optional<StoredEnergy>& energy) {
   };
   share("absorbed", energy->absorbed, energy->absorbed_stderr);
   share("to the sky", energy->escaped_to_sky, energy->escaped_to_sky_stderr);
-  share("to sea or ground", energy->escaped_to_lower, energy->escaped_to_lower_stderr);
+  share("to sea or ground", energy->escaped_to_surface, energy->escaped_to_surface_stderr);
   share("cut off", energy->cut_off, energy->cut_off_stderr);
   share("sum", energy->balance, energy->balance_stderr);
   return out;
@@ -209,8 +201,8 @@ std::string causes(const StoredSignature& s) {
   cause("emitted", s.emitted_w_sr, s.emitted_stderr_w_sr);
   cause("sun reflected", s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr);
   cause("sky reflected", s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr);
-  cause("sea reflected", s.sea_reflected_w_sr, s.sea_reflected_stderr_w_sr);
-  cause("parts reflected", s.parts_reflected_w_sr, s.parts_reflected_stderr_w_sr);
+  cause("sea reflected", s.surface_reflected_w_sr, s.surface_reflected_stderr_w_sr);
+  cause("parts reflected", s.interreflected_w_sr, s.interreflected_stderr_w_sr);
   return out;
 }
 
@@ -273,10 +265,9 @@ absl::Status write_array(std::string_view name, const std::vector<std::string>& 
   out << "\"" << name << "\": ";
   std::vector<Column> heads;
   for (const std::string& column : columns) heads.push_back({column});
-  auto writer = make_table_writer("json", heads, out);
-  if (!writer.ok()) return writer.status();
-  for (const auto& row : rows) (*writer)->row(row);
-  return (*writer)->finish();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer("json", heads, out));
+  for (const auto& row : rows) writer->row(row);
+  return writer->finish();
 }
 
 Cell known(double value) { return std::isnan(value) ? Cell() : Cell(value); }
@@ -285,7 +276,7 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   out << "{\"signature\": ";
   QueryContent content;
   content.causes = true;
-  if (auto status = write_rows(reader, {e.row}, content, "json", out); !status.ok()) return status;
+  RETURN_IF_ERROR(write_rows(reader, {e.row}, content, "json", out));
   std::vector<std::vector<Cell>> budget, effects, shares, parts;
   for (const auto quantity : {SignatureQuantity::kIntensity, SignatureQuantity::kApparentIntensity,
                               SignatureQuantity::kContrastIntensity})
@@ -295,39 +286,31 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   for (const StoredEffect& f : e.ledger.effect)
     effects.push_back({f.effect, f.state, f.reason, known(f.bound_w_sr),
                        known(f.apparent_bound_w_sr), known(f.contrast_bound_w_sr),
-                       known(f.share_w_sr), known(f.time_s)});
+                       known(f.fraction_w_sr), known(f.time_s)});
   if (const auto& n = e.ledger.energy)
     shares.push_back({n->absorbed, n->absorbed_stderr, n->escaped_to_sky, n->escaped_to_sky_stderr,
-                      n->escaped_to_lower, n->escaped_to_lower_stderr, n->cut_off,
+                      n->escaped_to_surface, n->escaped_to_surface_stderr, n->cut_off,
                       n->cut_off_stderr, n->balance, n->balance_stderr});
   for (const StoredPart& part : e.part)
     parts.push_back({part.part, part.intensity_w_sr, part.intensity_stderr_w_sr});
   out << ",\n";
-  if (auto status = write_array(
-          "error_budget", {"quantity", "name", "is_bound", "error_w_sr", "share"}, budget, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_array(
+      "error_budget", {"quantity", "name", "is_bound", "error_w_sr", "share"}, budget, out));
   out << ",\n";
-  if (auto status = write_array("effects",
-                                {"effect", "state", "reason", "bound_w_sr", "apparent_bound_w_sr",
-                                 "contrast_bound_w_sr", "share_w_sr", "time_s"},
-                                effects, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_array("effects",
+                              {"effect", "state", "reason", "bound_w_sr", "apparent_bound_w_sr",
+                               "contrast_bound_w_sr", "fraction_w_sr", "time_s"},
+                              effects, out));
   out << ",\n";
-  if (auto status =
-          write_array("energy",
-                      {"absorbed", "absorbed_stderr", "escaped_to_sky", "escaped_to_sky_stderr",
-                       "escaped_to_lower", "escaped_to_lower_stderr", "cut_off", "cut_off_stderr",
-                       "balance", "balance_stderr"},
-                      shares, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(
+      write_array("energy",
+                  {"absorbed", "absorbed_stderr", "escaped_to_sky", "escaped_to_sky_stderr",
+                   "escaped_to_surface", "escaped_to_surface_stderr", "cut_off", "cut_off_stderr",
+                   "balance", "balance_stderr"},
+                  shares, out));
   out << ",\n";
-  if (auto status = write_array(
-          "parts", {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}, parts, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_array(
+      "parts", {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}, parts, out));
   out << ",\n";
   std::vector<std::vector<Cell>> inputs;
   for (const StoredInput& i : e.input) {
@@ -336,34 +319,27 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
       for (const double v : {g->contribution_w_sr, g->stderr_w_sr, g->curvature_w_sr})
         cells.push_back(known(v));
   }
-  if (auto status =
-          write_array("inputs",
-                      {"input", "contribution_w_sr", "contribution_stderr_w_sr", "curvature_w_sr",
-                       "apparent_contribution_w_sr", "apparent_contribution_stderr_w_sr",
-                       "apparent_curvature_w_sr", "contrast_contribution_w_sr",
-                       "contrast_contribution_stderr_w_sr", "contrast_curvature_w_sr"},
-                      inputs, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(
+      write_array("inputs",
+                  {"input", "contribution_w_sr", "contribution_stderr_w_sr", "curvature_w_sr",
+                   "apparent_contribution_w_sr", "apparent_contribution_stderr_w_sr",
+                   "apparent_curvature_w_sr", "contrast_contribution_w_sr",
+                   "contrast_contribution_stderr_w_sr", "contrast_curvature_w_sr"},
+                  inputs, out));
   out << ",\n";
   std::vector<std::vector<Cell>> temperatures;
   for (const StoredTemperature& t : e.temperature)
     temperatures.push_back({t.part, t.mean_k, t.coldest_k, t.hottest_k, t.error_k});
-  if (auto status =
-          write_array("temperatures", {"part", "mean_k", "coldest_k", "hottest_k", "error_k"},
-                      temperatures, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_array(
+      "temperatures", {"part", "mean_k", "coldest_k", "hottest_k", "error_k"}, temperatures, out));
   out << ",\n";
   std::vector<std::vector<Cell>> slices;
   for (const schema::Slice& slice : e.slice)
     slices.push_back({slice.source(), slice.sweep_sha256(), slice.source_rows(),
                       slice.source_digest(), slice.filter(), slice.rows()});
-  if (auto status = write_array(
-          "slices", {"source", "sweep_sha256", "source_rows", "source_digest", "filter", "rows"},
-          slices, out);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_array(
+      "slices", {"source", "sweep_sha256", "source_rows", "source_digest", "filter", "rows"},
+      slices, out));
   out << "}\n";
   return out.flush() ? absl::OkStatus() : absl::UnavailableError("cannot write the output");
 }
@@ -375,10 +351,9 @@ absl::Status explain_row(StoreReader& reader, const std::string& sweep, std::uin
   if (format != "text" && format != "json")
     return absl::InvalidArgumentError(
         fmt::format("unknown format \"{}\": expected text or json", format));
-  const auto explained = read(reader, sweep, row);
-  if (!explained.ok()) return explained.status();
-  if (format == "json") return write_json(reader, *explained, out);
-  out << printable(text_of(*explained));
+  ASSIGN_OR_RETURN(const auto explained, read(reader, sweep, row));
+  if (format == "json") return write_json(reader, explained, out);
+  out << printable(text_of(explained));
   return out.flush() ? absl::OkStatus() : absl::UnavailableError("cannot write the output");
 }
 

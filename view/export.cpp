@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "core/base/status_macros.h"
 #include "view/atomic_file.h"
 #include "view/progress.h"
 #include "view/query_table.h"
@@ -21,58 +22,53 @@ absl::Status export_netcdf(StoreReader& reader, const ExportAsked& asked, const 
     return absl::InvalidArgumentError(
         "netcdf holds computed signatures only: export interpolated ones as csv");
   }
-  auto rows = run_query(reader, asked.query, asked.extent_of);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty()) return nothing();
+  ASSIGN_OR_RETURN(auto rows, run_query(reader, asked.query, asked.extent_of));
+  if (rows.empty()) return nothing();
   return replace_file(path, [&](const std::string& beside) {
-    return write_netcdf(reader, *std::move(rows), beside);
+    return write_netcdf(reader, std::move(rows), beside);
   });
 }
 
 }  // namespace
 
 absl::Status export_csv(StoreReader& reader, const ExportAsked& asked, std::ostream& out) {
-  const auto rows = QueryRows::open(reader, asked.query, asked.extent_of);
-  if (!rows.ok()) return rows.status();
-  auto some = (*rows)->next();
+  ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
+  auto some = rows->next();
   if (!some.ok()) return some.status();
   if (some->empty()) return nothing();
   const bool wide = asked.spectra == TableSpectra::kWide;
-  auto table = RowTable::make(reader, *some,
-                              {.spectrum = asked.spectra == TableSpectra::kLong,
-                               .wide = wide,
-                               .causes = !wide,
-                               .quantity = asked.query.quantity},
-                              "csv", out);
-  if (!table.ok()) return table.status();
-  LoopProgress progress("rows written", (*rows)->count());
+  ASSIGN_OR_RETURN(auto table, RowTable::make(reader, *some,
+                                              {.spectrum = asked.spectra == TableSpectra::kLong,
+                                               .wide = wide,
+                                               .causes = !wide,
+                                               .quantity = asked.query.quantity},
+                                              "csv", out));
+  LoopProgress progress("rows written", rows->count());
   while (!some->empty() && out) {  // finish() says if the stream failed
     for (const QueryRow& row : *some) {
-      if (absl::Status s = table->write(row); !s.ok()) return s;
+      RETURN_IF_ERROR(table.write(row));
       progress.step();
     }
-    some = (*rows)->next();
+    some = rows->next();
     if (!some.ok()) return some.status();
   }
-  return table->finish();
+  return table.finish();
 }
 
 absl::Status export_file(StoreReader& reader, const ExportAsked& asked, std::string_view format,
                          const std::string& path) {
   if (format == "netcdf") return export_netcdf(reader, asked, path);
   if (format == "envi") {
-    const auto rows = QueryRows::open(reader, asked.query, asked.extent_of);
-    if (!rows.ok()) return rows.status();
-    return write_envi(reader, **rows, asked.query.quantity, path);
+    ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
+    return write_envi(reader, *rows, asked.query.quantity, path);
   }
   if (format == "tsf") {
     if (asked.query.quantity != SignatureQuantity::kIntensity)
       return absl::InvalidArgumentError(
           "--quantity: a target signature file has the intensity at the target: STK puts its own "
           "air and background to it");
-    const auto rows = QueryRows::open(reader, asked.query, asked.extent_of);
-    if (!rows.ok()) return rows.status();
-    return write_tsf(reader, **rows, path);
+    ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
+    return write_tsf(reader, *rows, path);
   }
   if (format != "csv")
     return absl::InvalidArgumentError(

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <fstream>
 
+#include "core/base/status_macros.h"
 #include "view/atomic_file.h"
 #include "view/export.h"
 #include "view/progress.h"
@@ -42,9 +43,8 @@ absl::Status write_envi(StoreReader& reader, QueryRows& rows, SignatureQuantity 
   std::uint64_t first_row = 0;
   LoopProgress progress("spectra written, rows", rows.count());
   const auto append = [&](const QueryRow& row, std::ostream& out) -> absl::Status {
-    const auto got = spectrum_of(reader, row);
-    if (!got.ok()) return got.status();
-    const schema::Spectrum& s = got->spectrum;
+    ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, row));
+    const schema::Spectrum& s = got.spectrum;
     const auto& spectrum = (s.*columns.spectral_value)();
     if (spectrum.empty())
       return absl::FailedPreconditionError(
@@ -68,11 +68,9 @@ absl::Status write_envi(StoreReader& reader, QueryRows& rows, SignatureQuantity 
     errno = 0;
     std::ofstream file(beside, std::ios::binary | std::ios::trunc);
     while (file) {
-      const auto some = rows.next();
-      if (!some.ok()) return some.status();
-      if (some->empty()) break;
-      for (const QueryRow& row : *some)
-        if (absl::Status s = append(row, file); !s.ok()) return s;
+      ASSIGN_OR_RETURN(const auto some, rows.next());
+      if (some.empty()) break;
+      for (const QueryRow& row : some) RETURN_IF_ERROR(append(row, file));
     }
     file.close();
     if (!file) return write_failure(path);

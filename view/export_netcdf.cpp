@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_join.h"
 #include "core/accuracy/spectral_modes.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "view/export.h"
 #include "view/netcdf_bands.h"
@@ -128,10 +129,10 @@ constexpr SpectralColumn kSpectra[] = {
     {"spectral_sun_reflected_stderr_w_sr_um", &Sp::sun_reflected_stderr_w_sr_um},
     {"spectral_sky_reflected_w_sr_um", &Sp::sky_reflected_w_sr_um},
     {"spectral_sky_reflected_stderr_w_sr_um", &Sp::sky_reflected_stderr_w_sr_um},
-    {"spectral_sea_reflected_w_sr_um", &Sp::sea_reflected_w_sr_um},
-    {"spectral_sea_reflected_stderr_w_sr_um", &Sp::sea_reflected_stderr_w_sr_um},
-    {"spectral_parts_reflected_w_sr_um", &Sp::parts_reflected_w_sr_um},
-    {"spectral_parts_reflected_stderr_w_sr_um", &Sp::parts_reflected_stderr_w_sr_um},
+    {"spectral_surface_reflected_w_sr_um", &Sp::surface_reflected_w_sr_um},
+    {"spectral_surface_reflected_stderr_w_sr_um", &Sp::surface_reflected_stderr_w_sr_um},
+    {"spectral_interreflected_w_sr_um", &Sp::interreflected_w_sr_um},
+    {"spectral_interreflected_stderr_w_sr_um", &Sp::interreflected_stderr_w_sr_um},
     {"apparent_spectral_intensity_w_sr_um", &Sp::apparent_spectral_intensity_w_sr_um},
     {"apparent_spectral_intensity_stderr_w_sr_um", &Sp::apparent_spectral_intensity_stderr_w_sr_um},
     {"contrast_spectral_intensity_w_sr_um", &Sp::contrast_spectral_intensity_w_sr_um},
@@ -335,9 +336,7 @@ absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vect
   for (const QueryRow& r : rows) {
     std::vector<StoredInput>& of_row = inputs_of_row.emplace_back();
     if (r.interpolation || std::isnan(r.signature.input_uncertainty_w_sr)) continue;
-    auto inputs = reader.inputs(r.signature.signature_id);
-    if (!inputs.ok()) return inputs.status();
-    of_row = *std::move(inputs);
+    ASSIGN_OR_RETURN(of_row, reader.inputs(r.signature.signature_id));
     for (const StoredInput& i : of_row)
       if (std::find(names.begin(), names.end(), i.input) == names.end()) names.push_back(i.input);
   }
@@ -369,14 +368,13 @@ absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vecto
   LoopProgress progress("parts read, rows", rows.size());
   for (const QueryRow& r : rows) {
     progress.step();
-    auto parts = parts_of(reader, r);
-    if (!parts.ok()) return parts.status();
-    for (const RowPart& p : *parts) {
+    ASSIGN_OR_RETURN(auto parts, parts_of(reader, r));
+    for (const RowPart& p : parts) {
       if (std::find(names.begin(), names.end(), p.part.part) == names.end()) {
         names.push_back(p.part.part);
       }
     }
-    parts_of_row.push_back(std::move(*parts));
+    parts_of_row.push_back(std::move(parts));
   }
   if (names.empty()) return absl::OkStatus();
   std::vector<double> value(layout.size() * names.size(), kNan), value_stderr = value;
@@ -409,16 +407,14 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
     of_viewpoint[layout.cell[i].viewpoint].push_back(i);
     std::vector<double>& axis = lambda_um[layout.cell[i].band];
     if (!axis.empty()) continue;
-    const auto first = spectrum_of(reader, rows[i]);
-    if (!first.ok()) return first.status();
-    axis.assign(first->spectrum.lambda_um().begin(), first->spectrum.lambda_um().end());
+    ASSIGN_OR_RETURN(const auto first, spectrum_of(reader, rows[i]));
+    axis.assign(first.spectrum.lambda_um().begin(), first.spectrum.lambda_um().end());
     bins = std::max(bins, axis.size());
   }
   if (bins == 0) return absl::OkStatus();
   bin = file.dimension("bin", bins);
   const auto bands = collected<std::string>(layout.band.first(), [](const S& s) { return s.band; });
-  if (absl::Status s = write_bins(file, sweep, bands, lambda_um, d.band, *bin, bins); !s.ok())
-    return s;
+  RETURN_IF_ERROR(write_bins(file, sweep, bands, lambda_um, d.band, *bin, bins));
   std::vector<Dimension> cube = d.cube();
   cube.push_back(*bin);
   std::vector<NetcdfFile::Variable> variable;
@@ -438,9 +434,8 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
     for (auto& column : values) column.assign(slab, std::numeric_limits<float>::quiet_NaN());
     for (const std::size_t i : of_viewpoint[v]) {
       const Layout::Cell& cell = layout.cell[i];
-      const auto got = spectrum_of(reader, rows[i]);
-      if (!got.ok()) return got.status();
-      const auto& axis = got->spectrum.lambda_um();
+      ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, rows[i]));
+      const auto& axis = got.spectrum.lambda_um();
       if (!std::equal(axis.begin(), axis.end(), lambda_um[cell.band].begin(),
                       lambda_um[cell.band].end()))
         return absl::InternalError(
@@ -448,7 +443,7 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
                         rows[i].signature.row, rows[i].signature.band));
       const std::size_t to = layout.place(cell) * bins;
       for (std::size_t c = 0; c < values.size(); ++c) {
-        const auto& of_row = (got->spectrum.*kSpectra[c].values)();
+        const auto& of_row = (got.spectrum.*kSpectra[c].values)();
         std::copy_n(of_row.begin(),
                     std::min<std::size_t>(static_cast<std::size_t>(of_row.size()), bins),
                     values[c].begin() + static_cast<std::ptrdiff_t>(to));
@@ -470,18 +465,16 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
                             const ModeColumn& column) -> absl::StatusOr<SpectralSet> {
     if (row.interpolation) return SpectralSet{};
     const auto& stderrs = (spectrum.*column.value_stderr)();
-    auto errors = SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
-                                  (spectrum.*column.encoded)());
-    if (!errors.ok()) return errors.status();
-    return errors->modes();
+    ASSIGN_OR_RETURN(auto errors,
+                     SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
+                                     (spectrum.*column.encoded)()));
+    return errors.modes();
   };
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto got = spectrum_of(reader, rows[i]);
-    if (!got.ok()) return got.status();
+    ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, rows[i]));
     for (const ModeColumn& column : kModes) {
-      const auto modes = modes_of(rows[i], got->spectrum, column);
-      if (!modes.ok()) return modes.status();
-      most = std::max(most, modes->size());
+      ASSIGN_OR_RETURN(const auto modes, modes_of(rows[i], got.spectrum, column));
+      most = std::max(most, modes.size());
     }
     of_viewpoint[layout.cell[i].viewpoint].push_back(i);
   }
@@ -498,18 +491,15 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
     for (std::size_t c = 0; c < std::size(kModes); ++c) {
       std::vector<float> values(layout.places() * of_row, std::numeric_limits<float>::quiet_NaN());
       for (const std::size_t i : of_viewpoint[v]) {
-        const auto got = spectrum_of(reader, rows[i]);
-        if (!got.ok()) return got.status();
-        const auto modes = modes_of(rows[i], got->spectrum, kModes[c]);
-        if (!modes.ok()) return modes.status();
-        if (modes->empty()) continue;
+        ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, rows[i]));
+        ASSIGN_OR_RETURN(const auto modes, modes_of(rows[i], got.spectrum, kModes[c]));
+        if (modes.empty()) continue;
         const Layout::Cell& cell = layout.cell[i];
         const std::size_t to = layout.place(cell) * of_row;
         // Fewer modes than others have: the rest of them are 0.
         for (std::size_t m = 0; m < most; ++m)
-          for (std::size_t k = 0; k < modes->front().size(); ++k)
-            values[to + m * bins + k] =
-                m < modes->size() ? static_cast<float>((*modes)[m][k]) : 0.0f;
+          for (std::size_t k = 0; k < modes.front().size(); ++k)
+            values[to + m * bins + k] = m < modes.size() ? static_cast<float>(modes[m][k]) : 0.0f;
       }
       file.put(variable[c], v, values);
     }
@@ -519,8 +509,7 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
 // One sweep's cube, where the file is.
 absl::Status write_cube(StoreReader& reader, const std::vector<QueryRow>& rows, NetcdfFile& file) {
   const S& any = rows.front().signature;
-  const auto sweep = reader.sweep(any.sweep, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(any.sweep, SweepFiles::kNone));
   const Layout layout(rows);
   file.attribute("Conventions", kConventions);
   file.attribute("title", "Infrared signatures of sweep " + any.sweep);
@@ -541,17 +530,13 @@ absl::Status write_cube(StoreReader& reader, const std::vector<QueryRow>& rows, 
                            layout.dated ? "time_of_day" : "time")};
   if (layout.moved) d.range = file.dimension("range_m", layout.range.size());
   write_axes(file, layout, d);
-  write_conditions(file, rows, sweep->resolved, layout, d);
+  write_conditions(file, rows, sweep.resolved, layout, d);
   write_scalars(file, rows, layout, d);
-  if (absl::Status status = write_inputs(reader, file, rows, layout, d); !status.ok())
-    return status;
-  if (absl::Status status = write_parts(reader, file, rows, layout, d); !status.ok()) return status;
+  RETURN_IF_ERROR(write_inputs(reader, file, rows, layout, d));
+  RETURN_IF_ERROR(write_parts(reader, file, rows, layout, d));
   std::optional<Dimension> bin;
   std::size_t bins = 0;
-  if (absl::Status status =
-          write_spectra(reader, file, sweep->resolved, rows, layout, d, bin, bins);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_spectra(reader, file, sweep.resolved, rows, layout, d, bin, bins));
   return write_modes(reader, file, rows, layout, d, bin, bins);
 }
 
@@ -576,7 +561,7 @@ absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
   }
   for (const std::vector<QueryRow>& cube : of_sweep) {
     if (of_sweep.size() > 1) file.group(cube.front().signature.sweep);
-    if (absl::Status status = write_cube(reader, cube, file); !status.ok()) return status;
+    RETURN_IF_ERROR(write_cube(reader, cube, file));
   }
   return file.close();
 }

@@ -17,6 +17,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "core/base/status_macros.h"
 #include "schema/store/check_picture.h"
 #include "view/atomic_file.h"
 #include "view/progress.h"
@@ -131,18 +132,15 @@ class ThumbnailFolder {
         read_(read) {}
 
   absl::StatusOr<std::uint64_t> write() {
-    const auto filter = filter_of(asked_.query);
-    if (!filter.ok()) return filter.status();
-    auto ids = reader_.find_ids(*filter);
-    if (!ids.ok()) return ids.status();
-    if (ids->empty()) {
-      if (absl::Status why = explain_nothing(reader_, *filter); !why.ok()) return why;
+    ASSIGN_OR_RETURN(const auto filter, filter_of(asked_.query));
+    ASSIGN_OR_RETURN(auto ids, reader_.find_ids(filter));
+    if (ids.empty()) {
+      RETURN_IF_ERROR(explain_nothing(reader_, filter));
       return absl::NotFoundError("nothing to export: no signature matches the filters");
     }
-    ids_ = *std::move(ids);
-    if (absl::Status s = find_parts(); !s.ok()) return s;
-    const auto lock = begin();
-    if (!lock.ok()) return lock.status();
+    ids_ = std::move(ids);
+    RETURN_IF_ERROR(find_parts());
+    ASSIGN_OR_RETURN(const auto lock, begin());
     absl::Status done = find_scale();
     if (done.ok()) done = paint_all();
     if (!done.ok()) {
@@ -181,17 +179,15 @@ class ThumbnailFolder {
 
   // In the order of sweeps and of their lists.
   absl::Status find_parts() {
-    const auto sweeps = reader_.contents();
-    if (!sweeps.ok()) return sweeps.status();
-    for (const SweepContents& of : *sweeps) {
+    ASSIGN_OR_RETURN(const auto sweeps, reader_.contents());
+    for (const SweepContents& of : sweeps) {
       if (!asked_.query.sweep.empty() && of.name != asked_.query.sweep) continue;
-      const auto sweep = reader_.sweep(of.name);
-      if (!sweep.ok()) return sweep.status();
-      for (const schema::Part& part : sweep->resolved.sweep().part())
+      ASSIGN_OR_RETURN(const auto sweep, reader_.sweep(of.name));
+      for (const schema::Part& part : sweep.resolved.sweep().part())
         if (std::find(parts_.begin(), parts_.end(), part.name()) == parts_.end())
           parts_.push_back(part.name());
       place_[of.name] = place_.size();
-      most_px_[of.name] = most_px_of(sweep->resolved.sweep());
+      most_px_[of.name] = most_px_of(sweep.resolved.sweep());
     }
     return absl::OkStatus();
   }
@@ -208,15 +204,14 @@ class ThumbnailFolder {
     if (!lock.ok()) return lock;
     fs::create_directory(partial_ + "/images", error);
     if (error) return cannot(partial_ + "/images", error);
-    const auto progress = reader_.progress();
-    if (!progress.ok()) return progress.status();
+    ASSIGN_OR_RETURN(const auto progress, reader_.progress());
     std::uint64_t hash = 14695981039346656037u;  // FNV-1a
     const auto add = [&](std::uint64_t value) {
       for (int byte = 0; byte < 8; ++byte, value >>= 8)
         hash = (hash ^ (value & 255)) * 1099511628211u;
     };
     for (const std::int64_t id : ids_) add(static_cast<std::uint64_t>(id));
-    for (const SweepProgress& p : *progress)
+    for (const SweepProgress& p : progress)
       for (const char c : p.sweep_sha256) add(static_cast<unsigned char>(c));
     journal_.asked = fmt::format("{} scale {}{}{}, {} rows {:016x}", asked_.said, asked_.scale,
                                  asked_.exr ? " exr" : "", asked_.background ? " background" : "",
@@ -238,13 +233,11 @@ class ThumbnailFolder {
 
   // Rows from..to that have an image.
   absl::StatusOr<std::vector<Image>> images(std::size_t from, std::size_t to) {
-    auto rows = reader_.read({ids_.data() + from, to - from});
-    if (!rows.ok()) return rows.status();
+    ASSIGN_OR_RETURN(auto rows, reader_.read({ids_.data() + from, to - from}));
     std::vector<Image> out;
-    for (StoredSignature& s : *rows) {
-      auto thumbnail = reader_.thumbnail(s.signature_id);
-      if (!thumbnail.ok()) return thumbnail.status();
-      if (thumbnail->has_value()) out.push_back({std::move(s), **std::move(thumbnail)});
+    for (StoredSignature& s : rows) {
+      ASSIGN_OR_RETURN(auto thumbnail, reader_.thumbnail(s.signature_id));
+      if (thumbnail.has_value()) out.push_back({std::move(s), *std::move(thumbnail)});
     }
     return out;
   }
@@ -283,17 +276,16 @@ class ThumbnailFolder {
   // Of the images' rows.
   absl::StatusOr<std::vector<PictureAnswer>> painted(const std::vector<Image>& images,
                                                      const std::vector<PictureTask>& pictures) {
-    auto facts = read_(pictures);
-    if (!facts.ok()) return facts.status();
-    if (facts->size() != pictures.size())
+    ASSIGN_OR_RETURN(auto facts, read_(pictures));
+    if (facts.size() != pictures.size())
       return absl::InternalError(
-          fmt::format("{} of {} images were painted", facts->size(), pictures.size()));
+          fmt::format("{} of {} images were painted", facts.size(), pictures.size()));
     for (std::size_t i = 0; i < images.size(); ++i) {
-      if ((*facts)[i].damage.empty()) continue;
+      if (facts[i].damage.empty()) continue;
       const StoredSignature& s = images[i].signature;
       return never(absl::DataLossError(fmt::format(
           "the stored image of row {}{} ({}.png) is damaged: {}", s.row,
-          place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), (*facts)[i].damage)));
+          place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), facts[i].damage)));
     }
     return facts;
   }
@@ -305,24 +297,21 @@ class ThumbnailFolder {
     progress.step(journal_.seen);
     while (journal_.seen < ids_.size()) {
       const std::size_t to = std::min(ids_.size(), journal_.seen + kAtOnce);
-      auto some = images(journal_.seen, to);
-      if (!some.ok()) return some.status();
+      ASSIGN_OR_RETURN(auto some, images(journal_.seen, to));
       std::vector<PictureTask> pictures;
-      for (const Image& image : *some) {
-        auto one = picture(image);
-        if (!one.ok()) return one.status();
-        pictures.push_back(*std::move(one));
+      for (const Image& image : some) {
+        ASSIGN_OR_RETURN(auto one, picture(image));
+        pictures.push_back(std::move(one));
       }
-      const auto facts = painted(*some, pictures);
-      if (!facts.ok()) return facts.status();
-      for (std::size_t i = 0; i < some->size(); ++i) {
-        const StoredSignature& s = (*some)[i].signature;
+      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const StoredSignature& s = some[i].signature;
         double& hottest = journal_.hottest[{s.sweep, s.band}];
-        hottest = std::max(hottest, static_cast<double>((*facts)[i].hottest_w_m2_sr));
+        hottest = std::max(hottest, static_cast<double>(facts[i].hottest_w_m2_sr));
       }
       progress.step(to - journal_.seen);
       journal_.seen = to;
-      if (absl::Status s = replace_file(journal_path(), journal_.text()); !s.ok()) return s;
+      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
     }
     return absl::OkStatus();
   }
@@ -337,13 +326,12 @@ class ThumbnailFolder {
     progress.step(journal_.painted);
     while (journal_.painted < ids_.size()) {
       const std::size_t to = std::min(ids_.size(), journal_.painted + kAtOnce);
-      auto some = images(journal_.painted, to);
-      if (!some.ok()) return some.status();
-      if (absl::Status s = paint_some(*some); !s.ok()) return s;
+      ASSIGN_OR_RETURN(auto some, images(journal_.painted, to));
+      RETURN_IF_ERROR(paint_some(some));
       progress.step(to - journal_.painted);
       journal_.painted = to;
-      journal_.images += some->size();
-      if (absl::Status s = replace_file(journal_path(), journal_.text()); !s.ok()) return s;
+      journal_.images += some.size();
+      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
     }
     return absl::OkStatus();
   }
@@ -351,36 +339,28 @@ class ThumbnailFolder {
   absl::Status paint_some(const std::vector<Image>& some) {
     std::vector<PictureTask> pictures;
     for (const Image& image : some) {
-      auto one = picture(image);
-      if (!one.ok()) return one.status();
+      ASSIGN_OR_RETURN(auto one, picture(image));
       const StoredSignature& s = image.signature;
       if (asked_.exr)
-        if (absl::Status status =
-                plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr());
-            !status.ok())
-          return status;
-      one->black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
-      one->white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
-                                                  ? journal_.hottest[{s.sweep, s.band}]
-                                                  : scale_.white_w_m2_sr);
-      pictures.push_back(*std::move(one));
+        RETURN_IF_ERROR(plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr()));
+      one.black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
+      one.white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
+                                                 ? journal_.hottest[{s.sweep, s.band}]
+                                                 : scale_.white_w_m2_sr);
+      pictures.push_back(std::move(one));
     }
     if (scale_.kind == Scale::Kind::kOwn) {
-      const auto facts = painted(some, pictures);
-      if (!facts.ok()) return facts.status();
+      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
       for (std::size_t i = 0; i < pictures.size(); ++i)
-        pictures[i].white_w_m2_sr = (*facts)[i].hottest_w_m2_sr;
+        pictures[i].white_w_m2_sr = facts[i].hottest_w_m2_sr;
     }
     for (PictureTask& picture : pictures) picture.paint = true;
-    const auto facts = painted(some, pictures);
-    if (!facts.ok()) return facts.status();
+    ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
     for (std::size_t i = 0; i < some.size(); ++i)
-      if (absl::Status status =
-              plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", (*facts)[i].png);
-          !status.ok())
-        return status;
+      RETURN_IF_ERROR(
+          plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", facts[i].png));
     std::ostringstream lines;
-    if (absl::Status s = write_labels(some, pictures, *facts, lines); !s.ok()) return s;
+    RETURN_IF_ERROR(write_labels(some, pictures, facts, lines));
     return append_labels(lines.str());
   }
 
@@ -439,8 +419,7 @@ class ThumbnailFolder {
       head(part + ":part_intensity_w_sr");
       head(part + ":part_intensity_stderr_w_sr");
     }
-    auto table = make_table_writer("csv", heads, out);
-    if (!table.ok()) return table.status();
+    ASSIGN_OR_RETURN(auto table, make_table_writer("csv", heads, out));
     const auto known = [](double v) { return std::isnan(v) ? Cell() : Cell(v); };
     for (std::size_t i = 0; i < some.size(); ++i) {
       const S& s = some[i].signature;
@@ -458,18 +437,17 @@ class ThumbnailFolder {
            {f.shown_px, f.left_px, f.top_px, f.box_width_px, f.box_height_px})
         line.emplace_back(std::uint64_t{n});
       for (const Number& n : kValues) line.push_back(known(s.*n.member));
-      const auto parts = reader_.parts(s.signature_id);
-      if (!parts.ok()) return parts.status();
+      ASSIGN_OR_RETURN(const auto parts, reader_.parts(s.signature_id));
       for (const std::string& name : parts_) {
-        const auto part = std::find_if(parts->begin(), parts->end(),
+        const auto part = std::find_if(parts.begin(), parts.end(),
                                        [&](const StoredPart& p) { return p.part == name; });
-        const bool there = part != parts->end();
+        const bool there = part != parts.end();
         line.push_back(there ? Cell(part->intensity_w_sr) : Cell());
         line.push_back(there ? Cell(part->intensity_stderr_w_sr) : Cell());
       }
-      (*table)->row(line);
+      table->row(line);
     }
-    return (*table)->finish();
+    return table->finish();
   }
 
   StoreReader& reader_;
@@ -494,11 +472,10 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
     return absl::InvalidArgumentError("thumbnails: images are not interpolated, use nearest");
   if (!asked.query.range_m.empty())
     return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
-  const auto scale = parse_scale(asked.scale);
-  if (!scale.ok()) return scale.status();
+  ASSIGN_OR_RETURN(const auto scale, parse_scale(asked.scale));
   std::string path = folder;
   while (path.size() > 1 && path.ends_with('/')) path.pop_back();
-  return ThumbnailFolder(reader, asked, *scale, path, read).write();
+  return ThumbnailFolder(reader, asked, scale, path, read).write();
 }
 
 }  // namespace irsig

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "view/atomic_file.h"
 #include "view/export.h"
@@ -69,10 +70,9 @@ absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& 
   std::optional<StoredSignature> first;
   LoopProgress progress("spectra read, rows", rows.count());
   for (;;) {
-    const auto some = rows.next();
-    if (!some.ok()) return some.status();
-    if (some->empty()) break;
-    for (const QueryRow& row : *some) {
+    ASSIGN_OR_RETURN(const auto some, rows.next());
+    if (some.empty()) break;
+    for (const QueryRow& row : some) {
       const StoredSignature& s = row.signature;
       if (!first) first = s;
       const auto differs = [&](const char* what, const std::string& a, const std::string& b,
@@ -88,13 +88,11 @@ absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& 
       if (s.range_m != first->range_m)
         return differs("range", fmt::format("{} m", first->range_m), fmt::format("{} m", s.range_m),
                        "--at-range-m");
-      const auto got = spectrum_of(reader, row);
-      if (!got.ok()) return got.status();
-      const auto time = parse_rfc3339(s.time_utc);
-      if (!time.ok()) return time.status();
-      const schema::Spectrum& spectrum = got->spectrum;
-      time_of.try_emplace(unix_seconds(*time), s.time_utc);
-      if (!instants[unix_seconds(*time)]
+      ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, row));
+      ASSIGN_OR_RETURN(const auto time, parse_rfc3339(s.time_utc));
+      const schema::Spectrum& spectrum = got.spectrum;
+      time_of.try_emplace(unix_seconds(time), s.time_utc);
+      if (!instants[unix_seconds(time)]
                .try_emplace(tsf_direction(s),
                             TsfSpectrum{{spectrum.lambda_um().begin(), spectrum.lambda_um().end()},
                                         {spectrum.spectral_intensity_w_sr_um().begin(),

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/effects/effects.h"
 #include "core/geo/sun.h"
 #include "schema/result.pb.h"
@@ -23,9 +24,8 @@ double number_at(const std::string& little_endian, std::size_t index) {
 // Of computed temperatures the index of the row for this time.
 absl::StatusOr<std::size_t> time_index(const schema::HeatField& field,
                                        const std::string& time_utc) {
-  const auto time = parse_rfc3339(time_utc);
-  if (!time.ok()) return time.status();
-  const auto found = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(*time));
+  ASSIGN_OR_RETURN(const auto time, parse_rfc3339(time_utc));
+  const auto found = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(time));
   if (found == field.unix_s().end())
     return absl::InvalidArgumentError(
         absl::StrCat("computed temperatures: there are none at ", time_utc));
@@ -47,10 +47,9 @@ absl::StatusOr<HeatEffects> HeatEffects::make(const StoredSweep& sweep) {
     schema::HeatField field;
     if (run >= sweep.heat.size() || !field.ParseFromString(sweep.heat[run]))
       return absl::InvalidArgumentError("computed temperatures cannot be read");
-    const auto time = time_index(field, c.time_utc());
-    if (!time.ok()) return time.status();
+    ASSIGN_OR_RETURN(const auto time, time_index(field, c.time_utc()));
     const std::size_t facets = field.facets();
-    if (field.error_k().size() < sizeof(float) * facets * (*time + 1))
+    if (field.error_k().size() < sizeof(float) * facets * (time + 1))
       return absl::InvalidArgumentError("computed temperatures: errors are missing");
     for (const schema::HeatEffect& effect : field.effect()) {
       if (effect.bound_k().size() != sizeof(float) * facets)
@@ -59,7 +58,7 @@ absl::StatusOr<HeatEffects> HeatEffects::make(const StoredSweep& sweep) {
       double largest_k = 0, of_error = 0;
       for (std::size_t f = 0; f < facets; ++f) {
         const double bound_k = number_at(effect.bound_k(), f),
-                     error_k = number_at(field.error_k(), *time * facets + f);
+                     error_k = number_at(field.error_k(), time * facets + f);
         if (std::isnan(bound_k)) continue;
         largest_k = std::max(largest_k, bound_k);
         if (bound_k > 0) of_error = std::max(of_error, bound_k / error_k);
@@ -89,7 +88,7 @@ std::vector<StoredEffect> HeatEffects::of(const StoredSignature& row) const {
     e.state = "on";
     e.reason = "not_asked";
     e.bound_w_sr = e.apparent_bound_w_sr = e.contrast_bound_w_sr = kNotComputed;
-    e.share_w_sr = e.time_s = kNotComputed;
+    e.fraction_w_sr = e.time_s = kNotComputed;
     for (std::size_t i = 0; i < condition->effect.size(); ++i) {
       if (condition->effect[i].effect != info.name || !condition->effect[i].off) continue;
       const double share = condition->of_error[i];

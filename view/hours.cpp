@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "bridge/environment/inside_schedule.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "view/signature_quantity.h"
 #include "view/table.h"
@@ -20,9 +21,8 @@ namespace {
 constexpr double kHour_s = 3600, kDay_s = 24 * kHour_s;
 
 absl::StatusOr<double> unix_s_of(const std::string& time_utc) {
-  const auto time = parse_rfc3339(time_utc);
-  if (!time.ok()) return time.status();
-  return unix_seconds(*time);
+  ASSIGN_OR_RETURN(const auto time, parse_rfc3339(time_utc));
+  return unix_seconds(time);
 }
 
 // Sorts the times of each season into days.
@@ -31,9 +31,8 @@ class Days {
   explicit Days(double offset_h) : offset_s_(offset_h * kHour_s) {}
 
   absl::Status add(const std::string& season, const std::string& time_utc) {
-    const auto time = unix_s_of(time_utc);
-    if (!time.ok()) return time.status();
-    times_[season].insert(*time + offset_s_);
+    ASSIGN_OR_RETURN(const auto time, unix_s_of(time_utc));
+    times_[season].insert(time + offset_s_);
     return absl::OkStatus();
   }
 
@@ -87,14 +86,13 @@ absl::Status two_times(const Hours& hours) {
 absl::Status add_inside(const schema::BuildUp& build_up, const std::string& season,
                         const std::string& day, const Days& days, double first_s, double last_s,
                         std::vector<HourlyInside>& out) {
-  const auto schedule = inside_schedule(build_up);
-  if (!schedule.ok()) return schedule.status();
-  if (!*schedule) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto schedule, inside_schedule(build_up));
+  if (!schedule) return absl::OkStatus();
   std::vector<double> knot = {first_s};
-  const std::vector<double> between = times_between(**schedule, first_s, last_s);
+  const std::vector<double> between = times_between(*schedule, first_s, last_s);
   knot.insert(knot.end(), between.begin(), between.end());
   if (last_s > first_s) knot.push_back(last_s);
-  const std::vector<ScheduleAtKnot> value = at_knots(**schedule, knot);
+  const std::vector<ScheduleAtKnot> value = at_knots(*schedule, knot);
   for (std::size_t k = 0; k < knot.size(); ++k) {
     HourOfDay at = days.place(season, knot[k]);
     at.day = day;  // an hour of the day that it is drawn with
@@ -130,10 +128,8 @@ absl::Status add_inside(const schema::Sweep& sweep, const Days& days, Hours& hou
         return p.build_up() == build_up.name() && span.part.contains(p.name());
       });
       if (!used) continue;
-      if (absl::Status status =
-              add_inside(build_up, span.season, day, days, span.first_s, span.last_s, hours.inside);
-          !status.ok())
-        return status;
+      RETURN_IF_ERROR(
+          add_inside(build_up, span.season, day, days, span.first_s, span.last_s, hours.inside));
     }
   }
   return absl::OkStatus();
@@ -144,26 +140,23 @@ absl::Status add_inside(const schema::Sweep& sweep, const Days& days, Hours& hou
 absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
-  auto rows = run_query(reader, asked);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty())
-    return absl::NotFoundError("nothing to plot: no signature matches the filters");
-  if (absl::Status status = one_viewpoint_of_hours(*rows); !status.ok()) return status;
+  ASSIGN_OR_RETURN(auto rows, run_query(reader, asked));
+  if (rows.empty()) return absl::NotFoundError("nothing to plot: no signature matches the filters");
+  RETURN_IF_ERROR(one_viewpoint_of_hours(rows));
   std::vector<StoredSignature> signatures;
-  for (const QueryRow& r : *rows) signatures.push_back(r.signature);
-  if (absl::Status status = check_computed(signatures, query.quantity); !status.ok()) return status;
+  for (const QueryRow& r : rows) signatures.push_back(r.signature);
+  RETURN_IF_ERROR(check_computed(signatures, query.quantity));
 
-  Hours out{rows->front().signature.sweep, query.quantity, std::nullopt, {}, {}};
-  const auto sweep = reader.sweep(out.sweep, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
-  if (sweep->resolved.sweep().place().has_latitude_deg())
-    out.solar_offset_h = sweep->resolved.sweep().place().longitude_deg() / 15;
+  Hours out{rows.front().signature.sweep, query.quantity, std::nullopt, {}, {}};
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(out.sweep, SweepFiles::kNone));
+  if (sweep.resolved.sweep().place().has_latitude_deg())
+    out.solar_offset_h = sweep.resolved.sweep().place().longitude_deg() / 15;
   // The temperatures of what is drawn: a day of which no signature is asked for has none.
   std::set<std::pair<std::string, std::string>> conditions;
   Days days(out.solar_offset_h.value_or(0));
   for (const StoredSignature& s : signatures) {
     conditions.emplace(s.season, s.time_utc);
-    if (absl::Status status = days.add(s.season, s.time_utc); !status.ok()) return status;
+    RETURN_IF_ERROR(days.add(s.season, s.time_utc));
   }
   auto temperatures =
       reader.computed_temperatures({.sweep = out.sweep, .season = {}, .time_utc = {}});
@@ -178,7 +171,7 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
     const HourOfDay at = days.place(t.season, t.time_utc);
     out.temperature.push_back({at, std::move(t)});
   }
-  for (QueryRow& r : *rows) {
+  for (QueryRow& r : rows) {
     const HourOfDay at = days.place(r.signature.season, r.signature.time_utc);
     out.value.push_back({at, std::move(r)});
   }
@@ -203,9 +196,8 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
                      return std::tuple(order(day, a.at.day), order(part, a.part.part), a.at.hour) <
                             std::tuple(order(day, b.at.day), order(part, b.part.part), b.at.hour);
                    });
-  if (absl::Status status = add_inside(sweep->resolved.sweep(), days, out); !status.ok())
-    return status;
-  if (absl::Status status = two_times(out); !status.ok()) return status;
+  RETURN_IF_ERROR(add_inside(sweep.resolved.sweep(), days, out));
+  RETURN_IF_ERROR(two_times(out));
   return out;
 }
 
@@ -234,15 +226,14 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
   if (!hours.inside.empty())
     for (const char* name : {"build_up", "inside_temperature_k", "inside_heat_flux_w_m2"})
       columns.push_back({name});
-  const auto table = make_table_writer(format, columns, out);
-  if (!table.ok()) return table.status();
+  ASSIGN_OR_RETURN(const auto table, make_table_writer(format, columns, out));
   const Cell none;
   for (const HourlyTemperature& t : hours.temperature) {
     std::vector<Cell> cells = {t.part.sweep,     t.at.day,      t.part.season, t.part.time_utc,
                                t.at.hour,        t.part.part,   t.part.mean_k, t.part.coldest_k,
                                t.part.hottest_k, t.part.error_k};
     cells.resize(columns.size(), none);
-    (*table)->row(cells);
+    table->row(cells);
   }
   for (const HourlyInside& i : hours.inside) {
     std::vector<Cell> cells(columns.size(), none);
@@ -253,7 +244,7 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
     cells[4] = i.at.hour;
     cells[behind] = i.build_up;
     cells[behind + (i.heat_flux ? 2 : 1)] = i.value;
-    (*table)->row(cells);
+    table->row(cells);
   }
   for (const HourlyValue& v : hours.value) {
     const StoredSignature& s = v.row.signature;
@@ -279,9 +270,9 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
       cells.push_back(std::isnan(input) ? none : Cell(input));
     }
     cells.resize(columns.size(), none);
-    (*table)->row(cells);
+    table->row(cells);
   }
-  return (*table)->finish();
+  return table->finish();
 }
 
 }  // namespace irsig

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/base/status_macros.h"
 #include "view/kriging.h"
 
 namespace irsig {
@@ -206,9 +207,7 @@ absl::StatusOr<SphereFit> SphereFit::at(const SphereSamples& samples, Vec<Body> 
   fit.used_ = nearest(samples, where, kNeighbours);
   const SphereSamples local = subset(samples, fit.used_);
   if (!kernel) {
-    auto chosen = choose_kernel(local);
-    if (!chosen.ok()) return chosen.status();
-    kernel = *chosen;
+    ASSIGN_OR_RETURN(kernel, choose_kernel(local));
   }
   fit.kernel_ = *kernel;
   const auto factored = factor_covariance(local, *kernel);
@@ -315,19 +314,18 @@ SphereFit::Hidden SphereFit::hidden_at(double estimate, const std::vector<double
 }
 
 absl::StatusOr<SphereSurface> SphereSurface::create(SphereSamples samples) {
-  auto kernel = SphereFit::choose_kernel(samples);
-  if (!kernel.ok()) return kernel.status();
+  ASSIGN_OR_RETURN(auto kernel, SphereFit::choose_kernel(samples));
   // The cost is cubic: 1500 samples take about 1 s, and no picture shows more.
   constexpr std::size_t kMost = 1500;
   if (samples.direction.size() > kMost) samples = evenly(samples, kMost);
-  const auto factored = factor_covariance(samples, *kernel);
+  const auto factored = factor_covariance(samples, kernel);
   if (!factored) return absl::InternalError("interpolation: two viewpoints coincide");
   SphereSurface out;
   std::vector<double> residual = samples.value;
   for (double& r : residual) r -= factored->trend;
   out.coefficient_ = factored->c.solve(std::move(residual));
   out.trend_ = factored->trend;
-  out.kernel_ = *kernel;
+  out.kernel_ = kernel;
   out.samples_ = std::move(samples);
   return out;
 }

@@ -7,6 +7,8 @@
 #include <map>
 #include <tuple>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 namespace {
 
@@ -62,9 +64,8 @@ double interpolated_temperature_k(const SphereFit& fit, const std::vector<Stored
 absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
                                            SignatureFilter::Direction aspect) {
   const Vec<Body> where = body_from_aspect(aspect.aspect_azimuth_deg, aspect.aspect_elevation_deg);
-  auto fit = SphereFit::at(field.samples, where);
-  if (!fit.ok()) return fit.status();
-  Interpolation made{std::move(*fit), {}, 0};
+  ASSIGN_OR_RETURN(auto fit, SphereFit::at(field.samples, where));
+  Interpolation made{std::move(fit), {}, 0};
   for (std::size_t i : made.fit.used()) made.from.push_back(field.signature[i]);
 
   const auto at = [&](Getter value, Getter value_stderr, FieldKind kind = FieldKind::kFacets) {
@@ -112,8 +113,8 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   set(&S::emitted_w_sr, &S::emitted_stderr_w_sr);
   set(&S::sun_reflected_w_sr, &S::sun_reflected_stderr_w_sr);
   set(&S::sky_reflected_w_sr, &S::sky_reflected_stderr_w_sr);
-  set(&S::sea_reflected_w_sr, &S::sea_reflected_stderr_w_sr);
-  set(&S::parts_reflected_w_sr, &S::parts_reflected_stderr_w_sr);
+  set(&S::surface_reflected_w_sr, &S::surface_reflected_stderr_w_sr);
+  set(&S::interreflected_w_sr, &S::interreflected_stderr_w_sr);
   out.apparent_temperature_k = interpolated_temperature_k(made.fit, made.from);
   return QueryRow{std::move(out), std::move(made)};
 }

@@ -39,20 +39,21 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
     case BoundOf::kTruncation:
       return row.truncation_bound_w_sr;
     case BoundOf::kQuadrature:  // stored with the basis in it
-      return std::isnan(row.basis_bound_w_sr) ? row.quadrature_bound_w_sr
-                                              : row.quadrature_bound_w_sr - row.basis_bound_w_sr;
+      return std::isnan(row.spectral_basis_bound_w_sr)
+                 ? row.quadrature_bound_w_sr
+                 : row.quadrature_bound_w_sr - row.spectral_basis_bound_w_sr;
     case BoundOf::kBasis:
-      return row.basis_bound_w_sr;
+      return row.spectral_basis_bound_w_sr;
     case BoundOf::kUnseen:
-      return row.unseen_bound_w_sr;
+      return row.undersampling_bound_w_sr;
     case BoundOf::kSky:
-      return row.sky_bound_w_sr;
+      return row.direction_interpolation_bound_w_sr;
     case BoundOf::kOmitted:
       return source                                ? row.omitted_bound_w_sr
              : intensity == IntensityOf::kApparent ? row.apparent_omitted_bound_w_sr
                                                    : row.contrast_omitted_bound_w_sr;
     case BoundOf::kDepth:
-      return source ? 0 : row.depth_bound_w_sr;
+      return source ? 0 : row.target_depth_bound_w_sr;
     case BoundOf::kBackground:
       return intensity == IntensityOf::kContrast ? row.background_bound_w_sr : 0;
     case BoundOf::kTemperature: {  // older rows had stated ones alone
@@ -75,11 +76,11 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
 double stored_unseen_stderr(const S& row, IntensityOf intensity) {
   switch (intensity) {
     case IntensityOf::kSource:
-      return row.unseen_stderr_w_sr;
+      return row.undersampling_stderr_w_sr;
     case IntensityOf::kApparent:
-      return row.apparent_unseen_stderr_w_sr;
+      return row.apparent_undersampling_stderr_w_sr;
     case IntensityOf::kContrast:
-      return row.contrast_unseen_stderr_w_sr;
+      return row.contrast_undersampling_stderr_w_sr;
   }
   return kNotComputed;
 }

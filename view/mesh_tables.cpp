@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/accuracy/cost_model.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "view/table.h"
 
@@ -252,7 +253,7 @@ absl::StatusOr<std::string> mesh_csv(const MeshComparison& comparison) {
         cells.insert(cells.end(), {Cell(here.samples), Cell(here.cpu_s), Cell(mesh.setup_cpu_s)});
         (*table)->row(cells);
       }
-  if (auto status = (*table)->finish(); !status.ok()) return status;
+  RETURN_IF_ERROR((*table)->finish());
   return out.str();
 }
 

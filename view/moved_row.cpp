@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/accuracy/spectral_modes.h"
+#include "core/base/status_macros.h"
 #include "view/measured_row.h"
 
 namespace irsig {
@@ -32,10 +33,10 @@ constexpr CauseColumns kCauseColumns[kCauses] = {
      &S::sun_reflected_stderr_w_sr},
     {&Sp::sky_reflected_w_sr_um, &Sp::sky_reflected_stderr_w_sr_um, &S::sky_reflected_w_sr,
      &S::sky_reflected_stderr_w_sr},
-    {&Sp::sea_reflected_w_sr_um, &Sp::sea_reflected_stderr_w_sr_um, &S::sea_reflected_w_sr,
-     &S::sea_reflected_stderr_w_sr},
-    {&Sp::parts_reflected_w_sr_um, &Sp::parts_reflected_stderr_w_sr_um, &S::parts_reflected_w_sr,
-     &S::parts_reflected_stderr_w_sr}};
+    {&Sp::surface_reflected_w_sr_um, &Sp::surface_reflected_stderr_w_sr_um,
+     &S::surface_reflected_w_sr, &S::surface_reflected_stderr_w_sr},
+    {&Sp::interreflected_w_sr_um, &Sp::interreflected_stderr_w_sr_um, &S::interreflected_w_sr,
+     &S::interreflected_stderr_w_sr}};
 
 struct Number {
   double value, stderr_;
@@ -76,8 +77,8 @@ Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_
     out.transmittance += at.transmittance[k];
     out.path += at.path_radiance[k];
     out.behind += at.behind[k];
-    out.fraction_bound += of(at.behind_fraction_bound, k);
-    out.between_bound += of(at.behind_between_bound, k);
+    out.fraction_bound += of(at.background_fraction_bound, k);
+    out.between_bound += of(at.background_between_bound, k);
     for (std::size_t c = 0; c < kCauses; ++c) {
       const double value = cause_at(spectrum, c, k);
       out.target += value * at.arriving[c][k];
@@ -117,7 +118,7 @@ Moved moved(const Held& held, const Seen& from, const Seen& to, double spread,
   const double background_bound = to.fraction_bound + to.between_bound +
                                   keep * from.fraction_bound +
                                   kBehind * (std::abs(to.behind) + keep * std::abs(from.behind));
-  const double behind_bound =
+  const double background_bound =
       light * off * area * std::abs(held.background.value - from.path - from.behind) +
       area * (shape.area_ratio * (to.fraction_bound + to.between_bound) +
               light * keep * from.fraction_bound);
@@ -129,17 +130,17 @@ Moved moved(const Held& held, const Seen& from, const Seen& to, double spread,
       {keep * (held.background.value - from.path - from.behind) + to.behind + to.path,
        std::hypot(keep * held.background.stderr_, background_bound / std::sqrt(3.0))},
       target_bound,
-      target_bound + behind_bound};
+      target_bound + background_bound};
 }
 
 // The modes of a spectrum's errors after each bin's have been multiplied and others added, which
 // may go with them: these are part of what the modes leave over.
 absl::StatusOr<std::string> moved_modes(const Values& before, std::string_view modes,
                                         const std::vector<double>& keep, const Values& after) {
-  const auto errors =
-      SumErrors::make({before.data(), static_cast<std::size_t>(before.size())}, modes);
-  if (!errors.ok()) return errors.status();
-  SpectralSet out = errors->modes();
+  ASSIGN_OR_RETURN(
+      const auto errors,
+      SumErrors::make({before.data(), static_cast<std::size_t>(before.size())}, modes));
+  SpectralSet out = errors.modes();
   for (std::vector<double>& mode : out)
     for (std::size_t k = 0; k < mode.size(); ++k) mode[k] *= keep[k];
   const std::vector<double> stderrs(after.begin(), after.end());
@@ -179,8 +180,8 @@ void change_source(const ShapeChange& shape, S& s, Sp& spectrum) {
         &Sp::mutable_emitted_w_sr_um, &Sp::mutable_emitted_stderr_w_sr_um,
         &Sp::mutable_sun_reflected_w_sr_um, &Sp::mutable_sun_reflected_stderr_w_sr_um,
         &Sp::mutable_sky_reflected_w_sr_um, &Sp::mutable_sky_reflected_stderr_w_sr_um,
-        &Sp::mutable_sea_reflected_w_sr_um, &Sp::mutable_sea_reflected_stderr_w_sr_um,
-        &Sp::mutable_parts_reflected_w_sr_um, &Sp::mutable_parts_reflected_stderr_w_sr_um})
+        &Sp::mutable_surface_reflected_w_sr_um, &Sp::mutable_surface_reflected_stderr_w_sr_um,
+        &Sp::mutable_interreflected_w_sr_um, &Sp::mutable_interreflected_stderr_w_sr_um})
     scale((spectrum.*values)());
 }
 
@@ -259,11 +260,11 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   const double area_m2 = shape.area_ratio * row.projected_area_m2;
   const double path_w_sr = area_m2 * after.path;  // of the air in front of it
   const double target_w_sr = std::abs(m.apparent.value - path_w_sr);
-  const double behind_w_sr = area_m2 * std::abs(after.behind);
+  const double background_w_sr = area_m2 * std::abs(after.behind);
   out.range_bound_w_sr =
       m.apparent_bound + shape.target_bound * target_w_sr + shape.area_bound * std::abs(path_w_sr);
   const double contrast_bound =
-      m.contrast_bound + shape.target_bound * target_w_sr + shape.area_bound * behind_w_sr;
+      m.contrast_bound + shape.target_bound * target_w_sr + shape.area_bound * background_w_sr;
   // The bias that the row had: as much of it arrives as of the target.
   const double grown = before.transmittance > 0
                            ? std::max(after.transmittance / before.transmittance,
@@ -288,7 +289,7 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   s.contrast_numerical_error_w_sr =
       error(contrast_of(row), growth, m.contrast.stderr_, contrast_bound);
   // These are in the errors; by themselves they are known for the stored range alone.
-  s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.depth_bound_w_sr =
+  s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.target_depth_bound_w_sr =
       s.background_bound_w_sr = s.apparent_temperature_bound_w_sr = kNotComputed;
   s.background_radiance_w_m2_sr = m.background.value;
   s.background_radiance_stderr_w_m2_sr = m.background.stderr_;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "bridge/environment/sweep_environment.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/band.h"
 
 namespace irsig {
@@ -92,14 +93,13 @@ absl::Status write_bins(NetcdfFile& file, const schema::ResolvedSweep& sweep,
     for (std::size_t k = 0; k < lambda_um[b].size(); ++k) axis[b * bins + k] = lambda_um[b][k];
     const auto& of = stated.emplace_back(stated_band(sweep, bands[b]));
     if (!of) continue;
-    const auto grid = make_band_grid(*of, spectral_breaks_um(sweep));
-    if (!grid.ok()) return grid.status();
-    if (grid->lambda_um.size() != lambda_um[b].size()) continue;  // of an earlier version
-    const std::vector<double> of_bin = bin_weights(*grid);
+    ASSIGN_OR_RETURN(const auto grid, make_band_grid(*of, spectral_breaks_um(sweep)));
+    if (grid.lambda_um.size() != lambda_um[b].size()) continue;  // of an earlier version
+    const std::vector<double> of_bin = bin_weights(grid);
     for (std::size_t k = 0; k < of_bin.size(); ++k) {
-      const double um = grid->lambda_um[k];
-      bounds[2 * (b * bins + k)] = um - grid->step_um / 2;
-      bounds[2 * (b * bins + k) + 1] = um + grid->step_um / 2;
+      const double um = grid.lambda_um[k];
+      bounds[2 * (b * bins + k)] = um - grid.step_um / 2;
+      bounds[2 * (b * bins + k) + 1] = um + grid.step_um / 2;
       weight[b * bins + k] = of_bin[k];
       response[b * bins + k] =
           band_response(*of, std::clamp(um, of->lambda_min_um, of->lambda_max_um));

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -22,7 +23,7 @@ std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& a
   std::string others;
   for (const auto& [reason, count] : outcome.stop) {
     rows += count;
-    if (reason == "target_reached") {
+    if (reason == "accuracy_reached") {
       reached = count;
     } else if (reason == "floor_reached") {
       others += fmt::format(", {} only the floor of {:g} K (floor_reached)", count,
@@ -42,7 +43,7 @@ std::string backface_text(const StoredOutcome& outcome) {
       "back faces: seen from {} viewpoint{}, up to {:.3g} % of the silhouette are one-sided facets "
       "from behind, which send nothing: {}",
       outcome.backface_views, outcome.backface_views == 1 ? "" : "s",
-      100 * outcome.largest_backface_share, kRemedy);
+      100 * outcome.largest_backface_fraction, kRemedy);
 }
 
 absl::StatusOr<std::vector<std::string>> floor_notes(StoreReader& reader,
@@ -55,9 +56,8 @@ absl::StatusOr<std::vector<std::string>> floor_notes(StoreReader& reader,
   }
   std::vector<std::string> out;
   for (const auto& [sweep, count] : floor) {
-    const auto stored = reader.sweep(sweep, SweepFiles::kNone);
-    if (!stored.ok()) return stored.status();
-    const schema::Accuracy& accuracy = stored->resolved.sweep().accuracy();
+    ASSIGN_OR_RETURN(const auto stored, reader.sweep(sweep, SweepFiles::kNone));
+    const schema::Accuracy& accuracy = stored.resolved.sweep().accuracy();
     out.push_back(fmt::format(
         "{} of {} rows stopped at the floor of {:g} K, above the {:g} % that was asked for "
         "(floor_reached)",

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 namespace {
 
@@ -83,14 +85,12 @@ std::string range_title(const std::vector<StoredSignature>& signatures) {
 absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& reader,
                                                                 const Query& query,
                                                                 const ExtentOf& extent_of) {
-  auto rows = run_query(reader, query, extent_of);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty())
-    return absl::NotFoundError("nothing to plot: no signature matches the filters");
+  ASSIGN_OR_RETURN(auto rows, run_query(reader, query, extent_of));
+  if (rows.empty()) return absl::NotFoundError("nothing to plot: no signature matches the filters");
   std::vector<StoredSignature> out;
   std::set<std::string> sweeps;
   std::set<double> ranges;
-  for (QueryRow& r : *rows) {
+  for (QueryRow& r : rows) {
     sweeps.insert(r.signature.sweep);
     ranges.insert(r.range_change ? r.range_change->stored_range_m : r.signature.range_m);
     out.push_back(std::move(r.signature));
@@ -99,7 +99,7 @@ absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& rea
     return absl::InvalidArgumentError(fmt::format(
         "a plot shows one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
   }
-  if (absl::Status status = check_computed(out, query.quantity); !status.ok()) return status;
+  RETURN_IF_ERROR(check_computed(out, query.quantity));
   if (ranges.size() > 1) {
     return absl::InvalidArgumentError(
         fmt::format("a plot shows one range, and these signatures have {}: {} m; choose one with "

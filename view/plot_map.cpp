@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/status_macros.h"
 #include "view/axis.h"
 #include "view/contour.h"
 #include "view/plot.h"
@@ -136,10 +137,9 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query,
   }
   if (query.range_m.size() > 1)
     return absl::InvalidArgumentError("a map shows one range: expected one of them in --range-m");
-  auto signatures = signatures_to_plot(reader, query, extent_of);
-  if (!signatures.ok()) return signatures.status();
-  const CurveNames names(*signatures);
-  const std::vector<SignatureField> fields = fields_of(*signatures, query.quantity);
+  ASSIGN_OR_RETURN(auto signatures, signatures_to_plot(reader, query, extent_of));
+  const CurveNames names(signatures);
+  const std::vector<SignatureField> fields = fields_of(signatures, query.quantity);
   const QuantityColumns& quantity = columns_of(query.quantity);
   std::vector<std::string> bands;
   std::vector<MapPanel> panels;
@@ -148,11 +148,10 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query,
     const StoredSignature& s = field.signature.front();
     auto band = std::find(bands.begin(), bands.end(), s.band);
     if (band == bands.end()) band = bands.insert(band, s.band);
-    auto surface = SphereSurface::create(field.samples);
-    if (!surface.ok()) return surface.status();
+    ASSIGN_OR_RETURN(auto surface, SphereSurface::create(field.samples));
     for (const auto& v : field.signature) lowest_deg = std::min(lowest_deg, v.aspect_elevation_deg);
     panels.push_back({static_cast<std::size_t>(band - bands.begin()), names.index(s), &field,
-                      std::move(*surface)});
+                      std::move(surface)});
   }
   if (names.size() > 6) {
     return absl::InvalidArgumentError(
@@ -168,7 +167,7 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query,
   const double pitch = (900 - left - right) / columns;
   const double radius = std::min(pitch / 2 - (columns == 1 ? 60 : 36), 300.0);
   const double line_height = 2 * radius + 92;
-  const StoredSignature& any = signatures->front();
+  const StoredSignature& any = signatures.front();
   const std::string title = fmt::format("{}, {}", any.sweep, range_title(any.range_m));
   Svg svg(900, 56 + line_height * lines + 34, title);
   svg.text({450, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});

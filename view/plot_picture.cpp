@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/status_macros.h"
 #include "core/spectral/band.h"
 #include "core/spectral/planck.h"
 #include "view/axis.h"
@@ -34,16 +35,14 @@ struct BandQuadrature {
 };
 
 absl::StatusOr<BandQuadrature> band_of(StoreReader& reader, const StoredSignature& s) {
-  const auto sweep = reader.sweep(s.sweep, SweepFiles::kNone);
-  if (!sweep.ok()) return sweep.status();
-  for (const schema::Band& b : sweep->resolved.sweep().band()) {
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(s.sweep, SweepFiles::kNone));
+  for (const schema::Band& b : sweep.resolved.sweep().band()) {
     if (b.name() != s.band) continue;
     BandQuadrature out{{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}}, {}};
     for (const schema::SpectralPoint& p : b.response())
       out.band.response.push_back({p.lambda_um(), p.value()});
-    auto grid = make_band_grid(out.band);
-    if (!grid.ok()) return grid.status();
-    out.grid = *std::move(grid);
+    ASSIGN_OR_RETURN(auto grid, make_band_grid(out.band));
+    out.grid = std::move(grid);
     return out;
   }
   return absl::FailedPreconditionError(
@@ -119,15 +118,12 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
                                                    const ReadPictures& read) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
-  const auto rows = run_query(reader, asked);
-  if (!rows.ok()) return rows.status();
-  const auto thumbnail = stored_thumbnail(reader, *rows);
-  if (!thumbnail.ok()) return thumbnail.status();
-  const StoredSignature& s = rows->front().signature;
-  const auto most_px = most_px_of(reader, s);
-  if (!most_px.ok()) return most_px.status();
+  ASSIGN_OR_RETURN(const auto rows, run_query(reader, asked));
+  ASSIGN_OR_RETURN(const auto thumbnail, stored_thumbnail(reader, rows));
+  const StoredSignature& s = rows.front().signature;
+  ASSIGN_OR_RETURN(const auto most_px, most_px_of(reader, s));
   const auto answers =
-      read({{.exr = thumbnail->exr(), .most_px = *most_px, .paint = false, .pixels = true}});
+      read({{.exr = thumbnail.exr(), .most_px = most_px, .paint = false, .pixels = true}});
   if (!answers.ok()) return answers.status();
   if (answers->size() != 1) return absl::InternalError("one image was asked for");
   const PictureAnswer& stored = (*answers)[0];
@@ -138,7 +134,7 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   if (long_side_px && *long_side_px > longest)
     return absl::InvalidArgumentError(
         fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
-  const double paths = paths_in_pixel(s, thumbnail->pixel_rad());
+  const double paths = paths_in_pixel(s, thumbnail.pixel_rad());
   const double wanted = std::ceil(std::sqrt(kPathsInPixel / paths));  // perhaps not a number
   const std::uint32_t side =
       long_side_px ? (longest + *long_side_px - 1) / *long_side_px
@@ -146,8 +142,7 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
           ? static_cast<std::uint32_t>(std::min(wanted, static_cast<double>(longest)))
           : 1;
   Pixels pixels = coarser(stored, side);
-  const auto band = band_of(reader, s);
-  if (!band.ok()) return band.status();
+  ASSIGN_OR_RETURN(const auto band, band_of(reader, s));
 
   FalseColorPicture out;
   out.title = fmt::format("{}, {} {}, {}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0, {}",
@@ -163,11 +158,10 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   out.value = std::move(pixels.radiance_w_m2_sr);
   for (float& v : out.value)
     if (v == 0) v = std::numeric_limits<float>::quiet_NaN();
-  const auto own = own_range(out);
-  if (!own.ok()) return own.status();
-  out.range = range.value_or(*own);
+  ASSIGN_OR_RETURN(const auto own, own_range(out));
+  out.range = range.value_or(own);
   out.axis = bar_axis("In-band radiance in W/(m\u00b2 sr)", out.range);
-  out.other = temperature_axis(*band, out.range);
+  out.other = temperature_axis(band, out.range);
   return out;
 }
 

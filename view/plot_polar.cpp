@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/status_macros.h"
 #include "view/axis.h"
 #include "view/plot.h"
 #include "view/plot_frame.h"
@@ -139,9 +140,8 @@ absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
     return absl::InvalidArgumentError(
         fmt::format("elevation {:g} deg: expected between -90 and 90", *elevation_deg));
   }
-  auto signatures = signatures_to_plot(reader, query, extent_of);
-  if (!signatures.ok()) return signatures.status();
-  PolarCuts out{*std::move(signatures), {}};
+  ASSIGN_OR_RETURN(auto signatures, signatures_to_plot(reader, query, extent_of));
+  PolarCuts out{std::move(signatures), {}};
   const QuantityColumns& quantity = columns_of(query.quantity);
   for (const SignatureField& field : fields_of(out.signature, query.quantity)) {
     auto cut = polar_cut(values_of(field.signature, quantity), quantity, elevation_deg);
@@ -160,8 +160,7 @@ absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
 absl::Status write_polar(StoreReader& reader, const Query& query,
                          std::optional<double> elevation_deg, std::string_view format,
                          std::ostream& out, const ExtentOf& extent_of) {
-  const auto cuts = polar_cuts(reader, query, elevation_deg, extent_of);
-  if (!cuts.ok()) return cuts.status();
+  ASSIGN_OR_RETURN(const auto cuts, polar_cuts(reader, query, elevation_deg, extent_of));
   const QuantityColumns& quantity = columns_of(query.quantity);
   auto writer = make_table_writer(format,
                                   {{"sweep"},
@@ -176,7 +175,7 @@ absl::Status write_polar(StoreReader& reader, const Query& query,
                                    {quantity.error_name}},
                                   out);
   if (!writer.ok()) return writer.status();
-  for (const CutOf& c : cuts->cut) {
+  for (const CutOf& c : cuts.cut) {
     const auto lines = [&](const std::vector<PolarPoint>& points, const char* kind) {
       for (const PolarPoint& p : points)
         (*writer)->row({c.first.sweep, c.first.season, c.first.time_utc, c.first.band,
@@ -192,10 +191,9 @@ absl::Status write_polar(StoreReader& reader, const Query& query,
 absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
                                        std::optional<double> asked_elevation_deg,
                                        const ExtentOf& extent_of) {
-  auto cuts = polar_cuts(reader, query, asked_elevation_deg, extent_of);
-  if (!cuts.ok()) return cuts.status();
-  const std::vector<StoredSignature>& signatures = cuts->signature;
-  const double elevation_deg = cuts->cut.front().cut.elevation_deg;
+  ASSIGN_OR_RETURN(auto cuts, polar_cuts(reader, query, asked_elevation_deg, extent_of));
+  const std::vector<StoredSignature>& signatures = cuts.signature;
+  const double elevation_deg = cuts.cut.front().cut.elevation_deg;
   const CurveNames names(signatures);
   const QuantityColumns& quantity = columns_of(query.quantity);
   struct Panel {
@@ -204,7 +202,7 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   };
   std::vector<Panel> panels;
   bool interpolated = false;
-  for (CutOf& c : cuts->cut) {
+  for (CutOf& c : cuts.cut) {
     interpolated |= c.cut.interpolated;
     auto panel = std::find_if(panels.begin(), panels.end(),
                               [&](const Panel& p) { return p.first->band == c.first.band; });

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include "core/base/status_macros.h"
 #include "view/axis.h"
 #include "view/plot_frame.h"
 #include "view/profile.h"
@@ -153,7 +154,7 @@ class Chart {
 absl::StatusOr<std::string> plot_profile(const std::vector<StoredProfileRow>& rows,
                                          const std::vector<StoredPublished>& published) {
   if (rows.empty()) return absl::NotFoundError("nothing to plot: no profile matches the filters");
-  if (absl::Status status = one_signature(rows); !status.ok()) return status;
+  RETURN_IF_ERROR(one_signature(rows));
 
   // The first profile along a line, if there is one.
   std::vector<StoredProfileRow> line;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "view/axis.h"
 #include "view/plot.h"
 #include "view/plot_frame.h"
@@ -20,9 +21,8 @@ constexpr double kSpectrumLeft = 92, kSpectrumRight = 26, kSpectrumBottom = 70,
 
 absl::StatusOr<SpectralCurve> curve_of(StoreReader& reader, const QueryRow& row,
                                        const QuantityColumns& quantity, std::size_t place) {
-  auto got = spectrum_of(reader, row);
-  if (!got.ok()) return got.status();
-  const schema::Spectrum& s = got->spectrum;
+  ASSIGN_OR_RETURN(auto got, spectrum_of(reader, row));
+  const schema::Spectrum& s = got.spectrum;
   SpectralCurve out{place, {s.lambda_um().begin(), s.lambda_um().end()}, {}, {}};
   const auto& values = (s.*quantity.spectral_value)();
   if (quantity.spectral_stderr == nullptr) {  // it has none
@@ -36,9 +36,9 @@ absl::StatusOr<SpectralCurve> curve_of(StoreReader& reader, const QueryRow& row,
   for (int k = 0; k < s.lambda_um_size(); ++k) {
     out.value.push_back(values.Get(k));
     const double between =
-        !source || got->spectral_interpolation_error_w_sr_um.empty()
+        !source || got.spectral_interpolation_error_w_sr_um.empty()
             ? 0
-            : got->spectral_interpolation_error_w_sr_um[static_cast<std::size_t>(k)];
+            : got.spectral_interpolation_error_w_sr_um[static_cast<std::size_t>(k)];
     out.error.push_back(std::hypot(stderrs.Get(k), between));
   }
   return out;
@@ -129,37 +129,33 @@ absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
                                  const QuantityColumns& quantity, const ExtentOf& extent_of) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
-  auto rows = run_query(reader, asked, extent_of);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty())
-    return absl::NotFoundError("nothing to plot: no signature matches the filters");
-  if (absl::Status status = one_viewpoint(*rows); !status.ok()) return status;
+  ASSIGN_OR_RETURN(auto rows, run_query(reader, asked, extent_of));
+  if (rows.empty()) return absl::NotFoundError("nothing to plot: no signature matches the filters");
+  RETURN_IF_ERROR(one_viewpoint(rows));
 
   std::vector<StoredSignature> signatures;
-  for (const QueryRow& r : *rows) signatures.push_back(r.signature);
-  if (absl::Status status = check_computed(signatures, quantity.quantity); !status.ok())
-    return status;
+  for (const QueryRow& r : rows) signatures.push_back(r.signature);
+  RETURN_IF_ERROR(check_computed(signatures, quantity.quantity));
   const CurveNames names(signatures);
   std::vector<SpectralCurve> curves;
   double low_um = signatures.front().lambda_min_um, high_um = signatures.front().lambda_max_um;
   double least = 0, most = 0;
-  for (const QueryRow& r : *rows) {
-    auto curve = curve_of(reader, r, quantity, names.index(r.signature));
-    if (!curve.ok()) return curve.status();
+  for (const QueryRow& r : rows) {
+    ASSIGN_OR_RETURN(auto curve, curve_of(reader, r, quantity, names.index(r.signature)));
     low_um = std::min(low_um, r.signature.lambda_min_um);
     high_um = std::max(high_um, r.signature.lambda_max_um);
-    for (std::size_t k = 0; k < curve->value.size(); ++k) {
-      most = std::max(most, curve->value[k] + 2 * curve->error[k]);
-      least = std::min(least, curve->value[k] < 0 ? curve->value[k] - 2 * curve->error[k] : 0.0);
+    for (std::size_t k = 0; k < curve.value.size(); ++k) {
+      most = std::max(most, curve.value[k] + 2 * curve.error[k]);
+      least = std::min(least, curve.value[k] < 0 ? curve.value[k] - 2 * curve.error[k] : 0.0);
     }
-    curves.push_back(std::move(*curve));
+    curves.push_back(std::move(curve));
   }
 
   const StoredSignature& any = signatures.front();
   const std::string title =
       fmt::format("{}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0{}{}", any.sweep,
                   any.aspect_azimuth_deg, any.aspect_elevation_deg, range_title(signatures),
-                  rows->front().interpolation ? ", interpolated" : "");
+                  rows.front().interpolation ? ", interpolated" : "");
   Svg svg(kSpectrumWidth, 600, title);
   svg.text({kSpectrumWidth / 2, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
   std::vector<LegendEntry> legend(names.size());

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/base/status_macros.h"
 #include "core/geo/viewpoint.h"
 #include "view/interpolate_rows.h"
 
@@ -109,9 +110,8 @@ class Belt {
           length(belt_.direction[fit->used().back()] - where) < reach)
         return value_of(quantity, *fit, belt_);
     }
-    const auto fit = SphereFit::at(all_, where, kernel);
-    if (!fit.ok()) return fit.status();
-    return value_of(quantity, *fit, all_);
+    ASSIGN_OR_RETURN(const auto fit, SphereFit::at(all_, where, kernel));
+    return value_of(quantity, fit, all_);
   }
 
  private:
@@ -148,13 +148,11 @@ absl::StatusOr<PolarCut> polar_cut(std::span<const StoredValue> all,
   if (elevation_deg && !(std::abs(*elevation_deg) < 90))
     return absl::InvalidArgumentError(
         fmt::format("elevation {:g} deg: expected between -90 and 90", *elevation_deg));
-  if (absl::Status status = check_computed(all, quantity.quantity); !status.ok()) return status;
+  RETURN_IF_ERROR(check_computed(all, quantity.quantity));
   const std::vector<StoredValue> values = distinct(all);
   const SphereSamples samples = samples_of(values);
   if (!elevation_deg) {
-    const auto lowest = lowest_elevation_deg(values, samples);
-    if (!lowest.ok()) return lowest.status();
-    elevation_deg = *lowest;
+    ASSIGN_OR_RETURN(elevation_deg, lowest_elevation_deg(values, samples));
   }
   PolarCut out;
   out.elevation_deg = *elevation_deg;
@@ -169,11 +167,10 @@ absl::StatusOr<PolarCut> polar_cut(std::span<const StoredValue> all,
     out.point = out.mark;
     return out;
   }
-  const auto kernel = SphereFit::choose_kernel(samples);
-  if (!kernel.ok()) return kernel.status();
+  ASSIGN_OR_RETURN(const auto kernel, SphereFit::choose_kernel(samples));
   const Belt belt(values, samples, *elevation_deg);
   for (int azimuth = 0; azimuth < 360; azimuth += kAzimuthStepDeg) {
-    const auto e = belt.estimate(quantity, body_from_aspect(azimuth, *elevation_deg), *kernel);
+    const auto e = belt.estimate(quantity, body_from_aspect(azimuth, *elevation_deg), kernel);
     if (!e.ok())
       return absl::Status(e.status().code(),
                           fmt::format("cannot draw elevation {:g} deg at azimuth {} deg: {}",

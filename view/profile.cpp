@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -200,14 +201,12 @@ std::string comparison(const StoredPublished& p, const StoredProfileRow& ours) {
 }  // namespace
 
 absl::StatusOr<Rows> find_profiles(StoreReader& reader, const ProfileQuery& query) {
-  auto rows = reader.profiles(query.filter);
-  if (!rows.ok()) return rows.status();
-  if (query.row) std::erase_if(*rows, [&](const auto& r) { return r.row != *query.row; });
-  if (!rows->empty()) return rows;
-  const auto all = reader.profiles({});
-  if (!all.ok()) return all.status();
+  ASSIGN_OR_RETURN(auto rows, reader.profiles(query.filter));
+  if (query.row) std::erase_if(rows, [&](const auto& r) { return r.row != *query.row; });
+  if (!rows.empty()) return rows;
+  ASSIGN_OR_RETURN(const auto all, reader.profiles({}));
   std::set<std::string> names;
-  for (const StoredProfileRow& r : *all)
+  for (const StoredProfileRow& r : all)
     names.insert(fmt::format("{} ({}, {}, row {})", r.profile, r.season, r.band, r.row));
   if (names.empty()) return absl::NotFoundError("the database holds no profile");
   return absl::NotFoundError(
@@ -218,14 +217,13 @@ absl::Status write_profiles(const Rows& rows, std::string_view format, std::ostr
   const std::vector<ProfileColumn> all = columns();
   std::vector<Column> heads;
   for (const ProfileColumn& c : all) heads.push_back(c.column);
-  auto writer = make_table_writer(format, heads, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
   for (const StoredProfileRow& row : rows) {
     std::vector<Cell> cells;
     for (const ProfileColumn& c : all) cells.push_back(c.cell(row));
-    (*writer)->row(cells);
+    writer->row(cells);
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 std::vector<std::string> profile_notes(const Rows& rows, const schema::Sweep& sweep) {

@@ -13,6 +13,7 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "core/geo/viewpoint.h"
 #include "view/interpolate_rows.h"
@@ -75,17 +76,17 @@ std::string listed(const std::set<std::string>& names) { return absl::StrJoin(na
 std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
   std::vector<std::string> out;
   std::size_t old = 0, behind = 0;
-  double largest_share = 0;
+  double largest_fraction = 0;
   std::string back_faces;
   for (const QueryRow& row : rows) {
     const StoredSignature& s = row.signature;
     if (std::isnan(s.contrast_intensity_w_sr)) ++old;
     if (s.warning.empty()) continue;
     std::vector<std::string> lines = absl::StrSplit(s.warning, '\n');
-    if (s.backface_share > 0) {
+    if (s.backface_fraction > 0) {
       // The view's, not the condition's: the store puts it last.
       ++behind;
-      largest_share = std::max(largest_share, s.backface_share);
+      largest_fraction = std::max(largest_fraction, s.backface_fraction);
       back_faces = lines.back();
       lines.pop_back();
     }
@@ -96,7 +97,7 @@ std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
   }
   if (behind > 0)
     out.push_back(fmt::format("{} of {} rows, up to {:.3g} % of the silhouette: {}", behind,
-                              rows.size(), 100 * largest_share, back_faces));
+                              rows.size(), 100 * largest_fraction, back_faces));
   if (old > 0)
     out.push_back(
         fmt::format("{} of {} rows were stored by an older irsig, which did not compute "
@@ -136,12 +137,11 @@ std::string far_note(const std::vector<QueryRow>& rows, const Query& query) {
 // Each name is looked for among the signatures
 // that match what stands left of it in sweep > season > time > band.
 absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) {
-  const auto contents = reader.contents();
-  if (!contents.ok()) return contents.status();
+  ASSIGN_OR_RETURN(const auto contents, reader.contents());
   std::set<std::string> sweeps, seasons, times, bands;
   std::set<double> ranges_m;
   std::uint64_t rows = 0, last_row = 0;
-  for (const SweepContents& sweep : *contents) {
+  for (const SweepContents& sweep : contents) {
     rows += sweep.rows;
     last_row = std::max(last_row, sweep.whole_rows);
     sweeps.insert(sweep.name);
@@ -171,9 +171,8 @@ absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) 
   if (asked.row) {
     SignatureFilter alone;
     alone.row = asked.row;
-    const auto there = reader.find_ids(alone);
-    if (!there.ok()) return there.status();
-    if (there->empty())
+    ASSIGN_OR_RETURN(const auto there, reader.find_ids(alone));
+    if (there.empty())
       return absl::NotFoundError(
           *asked.row >= 1 && *asked.row <= last_row
               ? fmt::format("row {} is not in this database, or not yet", *asked.row)
@@ -184,7 +183,7 @@ absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) 
 }
 
 absl::StatusOr<SignatureFilter> filter_of(const Query& query) {
-  if (absl::Status status = check(query); !status.ok()) return status;
+  RETURN_IF_ERROR(check(query));
   SignatureFilter filter;
   filter.sweep = query.sweep;
   filter.season = query.season;
@@ -192,9 +191,8 @@ absl::StatusOr<SignatureFilter> filter_of(const Query& query) {
   filter.row = query.row;
   filter.range_m = query.at_range_m;
   if (!query.time.empty()) {
-    auto time = parse_rfc3339(query.time);
-    if (!time.ok()) return time.status();
-    filter.time_utc = format_rfc3339_utc(*time);
+    ASSIGN_OR_RETURN(auto time, parse_rfc3339(query.time));
+    filter.time_utc = format_rfc3339_utc(time);
   }
   if (!query.interpolate) {
     filter.direction = query.aspect;
@@ -236,9 +234,7 @@ class StoredRows final : public QueryRows {
       done_ += n;
       for (auto& s : *found) rows.push_back({std::move(s), std::nullopt});
       if (!changer_) continue;
-      auto moved = changer_->moved(std::move(rows));
-      if (!moved.ok()) return moved.status();
-      rows = *std::move(moved);
+      ASSIGN_OR_RETURN(rows, changer_->moved(std::move(rows)));
       keep_exact(rows, query_);
     }
     return rows;
@@ -265,11 +261,9 @@ class GivenRows final : public QueryRows {
 
 // NOT_FOUND if there is nothing of that name.
 absl::StatusOr<std::vector<std::int64_t>> matching_ids(StoreReader& reader, const Query& query) {
-  const auto filter = filter_of(query);
-  if (!filter.ok()) return filter.status();
-  auto ids = reader.find_ids(*filter);
-  if (ids.ok() && ids->empty())
-    if (absl::Status status = explain_nothing(reader, *filter); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const auto filter, filter_of(query));
+  auto ids = reader.find_ids(filter);
+  if (ids.ok() && ids->empty()) RETURN_IF_ERROR(explain_nothing(reader, filter));
   return ids;
 }
 
@@ -278,11 +272,10 @@ absl::StatusOr<std::vector<QueryRow>> all_of(QueryRows& rows, const Query& query
   if (!query.range_m.empty()) progress.emplace("rows moved", rows.count());
   std::vector<QueryRow> all;
   for (;;) {
-    auto some = rows.next();
-    if (!some.ok()) return some.status();
-    if (some->empty()) return all;
-    if (progress) progress->step(some->size());
-    std::move(some->begin(), some->end(), std::back_inserter(all));
+    ASSIGN_OR_RETURN(auto some, rows.next());
+    if (some.empty()) return all;
+    if (progress) progress->step(some.size());
+    std::move(some.begin(), some.end(), std::back_inserter(all));
   }
 }
 
@@ -291,44 +284,36 @@ absl::StatusOr<std::vector<QueryRow>> all_of(QueryRows& rows, const Query& query
 absl::StatusOr<std::unique_ptr<QueryRows>> QueryRows::open(StoreReader& reader, const Query& query,
                                                            const ExtentOf& extent_of) {
   if (query.interpolate) {
-    const auto filter = filter_of(query);
-    if (!filter.ok()) return filter.status();
-    auto found = reader.find(*filter);
-    if (!found.ok()) return found.status();
+    ASSIGN_OR_RETURN(const auto filter, filter_of(query));
+    ASSIGN_OR_RETURN(auto found, reader.find(filter));
     std::vector<QueryRow> rows;
-    if (!found->empty()) {
-      auto interpolated = interpolate_rows(*found, *query.aspect);
-      if (!interpolated.ok()) return interpolated.status();
-      rows = *std::move(interpolated);
+    if (!found.empty()) {
+      ASSIGN_OR_RETURN(rows, interpolate_rows(found, *query.aspect));
       keep_exact(rows, query);
-    } else if (absl::Status status = explain_nothing(reader, *filter); !status.ok()) {
+    } else if (absl::Status status = explain_nothing(reader, filter); !status.ok()) {
       return status;
     }
     return std::make_unique<GivenRows>(std::move(rows));
   }
-  auto ids = matching_ids(reader, query);
-  if (!ids.ok()) return ids.status();
-  return std::make_unique<StoredRows>(reader, query, extent_of, *std::move(ids));
+  ASSIGN_OR_RETURN(auto ids, matching_ids(reader, query));
+  return std::make_unique<StoredRows>(reader, query, extent_of, std::move(ids));
 }
 
 absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query,
                                                 const ExtentOf& extent_of) {
-  const auto rows = QueryRows::open(reader, query, extent_of);
-  if (!rows.ok()) return rows.status();
-  return all_of(**rows, query);
+  ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, query, extent_of));
+  return all_of(*rows, query);
 }
 
 absl::StatusOr<SomeRows> run_query_of_some(StoreReader& reader, const Query& query,
                                            std::size_t at_most, const ExtentOf& extent_of) {
   constexpr std::uint64_t kSeed = 20240229;
-  const auto ids = matching_ids(reader, query);
-  if (!ids.ok()) return ids.status();
+  ASSIGN_OR_RETURN(const auto ids, matching_ids(reader, query));
   std::vector<std::int64_t> drawn;  // in the order of the ids
-  std::sample(ids->begin(), ids->end(), std::back_inserter(drawn), at_most, std::mt19937_64(kSeed));
+  std::sample(ids.begin(), ids.end(), std::back_inserter(drawn), at_most, std::mt19937_64(kSeed));
   StoredRows some(reader, query, extent_of, std::move(drawn));
-  auto rows = all_of(some, query);
-  if (!rows.ok()) return rows.status();
-  return SomeRows{*std::move(rows), ids->size()};
+  ASSIGN_OR_RETURN(auto rows, all_of(some, query));
+  return SomeRows{std::move(rows), ids.size()};
 }
 
 }  // namespace irsig

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "view/progress.h"
 #include "view/quantity.h"
 
@@ -115,7 +116,7 @@ std::vector<RowColumn> range_columns() {
 }
 
 std::vector<RowColumn> cause_columns() {
-  std::vector<RowColumn> out = quantities("emitted_w_sr", "parts_reflected_stderr_w_sr");
+  std::vector<RowColumn> out = quantities("emitted_w_sr", "interreflected_stderr_w_sr");
   for (RowColumn& c : out) c.column.brief = c.column.name.find("stderr") == std::string::npos;
   return out;
 }
@@ -150,7 +151,7 @@ std::vector<RowColumn> further_columns() {
       computed("seconds", &S::seconds, false),
       computed("guarded_backface_hits", &S::guarded_backface_hits, false),
       computed("guarded_nonfinite", &S::guarded_nonfinite, false),
-      computed("guarded_path_limit", &S::guarded_path_limit, false),
+      computed("truncated_paths", &S::truncated_paths, false),
       computed("guarded_negative", &S::guarded_negative, false),
       computed("job_key", &S::job_key, false),
       computed("seed_hex", &S::seed_hex, false),
@@ -209,10 +210,10 @@ constexpr SpectralColumn kSpectralCauses[] = {
     {"spectral_sun_reflected_stderr_w_sr_um", &Sp::sun_reflected_stderr_w_sr_um},
     {"spectral_sky_reflected_w_sr_um", &Sp::sky_reflected_w_sr_um},
     {"spectral_sky_reflected_stderr_w_sr_um", &Sp::sky_reflected_stderr_w_sr_um},
-    {"spectral_sea_reflected_w_sr_um", &Sp::sea_reflected_w_sr_um},
-    {"spectral_sea_reflected_stderr_w_sr_um", &Sp::sea_reflected_stderr_w_sr_um},
-    {"spectral_parts_reflected_w_sr_um", &Sp::parts_reflected_w_sr_um},
-    {"spectral_parts_reflected_stderr_w_sr_um", &Sp::parts_reflected_stderr_w_sr_um},
+    {"spectral_surface_reflected_w_sr_um", &Sp::surface_reflected_w_sr_um},
+    {"spectral_surface_reflected_stderr_w_sr_um", &Sp::surface_reflected_stderr_w_sr_um},
+    {"spectral_interreflected_w_sr_um", &Sp::interreflected_w_sr_um},
+    {"spectral_interreflected_stderr_w_sr_um", &Sp::interreflected_stderr_w_sr_um},
 };
 
 Cell value_at(const google::protobuf::RepeatedField<float>& values, int k) {
@@ -348,8 +349,7 @@ absl::Status write_in_band(const std::vector<QueryRow>& rows, const std::vector<
     heads.push_back({prefix + "numerical_error_w_sr", brief});
   }
   heads.push_back({"errors_from", true});
-  auto writer = make_table_writer(format, heads, out);
-  if (!writer.ok()) return writer.status();
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::vector<Cell> line = cells_of(columns, rows[i]);
     for (const Of& of : kAll) {
@@ -360,9 +360,9 @@ absl::Status write_in_band(const std::vector<QueryRow>& rows, const std::vector<
       line.emplace_back(m.numerical_error());
     }
     line.emplace_back(std::string(sum[i].modes ? "modes" : "all as one"));
-    (*writer)->row(line);
+    writer->row(line);
   }
-  return (*writer)->finish();
+  return writer->finish();
 }
 
 struct RowTable::Parts {
@@ -401,9 +401,8 @@ struct RowTable::Parts {
   absl::Status write_row(const QueryRow& row) {
     const std::vector<Cell> cells = cells_of(columns, row);
     if (content.parts) {
-      const auto parts = parts_of(reader, row);
-      if (!parts.ok()) return parts.status();
-      for (const RowPart& p : *parts) {
+      ASSIGN_OR_RETURN(const auto parts, parts_of(reader, row));
+      for (const RowPart& p : parts) {
         std::vector<Cell> line = cells;
         line.emplace_back(p.part.part);
         line.emplace_back(p.part.intensity_w_sr);
@@ -417,10 +416,9 @@ struct RowTable::Parts {
       writer->row(cells);
       return absl::OkStatus();
     }
-    const auto got = spectrum_of(reader, row);
-    if (!got.ok()) return got.status();
-    if (wide) return wide->write(cells, row, got->spectrum, *writer);
-    spectra->write(cells, *got, *writer);
+    ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, row));
+    if (wide) return wide->write(cells, row, got.spectrum, *writer);
+    spectra->write(cells, got, *writer);
     return absl::OkStatus();
   }
 };
@@ -464,9 +462,8 @@ absl::StatusOr<RowTable> RowTable::make(StoreReader& reader, const std::vector<Q
   } else if (content.wide) {
     Sp axis;
     if (!first.empty()) {
-      const auto got = spectrum_of(reader, first.front());
-      if (!got.ok()) return got.status();
-      axis = got->spectrum;
+      ASSIGN_OR_RETURN(const auto got, spectrum_of(reader, first.front()));
+      axis = got.spectrum;
     }
     parts->wide.emplace(columns_of(content.quantity), axis);
     parts->wide->add_heads(heads);
@@ -474,9 +471,8 @@ absl::StatusOr<RowTable> RowTable::make(StoreReader& reader, const std::vector<Q
     parts->spectra.emplace(content, parts->interpolated);
     parts->spectra->add_heads(columns_of(content.quantity), heads);
   }
-  auto writer = make_table_writer(format, heads, out);
-  if (!writer.ok()) return writer.status();
-  parts->writer = *std::move(writer);
+  ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
+  parts->writer = std::move(writer);
   return RowTable(std::move(parts));
 }
 
@@ -485,14 +481,13 @@ absl::Status RowTable::finish() { return parts_->writer->finish(); }
 
 absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
                         const QueryContent& content, std::string_view format, std::ostream& out) {
-  auto table = RowTable::make(reader, rows, content, format, out);
-  if (!table.ok()) return table.status();
+  ASSIGN_OR_RETURN(auto table, RowTable::make(reader, rows, content, format, out));
   LoopProgress progress("rows written", rows.size());
   for (const QueryRow& row : rows) {
-    if (absl::Status s = table->write(row); !s.ok()) return s;
+    RETURN_IF_ERROR(table.write(row));
     progress.step();
   }
-  return table->finish();
+  return table.finish();
 }
 
 }  // namespace irsig

@@ -13,6 +13,7 @@
 #include "bridge/environment/surroundings_from_message.h"
 #include "bridge/environment/sweep_environment.h"
 #include "bridge/environment/weather_from_message.h"
+#include "core/base/status_macros.h"
 #include "core/environment/air.h"
 #include "core/environment/line_horizon.h"
 #include "core/environment/surroundings.h"
@@ -44,27 +45,24 @@ struct PlainLight {
 absl::StatusOr<PlainLight> plain_light(const schema::ResolvedSweep& sweep,
                                        const schema::Condition& condition,
                                        const std::vector<double>& node_um) {
-  const auto surroundings = surroundings_from_message(condition.surroundings());
-  if (!surroundings.ok()) return surroundings.status();
+  ASSIGN_OR_RETURN(const auto surroundings, surroundings_from_message(condition.surroundings()));
   double sun_scale = 0, cos_zenith = 0;
   if (sweep.sweep().transport().sun()) {
-    const auto time = parse_rfc3339(condition.time_utc());
-    if (!time.ok()) return time.status();
+    ASSIGN_OR_RETURN(const auto time, parse_rfc3339(condition.time_utc()));
     const schema::Place& place = sweep.sweep().place();
-    const auto sun =
-        sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
-    if (!sun.ok()) return sun.status();
-    cos_zenith = std::cos(sun->zenith_deg * kRadiansPerDegree);
+    ASSIGN_OR_RETURN(const auto sun, sun_position(time, place.latitude_deg(), place.longitude_deg(),
+                                                  place.height_m()));
+    cos_zenith = std::cos(sun.zenith_deg * kRadiansPerDegree);
     sun_scale = condition.sun_irradiance_from_distance()
-                    ? 1 / (sun->distance_au * sun->distance_au)
+                    ? 1 / (sun.distance_au * sun.distance_au)
                     : condition.sun_irradiance_w_m2() / kSolarConstantWM2;
-    if (cos_zenith <= -std::sin(sun->angular_radius_deg * kRadiansPerDegree)) sun_scale = 0;
+    if (cos_zenith <= -std::sin(sun.angular_radius_deg * kRadiansPerDegree)) sun_scale = 0;
   }
   PlainLight out{condition.air_temperature_k(), {}, {}};
   for (const double um : node_um) {
     const double sun = sun_scale > 0 ? sun_scale * solar_irradiance_w_m2_um(um) : 0;
-    out.sky.push_back(sky_radiance_w_m2_sr_um(*surroundings, um));
-    out.lower.push_back(lower_radiance_w_m2_sr_um(*surroundings, um, sun, cos_zenith));
+    out.sky.push_back(sky_radiance_w_m2_sr_um(surroundings, um));
+    out.lower.push_back(lower_radiance_w_m2_sr_um(surroundings, um, sun, cos_zenith));
   }
   return out;
 }
@@ -77,9 +75,9 @@ ViewEnvironment plain_view(const Air& air, const PlainLight& light, double range
   ViewEnvironment out;
   out.sun = all;
   out.sun_apparent = path.transmittance;
-  out.around = LightAround::of_spectra({all, all}, {path.transmittance, path.transmittance});
-  out.behind_apparent = {light.sky, light.lower};
-  for (std::vector<double>& behind : out.behind_apparent)
+  out.around = IncidentRadiance::of_spectra({all, all}, {path.transmittance, path.transmittance});
+  out.background_apparent = {light.sky, light.lower};
+  for (std::vector<double>& behind : out.background_apparent)
     for (std::size_t i = 0; i < behind.size(); ++i) behind[i] *= path.transmittance[i];
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   out.transmittance = std::move(path.transmittance);
@@ -88,7 +86,7 @@ ViewEnvironment plain_view(const Air& air, const PlainLight& light, double range
 
 // What stands behind a target from one viewpoint.
 struct Behind {
-  BehindNodes nodes;
+  BackgroundDirections nodes;
   Silhouette::Fractions before;
 };
 
@@ -106,24 +104,17 @@ class BandAir {
     Band band{b->name(), b->lambda_min_um(), b->lambda_max_um(), b->step_um(), {}};
     for (const schema::SpectralPoint& p : b->response())
       band.response.push_back({p.lambda_um(), p.value()});
-    auto grid = make_band_grid(band, spectral_breaks_um(resolved));
-    if (!grid.ok()) return grid.status();
-    out.grid_ = *std::move(grid);
+    ASSIGN_OR_RETURN(out.grid_, make_band_grid(band, spectral_breaks_um(resolved)));
     if (!has_atmosphere(resolved)) {
-      auto air = air_from_message(resolved.sweep().air());
-      if (!air.ok()) return air.status();
-      out.air_ = *std::move(air);
+      ASSIGN_OR_RETURN(out.air_, air_from_message(resolved.sweep().air()));
       for (const schema::Condition& condition : resolved.condition()) {
-        auto light = plain_light(resolved, condition, out.grid_.node_um);
-        if (!light.ok()) return light.status();
-        out.plain_.push_back(*std::move(light));
+        ASSIGN_OR_RETURN(auto light, plain_light(resolved, condition, out.grid_.node_um));
+        out.plain_.push_back(std::move(light));
         out.waterline_ = condition.surroundings().kind() != "none";
       }
       return out;
     }
-    auto environment = environment_of(resolved, out.grid_.node_um);
-    if (!environment.ok()) return environment.status();
-    out.environment_ = *std::move(environment);
+    ASSIGN_OR_RETURN(out.environment_, environment_of(resolved, out.grid_.node_um));
     return out;
   }
 
@@ -169,16 +160,17 @@ class BandAir {
                               : std::sin(std::min(elevation + reach, std::numbers::pi / 2));
     Behind out;
     if (environment_ == nullptr)
-      out.nodes = BehindNodes({horizon.front(), horizon.front()});
+      out.nodes = BackgroundDirections({horizon.front(), horizon.front()});
     else
-      out.nodes = BehindNodes::spanning(least, most, horizon, std::atan2(-towards.y, -towards.x));
+      out.nodes =
+          BackgroundDirections::spanning(least, most, horizon, std::atan2(-towards.y, -towards.x));
     if (known) {
       out.before = silhouette->before(out.nodes);
       return out;
     }
     out.before.value.assign(out.nodes.count(), 0.0);
     out.before.error.assign(out.nodes.count(), 0.0);
-    BehindNodes::Share share[2];
+    BackgroundDirections::Share share[2];
     const int count = out.nodes.shares(static_cast<float>(-towards.z), share);
     for (int i = 0; i < count; ++i)
       out.before.value[share[i].node] += static_cast<double>(share[i].weight);
@@ -204,11 +196,10 @@ class BandAir {
     const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
     Environment::Line line = environment_->line(v);
     line.behind = behind != nullptr ? behind->nodes
-                                    : BehindNodes({static_cast<float>(-towards.z)},
-                                                  std::atan2(-towards.y, -towards.x));
-    const auto views = environment_->view(line, conditions, around);
-    if (!views.ok()) return views.status();
-    for (const ViewEnvironment& view : *views)
+                                    : BackgroundDirections({static_cast<float>(-towards.z)},
+                                                           std::atan2(-towards.y, -towards.x));
+    ASSIGN_OR_RETURN(const auto views, environment_->view(line, conditions, around));
+    for (const ViewEnvironment& view : views)
       out.push_back(
           sight_line(view, around ? environment_->nodes() : DirectionNodes(), grid_,
                      behind != nullptr ? behind->before : Silhouette::Fractions{{1}, {0}}));
@@ -237,7 +228,8 @@ class BandAir {
     const schema::Sweep& sweep = sweep_.resolved.sweep();
     const schema::Condition& c = sweep_.resolved.condition(static_cast<int>(condition));
     const double reflected = std::abs(row.sun_reflected_w_sr) + std::abs(row.sky_reflected_w_sr) +
-                             std::abs(row.sea_reflected_w_sr) + std::abs(row.parts_reflected_w_sr);
+                             std::abs(row.surface_reflected_w_sr) +
+                             std::abs(row.interreflected_w_sr);
     const double all = reflected + std::abs(row.emitted_w_sr);
     std::vector<PartLight> out;
     for (int p = 0; p < sweep.part_size(); ++p) {
@@ -292,7 +284,7 @@ class BandAir {
 
   static Environment::Line plain_line(const Viewpoint& v) {
     return {v.range_m, v.aspect_elevation_deg,
-            body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BehindNodes()};
+            body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BackgroundDirections()};
   }
 };
 
@@ -410,9 +402,7 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
                           any.row, one->viewpoint.range_m, any.aspect_elevation_deg));
     std::optional<ShapeAtRanges> shape;
     if (!own && here.silhouette) {
-      if (const absl::Status s = check_seen(*here.silhouette, *there.silhouette, any, ranges_m[r]);
-          !s.ok())
-        return s;
+      RETURN_IF_ERROR(check_seen(*here.silhouette, *there.silhouette, any, ranges_m[r]));
       if (here.silhouette->area_m2() > 0)
         shape.emplace(*extent.shape, here.viewpoint, ranges_m[r], air.waterline(), *here.silhouette,
                       *there.silhouette);
@@ -432,12 +422,12 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
     for (std::size_t c = 0; !known && c < conditions.size(); ++c)
       spread[c] = spread_of((*from)[c], (*to)[c]);
     for (std::size_t c = 0; c < conditions.size(); ++c) {
-      if (const absl::Status s = air.check_nearer((*from)[c], (*to)[c]); !s.ok()) return s;
+      RETURN_IF_ERROR(air.check_nearer((*from)[c], (*to)[c]));
       // What both lines have alike is no error of a row that stays.
       if (own)
         for (SightLine* line : {&(*from)[c], &(*to)[c]})
           for (SightLine::Integrals* of : {&line->bin, &line->band})
-            of->behind_fraction_bound = of->behind_between_bound = {};
+            of->background_fraction_bound = of->background_between_bound = {};
     }
     const double perspective = perspective_bound(any.range_m, ranges_m[r], extent.reach_m);
     for (std::size_t i = 0; i < view.rows.size(); ++i) {
@@ -448,14 +438,13 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
           : shape
               ? shape->of(air.part_light(view.rows[i]->signature, view.condition[i], view.parts[i]))
               : ShapeChange{1, 1, perspective, perspective};
-      auto moved = moved_row(view.rows[i]->signature, view.spectra[i], (*from)[c], (*to)[c],
-                             spread[c], change);
-      if (!moved.ok()) return moved.status();
-      moved->signature.range_m = ranges_m[r];
+      ASSIGN_OR_RETURN(auto moved, moved_row(view.rows[i]->signature, view.spectra[i], (*from)[c],
+                                             (*to)[c], spread[c], change));
+      moved.signature.range_m = ranges_m[r];
       *view.out[i * ranges_m.size() + r] = {
-          std::move(moved->signature), std::nullopt,
-          RangeChange{any.range_m, moved->range_bound_w_sr,
-                      std::make_shared<const schema::Spectrum>(std::move(moved->spectrum))}};
+          std::move(moved.signature), std::nullopt,
+          RangeChange{any.range_m, moved.range_bound_w_sr,
+                      std::make_shared<const schema::Spectrum>(std::move(moved.spectrum))}};
     }
     if (own && (from = lines(here, !tabulated), !from.ok())) return from.status();
   }
@@ -469,15 +458,12 @@ RangeChanger::~RangeChanger() = default;
 absl::StatusOr<RangeChanger::Air*> RangeChanger::air_of(const StoredSignature& any) {
   const std::pair key(any.sweep, any.band);
   if (const auto known = air_.find(key); known != air_.end()) return known->second.get();
-  auto stored = reader_.sweep(any.sweep);
-  if (!stored.ok()) return stored.status();
-  const auto extent = extent_of_(*stored);
-  if (!extent.ok()) return extent.status();
+  ASSIGN_OR_RETURN(auto stored, reader_.sweep(any.sweep));
+  ASSIGN_OR_RETURN(const auto extent, extent_of_(stored));
   for (const double range_m : ranges_m_)
-    if (absl::Status s = check_lengths(range_m, "range", any.sweep, *extent); !s.ok()) return s;
-  auto air = BandAir::make(*std::move(stored), any);
-  if (!air.ok()) return air.status();
-  return (air_[key] = std::make_unique<Air>(Air{*std::move(air), *extent, {}})).get();
+    RETURN_IF_ERROR(check_lengths(range_m, "range", any.sweep, extent));
+  ASSIGN_OR_RETURN(auto air, BandAir::make(std::move(stored), any));
+  return (air_[key] = std::make_unique<Air>(Air{std::move(air), extent, {}})).get();
 }
 
 absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<QueryRow>& rows) {
@@ -504,31 +490,24 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
     for (std::size_t r = 0; r < ranges_m_.size(); ++r)
       view.out.push_back(&out[i * ranges_m_.size() + r]);
   }
-  if (absl::Status s = check_computed(signatures, SignatureQuantity::kContrastIntensity); !s.ok())
-    return s;
+  RETURN_IF_ERROR(check_computed(signatures, SignatureQuantity::kContrastIntensity));
   // What is read is read by this thread alone.
   std::vector<std::pair<Air*, const Air::View*>> list;
   for (auto& [key, view] : views) {
-    const auto air = air_of(view.any());
-    if (!air.ok()) return air.status();
-    if (absl::Status s =
-            check_lengths(view.any().range_m, "the stored range", view.any().sweep, (*air)->extent);
-        !s.ok())
-      return s;
+    ASSIGN_OR_RETURN(const auto air, air_of(view.any()));
+    RETURN_IF_ERROR(
+        check_lengths(view.any().range_m, "the stored range", view.any().sweep, air->extent));
     for (const QueryRow* row : view.rows) {
-      const auto condition = (*air)->air.condition_of(row->signature);
-      if (!condition.ok()) return condition.status();
-      view.condition.push_back(*condition);
-      auto spectrum = reader_.spectrum(row->signature.signature_id);
-      if (!spectrum.ok()) return spectrum.status();
-      view.spectra.push_back(*std::move(spectrum));
+      ASSIGN_OR_RETURN(const auto condition, air->air.condition_of(row->signature));
+      view.condition.push_back(condition);
+      ASSIGN_OR_RETURN(auto spectrum, reader_.spectrum(row->signature.signature_id));
+      view.spectra.push_back(std::move(spectrum));
       view.parts.emplace_back();
-      if ((*air)->extent.shape == nullptr || (*air)->extent.shape->two_sided.size() < 2) continue;
-      auto parts = reader_.parts(row->signature.signature_id);
-      if (!parts.ok()) return parts.status();
-      view.parts.back() = *std::move(parts);
+      if (air->extent.shape == nullptr || air->extent.shape->two_sided.size() < 2) continue;
+      ASSIGN_OR_RETURN(auto parts, reader_.parts(row->signature.signature_id));
+      view.parts.back() = std::move(parts);
     }
-    list.emplace_back(*air, &view);
+    list.emplace_back(air, &view);
   }
   if (ranges_m_.empty()) return out;
   std::vector<std::pair<const Air*, ArrivingTable::Task>> tasks;

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "view/kriging.h"
 
 namespace irsig {
@@ -159,11 +160,10 @@ absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, FieldK
         const Before& b = before[d][f];
         double now = b.scale > 0 ? b.error / b.scale : 0;
         if (round > 0 && !lost && now > 0) {
-          const auto fit = SphereFit::at(samples[f], where[d], b.kernel);
-          if (!fit.ok()) return fit.status();
+          ASSIGN_OR_RETURN(const auto fit, SphereFit::at(samples[f], where[d], b.kernel));
           const double rough =
-              b.variance_factor > 0 ? std::min(1.0, fit->variance_factor() / b.variance_factor) : 0;
-          const double hidden = estimate(*fit, samples[f], kind).hidden_error;
+              b.variance_factor > 0 ? std::min(1.0, fit.variance_factor() / b.variance_factor) : 0;
+          const double hidden = estimate(fit, samples[f], kind).hidden_error;
           now = std::min(
               now, std::hypot(b.rough_error * std::sqrt(rough), std::min(hidden, b.hidden_error)) /
                        b.scale);

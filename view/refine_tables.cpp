@@ -4,6 +4,7 @@
 #include <fmt/ostream.h>
 
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -75,9 +76,8 @@ absl::Status write_left_out(std::span<const SignatureField> fields, FieldKind ki
                                   out);
   if (!writer.ok()) return writer.status();
   for (const SignatureField& field : fields) {
-    const auto left_out = leave_one_out(field, kind);
-    if (!left_out.ok()) return left_out.status();
-    for (const LeftOutViewpoint& l : *left_out) {
+    ASSIGN_OR_RETURN(const auto left_out, leave_one_out(field, kind));
+    for (const LeftOutViewpoint& l : left_out) {
       const StoredSignature& s = field.signature[l.sample];
       (*writer)->row({s.season, s.time_utc, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg,
                       l.value, l.interpolated, l.error, l.relative_deviation});

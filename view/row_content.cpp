@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "view/interpolate_rows.h"
 #include "view/query.h"
 
@@ -47,20 +48,18 @@ bool same_axis(const schema::Spectrum& a, const schema::Spectrum& b) {
 absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row) {
   if (row.range_change) return RowSpectrum{*row.range_change->spectrum, {}};
   if (!row.interpolation) {
-    auto stored = reader.spectrum(row.signature.signature_id);
-    if (!stored.ok()) return stored.status();
-    return RowSpectrum{std::move(*stored), {}};
+    ASSIGN_OR_RETURN(auto stored, reader.spectrum(row.signature.signature_id));
+    return RowSpectrum{std::move(stored), {}};
   }
   std::vector<schema::Spectrum> from;
   for (const StoredSignature& s : row.interpolation->from) {
-    auto stored = reader.spectrum(s.signature_id);
-    if (!stored.ok()) return stored.status();
-    if (!from.empty() && !same_axis(*stored, from.front())) {
+    ASSIGN_OR_RETURN(auto stored, reader.spectrum(s.signature_id));
+    if (!from.empty() && !same_axis(stored, from.front())) {
       return absl::InternalError(
           fmt::format("rows {} and {} of one band have different wavelengths", s.row,
                       row.interpolation->from.front().row));
     }
-    from.push_back(std::move(*stored));
+    from.push_back(std::move(stored));
   }
   RowSpectrum out;
   *out.spectrum.mutable_lambda_um() = from.front().lambda_um();
@@ -74,8 +73,8 @@ absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row
   IRSIG_INTERPOLATE(emitted, nullptr);
   IRSIG_INTERPOLATE(sun_reflected, nullptr);
   IRSIG_INTERPOLATE(sky_reflected, nullptr);
-  IRSIG_INTERPOLATE(sea_reflected, nullptr);
-  IRSIG_INTERPOLATE(parts_reflected, nullptr);
+  IRSIG_INTERPOLATE(surface_reflected, nullptr);
+  IRSIG_INTERPOLATE(interreflected, nullptr);
   IRSIG_INTERPOLATE(apparent_spectral_intensity, nullptr);
 #undef IRSIG_INTERPOLATE
   using Sp = schema::Spectrum;
@@ -99,16 +98,14 @@ absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row
 absl::StatusOr<std::vector<RowPart>> parts_of(StoreReader& reader, const QueryRow& row) {
   std::vector<RowPart> out;
   if (!row.interpolation) {
-    auto stored = reader.parts(row.signature.signature_id);
-    if (!stored.ok()) return stored.status();
-    for (StoredPart& part : *stored) out.push_back({std::move(part), 0});
+    ASSIGN_OR_RETURN(auto stored, reader.parts(row.signature.signature_id));
+    for (StoredPart& part : stored) out.push_back({std::move(part), 0});
     return out;
   }
   std::vector<std::vector<StoredPart>> from;
   for (const StoredSignature& s : row.interpolation->from) {
-    auto stored = reader.parts(s.signature_id);
-    if (!stored.ok()) return stored.status();
-    from.push_back(std::move(*stored));
+    ASSIGN_OR_RETURN(auto stored, reader.parts(s.signature_id));
+    from.push_back(std::move(stored));
   }
   for (const StoredPart& part : from.front()) {
     std::vector<double> values, stderrs;

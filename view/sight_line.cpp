@@ -53,17 +53,17 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     std::uint32_t first, count;
     LineValues* share;
     // Means over the side's solid angle, on the band's nodes.
-    LightAround::Sum mean;
+    IncidentRadiance::Sum mean;
   };
   std::array<Side, 2> sides{Side{true, 0, nodes.sky(), &out.directions[0], {}},
                             Side{false, nodes.sky(), nodes.lower(), &out.directions[1], {}}};
   const std::size_t bins = grid.lambda_um.size(), n = grid.node_um.size();
-  const LightAround::Binned light = e.around.binned(0, grid.bin_weight, grid.bin_first);
+  const IncidentRadiance::Binned light = e.around.binned(0, grid.bin_weight, grid.bin_first);
   for (Side& side : sides) {
     std::vector<double> weight(nodes.sky() + nodes.lower());
     const std::vector<double> angle = node_solid_angles(nodes, side.first, side.count);
     std::copy(angle.begin(), angle.end(), weight.begin() + side.first);
-    const LightAround::Weights list{weight.data(), 1};
+    const IncidentRadiance::Weights list{weight.data(), 1};
     side.mean = std::move(e.around.sums(side.sky, {&list, 1}, 0, n).front());
     side.share->resize(side.count * bins);
     const double* radiance = light.source.data() + side.first * bins;
@@ -73,7 +73,7 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   }
 
   // A fraction that is off goes to another node: each differs by so much from the mean.
-  std::vector<std::vector<double>> away = e.behind_apparent;
+  std::vector<std::vector<double>> away = e.background_apparent;
   std::vector<double> middle(n, 0.0);
   for (std::size_t k = 0; k < away.size(); ++k)
     for (std::size_t i = 0; i < n; ++i) middle[i] += before.value[k] * away[k][i];
@@ -89,7 +89,7 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     const auto mean = [&](const std::vector<double>& s) {
       return per_bin(grid, grid.bin_weight, s);
     };
-    const auto of_side = [&](const LightAround::Sum& side) {
+    const auto of_side = [&](const IncidentRadiance::Sum& side) {
       return arriving(per_bin(grid, *weight, side.apparent),
                       per_bin(grid, grid.bin_weight, side.radiance), to->transmittance);
     };
@@ -106,9 +106,9 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
           for (std::size_t i = 0; i < n; ++i) sum[i] += fraction[k] * node[k][i];
       return integral(sum);
     };
-    to->behind = behind(e.behind_apparent, before.value);
-    to->behind_between_bound = behind(e.behind_interpolation, before.value);
-    to->behind_fraction_bound = behind(away, before.error);
+    to->behind = behind(e.background_apparent, before.value);
+    to->background_between_bound = behind(e.background_interpolation, before.value);
+    to->background_fraction_bound = behind(away, before.error);
     to->arriving = {to->transmittance,
                     arriving(integral(e.sun_apparent), mean(e.sun), to->transmittance),
                     of_side(sides[0].mean), of_side(sides[1].mean), to->transmittance};

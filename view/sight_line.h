@@ -25,7 +25,7 @@ struct SightLine {
     Values width, transmittance, path_radiance;
     // Mean radiance from behind the silhouette, as it arrives, and bounds on it: of the fractions
     // of the silhouette before each direction, and between the directions.
-    Values behind, behind_fraction_bound, behind_between_bound;
+    Values behind, background_fraction_bound, background_between_bound;
     Values model_error_transmittance, model_error_path_radiance;  // empty: none
   };
   Integrals bin, band;
@@ -38,7 +38,7 @@ struct SightLine {
 // environment: on the band's nodes. nodes: to which environment.around refers. Reflected sky and
 // sea arrive as the mean over the solid angle of their side does: which directions a target mirrors
 // is no longer known.
-// before: the fractions of the silhouette before each node of environment.behind_apparent.
+// before: the fractions of the silhouette before each node of environment.background_apparent.
 [[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
                                    const BandGrid& grid, const Silhouette::Fractions& before);
 

@@ -214,11 +214,11 @@ Silhouette::Silhouette(const TargetShape& shape, const Viewpoint& viewpoint, boo
 
 double Silhouette::area_error_m2() const { return std::abs(fine_.area_m2 - coarse_.area_m2); }
 
-Silhouette::Fractions Silhouette::before(const BehindNodes& nodes) const {
+Silhouette::Fractions Silhouette::before(const BackgroundDirections& nodes) const {
   const auto sum = [&](const Rows& rows) {
     std::vector<double> out(nodes.count());
     for (const Piece& piece : rows.piece) {
-      BehindNodes::Share share[2];
+      BackgroundDirections::Share share[2];
       const int count = nodes.shares(static_cast<float>(piece.z), share);
       for (int i = 0; i < count; ++i)
         out[share[i].node] += static_cast<double>(share[i].weight) * piece.area_m2 / rows.area_m2;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/environment/behind_nodes.h"
+#include "core/environment/background_directions.h"
 #include "core/geo/frames.h"
 #include "core/geo/viewpoint.h"
 
@@ -25,7 +25,8 @@ struct TargetShape {
 // and end at the horizons and at the vertices of small meshes, so that a box is exact.
 class Silhouette {
  public:
-  //   horizon_z  z of the directions at which the radiance behind the target jumps (BehindNodes)
+  //   horizon_z  z of the directions at which the radiance behind the target jumps
+  //   (BackgroundDirections)
   Silhouette(const TargetShape& shape, const Viewpoint& viewpoint, bool waterline,
              std::span<const float> horizon_z);
 
@@ -40,7 +41,7 @@ class Silhouette {
   struct Fractions {
     std::vector<double> value, error;
   };
-  [[nodiscard]] Fractions before(const BehindNodes& nodes) const;
+  [[nodiscard]] Fractions before(const BackgroundDirections& nodes) const;
 
  private:
   struct Piece {

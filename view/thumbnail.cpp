@@ -7,6 +7,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "core/base/status_macros.h"
 #include "schema/store/check_picture.h"
 #include "view/atomic_file.h"
 #include "view/png.h"
@@ -52,15 +53,13 @@ absl::StatusOr<float> hottest_like(StoreReader& reader, const StoredSignature& l
   SignatureFilter filter;
   filter.sweep = like.sweep;
   filter.band = like.band;
-  const auto rows = reader.find(filter);
-  if (!rows.ok()) return rows.status();
-  LoopProgress progress("images compared", rows->size());
+  ASSIGN_OR_RETURN(const auto rows, reader.find(filter));
+  LoopProgress progress("images compared", rows.size());
   float hottest = 0;
   std::vector<PictureTask> tasks;
   const auto look = [&]() -> absl::Status {
-    const auto answers = read(tasks);
-    if (!answers.ok()) return answers.status();
-    for (const PictureAnswer& answer : *answers) {
+    ASSIGN_OR_RETURN(const auto answers, read(tasks));
+    for (const PictureAnswer& answer : answers) {
       if (!answer.damage.empty())
         return absl::DataLossError(
             fmt::format("of the images that share the scale one cannot be read (irsig export "
@@ -72,17 +71,15 @@ absl::StatusOr<float> hottest_like(StoreReader& reader, const StoredSignature& l
     tasks.clear();
     return absl::OkStatus();
   };
-  for (const StoredSignature& s : *rows) {
-    auto thumbnail = reader.thumbnail(s.signature_id);
-    if (!thumbnail.ok()) return thumbnail.status();
-    if (!thumbnail->has_value()) continue;
-    tasks.push_back({.exr = std::move(*(*thumbnail)->mutable_exr()),
+  for (const StoredSignature& s : rows) {
+    ASSIGN_OR_RETURN(auto thumbnail, reader.thumbnail(s.signature_id));
+    if (!thumbnail.has_value()) continue;
+    tasks.push_back({.exr = std::move(*thumbnail->mutable_exr()),
                      .most_px = s.superseded ? kMostPixels : most_px});
     if (tasks.size() < kThumbnailsAtOnce) continue;
-    if (absl::Status status = look(); !status.ok()) return status;
+    RETURN_IF_ERROR(look());
   }
-  if (!tasks.empty())
-    if (absl::Status status = look(); !status.ok()) return status;
+  if (!tasks.empty()) RETURN_IF_ERROR(look());
   return hottest;
 }
 
@@ -98,13 +95,12 @@ absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
   if (rows.front().interpolation) {
     return absl::InvalidArgumentError("thumbnail: images are not interpolated, use nearest");
   }
-  auto thumbnail = reader.thumbnail(rows.front().signature.signature_id);
-  if (!thumbnail.ok()) return thumbnail.status();
-  if (!thumbnail->has_value()) {
+  ASSIGN_OR_RETURN(auto thumbnail, reader.thumbnail(rows.front().signature.signature_id));
+  if (!thumbnail.has_value()) {
     return absl::NotFoundError(fmt::format(
         "row {} was computed without image (output.thumbnail_px = 0)", rows.front().signature.row));
   }
-  return **std::move(thumbnail);
+  return *std::move(thumbnail);
 }
 
 std::uint32_t most_px_of(const schema::Sweep& sweep) {
@@ -114,9 +110,8 @@ std::uint32_t most_px_of(const schema::Sweep& sweep) {
 
 absl::StatusOr<std::uint32_t> most_px_of(StoreReader& reader, const StoredSignature& row) {
   if (row.superseded) return kMostPixels;
-  const auto sweep = reader.sweep(row.sweep);
-  if (!sweep.ok()) return sweep.status();
-  return most_px_of(sweep->resolved.sweep());
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(row.sweep));
+  return most_px_of(sweep.resolved.sweep());
 }
 
 absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& rows,
@@ -131,46 +126,39 @@ absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& r
     return absl::InvalidArgumentError("thumbnail scale: .exr files hold radiance, without a scale");
   ThumbnailScale grey;
   if (!scale.empty()) {
-    const auto parsed = parse_thumbnail_scale(scale);
-    if (!parsed.ok()) return parsed.status();
-    grey = *parsed;
+    ASSIGN_OR_RETURN(grey, parse_thumbnail_scale(scale));
   }
-  auto thumbnail = stored_thumbnail(reader, rows);
-  if (!thumbnail.ok()) return thumbnail.status();
+  ASSIGN_OR_RETURN(auto thumbnail, stored_thumbnail(reader, rows));
   const StoredSignature& row = rows.front().signature;
   const auto damaged = [&](std::string_view what) {
     return absl::DataLossError(
         fmt::format("the stored image of row {} is damaged: {}", row.row, what));
   };
   if (png && scale.empty()) {
-    const std::string defect = png_defect(thumbnail->png());
-    return defect.empty() ? replace_file(path, thumbnail->png()) : damaged(defect);
+    const std::string defect = png_defect(thumbnail.png());
+    return defect.empty() ? replace_file(path, thumbnail.png()) : damaged(defect);
   }
-  if (!read) return replace_file(path, thumbnail->exr());
+  if (!read) return replace_file(path, thumbnail.exr());
   // What no checksum guards is tried.
-  const auto most_px = most_px_of(reader, row);
-  if (!most_px.ok()) return most_px.status();
-  std::vector<PictureTask> task = {{.exr = thumbnail->exr(), .most_px = *most_px}};
+  ASSIGN_OR_RETURN(const auto most_px, most_px_of(reader, row));
+  std::vector<PictureTask> task = {{.exr = thumbnail.exr(), .most_px = most_px}};
   const auto answer = [&]() -> absl::StatusOr<PictureAnswer> {
-    auto answers = read(task);
-    if (!answers.ok()) return answers.status();
-    if (answers->size() != 1) return absl::InternalError("one image was asked for");
-    if (const std::string& damage = (*answers)[0].damage; !damage.empty()) return damaged(damage);
-    return std::move((*answers)[0]);
+    ASSIGN_OR_RETURN(auto answers, read(task));
+    if (answers.size() != 1) return absl::InternalError("one image was asked for");
+    if (const std::string& damage = answers[0].damage; !damage.empty()) return damaged(damage);
+    return std::move(answers[0]);
   };
   if (const auto tried = answer(); !tried.ok()) return tried.status();
-  if (!png) return replace_file(path, thumbnail->exr());
+  if (!png) return replace_file(path, thumbnail.exr());
   if (scale == "common") {
-    const auto hottest = hottest_like(reader, row, *most_px, read);
-    if (!hottest.ok()) return hottest.status();
-    grey = {0, *hottest};
+    ASSIGN_OR_RETURN(const auto hottest, hottest_like(reader, row, most_px, read));
+    grey = {0, hottest};
   }
   task[0].paint = true;
   task[0].black_w_m2_sr = grey.black_w_m2_sr;
   task[0].white_w_m2_sr = grey.white_w_m2_sr;
-  const auto painted = answer();
-  if (!painted.ok()) return painted.status();
-  return replace_file(path, painted->png);
+  ASSIGN_OR_RETURN(const auto painted, answer());
+  return replace_file(path, painted.png);
 }
 
 }  // namespace irsig

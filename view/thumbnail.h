@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/image/apart/picture_apart.h"
+#include "core/image/apart/picture_subprocess.h"
 #include "view/query.h"
 
 namespace irsig {

@@ -19,6 +19,7 @@
 #include "coordinator/client/farm_log.h"
 #include "coordinator/client/fetch_asset.h"
 #include "coordinator/client/handshake.h"
+#include "core/base/status_macros.h"
 #include "worker/shared_runners.h"
 
 namespace irsig {
@@ -107,9 +108,8 @@ class LeaseLoop {
 
   absl::Status run() {
     if (!plan_.spool_folder.empty()) {
-      auto spool = Spool::open(plan_.spool_folder, kMostSpoolBytes, plan_.at_spool_step);
-      if (!spool.ok()) return spool.status();
-      spool_ = *std::move(spool);
+      ASSIGN_OR_RETURN(spool_,
+                       Spool::open(plan_.spool_folder, kMostSpoolBytes, plan_.at_spool_step));
     }
     while (!stop_ || next_) {  // a job that came with an answer is ours to compute
       if (worker_id_.empty()) {
@@ -202,7 +202,7 @@ class LeaseLoop {
       }
       if (!said) {
         // A certificate that is refused is refused again.
-        if (auto why = check_handshake(plan_.coordinator); !why.ok()) return why;
+        RETURN_IF_ERROR(check_handshake(plan_.coordinator));
         log_line(LogLevel::warn, {}, "no coordinator answers at {}: trying again",
                  plan_.coordinator.text);
         said = true;
@@ -291,7 +291,7 @@ class LeaseLoop {
                                             schema::FailRequest& request) {
     request.set_kind(schema::FailRequest::KIND_OTHER);
     try {
-      if (auto status = have_runner(lease, request); !status.ok()) return status;
+      RETURN_IF_ERROR(have_runner(lease, request));
       auto result = runner_->run(lease.job());
       if (result.ok()) return result;
       if (absl::IsInvalidArgument(result.status()))

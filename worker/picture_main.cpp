@@ -1,7 +1,8 @@
 // irsig-picture: looks at stored images of radiances (EXR), paints them as PNG or hands out their
 // pixels, for a process that must not crash with OpenEXR and need not load OpenImageIO.
 //
-// usage: irsig-picture BYTES < tasks > answers     (core/image/apart/picture_apart.h starts it)
+// usage: irsig-picture BYTES < tasks > answers     (core/image/apart/picture_subprocess.h starts
+// it)
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -10,8 +11,9 @@
 #include <system_error>
 #include <utility>
 
-#include "core/base/answer_apart.h"
-#include "core/image/apart/picture_apart.h"
+#include "core/base/answer_subprocess.h"
+#include "core/base/status_macros.h"
+#include "core/image/apart/picture_subprocess.h"
 #include "core/image/image.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -59,11 +61,10 @@ irsig::PictureAnswer answer_to(const irsig::PictureTask& task) {
 }
 
 absl::StatusOr<std::vector<irsig::PictureAnswer>> answers_to(std::string bytes) {
-  const auto tasks = irsig::decode_tasks(bytes);
-  if (!tasks.ok()) return tasks.status();
+  ASSIGN_OR_RETURN(const auto tasks, irsig::decode_tasks(bytes));
   bytes.clear();
   std::vector<irsig::PictureAnswer> out;
-  for (const irsig::PictureTask& task : *tasks) out.push_back(answer_to(task));
+  for (const irsig::PictureTask& task : tasks) out.push_back(answer_to(task));
   return out;
 }
 
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
     std::fputs("irsig-picture: started by irsig, not by hand\n", stderr);
     return 2;
   }
-  irsig::answer_apart(
+  irsig::answer_subprocess(
       bytes, [](std::string tasks) { return irsig::encode_answers(answers_to(std::move(tasks))); },
       [](const absl::Status& why) { return irsig::encode_answers(why); });
 }

@@ -1,5 +1,7 @@
 #include "worker/shared_runners.h"
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 
 absl::StatusOr<std::shared_ptr<const JobRunner>> SharedRunners::get(const Key& key,
@@ -11,9 +13,7 @@ absl::StatusOr<std::shared_ptr<const JobRunner>> SharedRunners::get(const Key& k
     if (!key.outputs.empty() && of.outputs != key.outputs) continue;
     if (std::shared_ptr<const JobRunner> there = runner.lock()) return there;
   }
-  auto made = make(assets_);
-  if (!made.ok()) return made.status();
-  std::shared_ptr<const JobRunner> runner = *std::move(made);
+  ASSIGN_OR_RETURN(std::shared_ptr<const JobRunner> runner, make(assets_));
   known_.emplace_back(key, runner);
   return runner;
 }

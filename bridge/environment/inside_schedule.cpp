@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/named.h"
+#include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 
 namespace irsig {
@@ -12,9 +13,8 @@ absl::StatusOr<std::optional<DaySchedule>> inside_schedule(const schema::BuildUp
   if (build_up.inside_schedule().empty()) return std::nullopt;
   DaySchedule out;
   for (const schema::InsideAt& at : build_up.inside_schedule()) {
-    const auto time = parse_rfc3339(absl::StrCat("1970-01-01T", at.time()));
-    if (!time.ok()) return time.status();
-    out.at.push_back({unix_seconds(*time),
+    ASSIGN_OR_RETURN(const auto time, parse_rfc3339(absl::StrCat("1970-01-01T", at.time())));
+    out.at.push_back({unix_seconds(time),
                       build_up.inside() == "heat_flux" ? at.heat_flux_w_m2() : at.temperature_k()});
   }
   if (out.at.size() > 1) {
@@ -23,7 +23,7 @@ absl::StatusOr<std::optional<DaySchedule>> inside_schedule(const schema::BuildUp
     if (!steps.ok()) return steps.status();
     out.steps = *steps;
   }
-  if (absl::Status status = check_schedule(out); !status.ok()) return status;
+  RETURN_IF_ERROR(check_schedule(out));
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/geo/sun.h"
 
@@ -46,15 +47,14 @@ absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     ConditionEnvironment& condition = conditions.emplace_back();
     condition.weather = number;
     if (!sweep.transport().sun()) continue;
-    const auto time = parse_rfc3339(c.time_utc());
-    if (!time.ok()) return time.status();
+    ASSIGN_OR_RETURN(const auto time, parse_rfc3339(c.time_utc()));
     const schema::Place& place = sweep.place();
-    const auto sun = sun_position(*time, place.latitude_deg(), place.longitude_deg(),
-                                  place.height_m() + c.weather().above_surface_m());
-    if (!sun.ok()) return sun.status();
+    ASSIGN_OR_RETURN(const auto sun,
+                     sun_position(time, place.latitude_deg(), place.longitude_deg(),
+                                  place.height_m() + c.weather().above_surface_m()));
     condition.sun = true;
-    condition.sun_direction = body_from_enu(sun->direction, place.heading_deg());
-    condition.sun_distance_au = sun->distance_au;
+    condition.sun_direction = body_from_enu(sun.direction, place.heading_deg());
+    condition.sun_distance_au = sun.distance_au;
   }
   return Environment::make(std::move(weathers), std::move(conditions), target_height_m(resolved),
                            {node_um.begin(), node_um.end()});

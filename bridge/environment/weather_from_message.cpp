@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/named.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -16,12 +17,13 @@ constexpr std::array<const char*, 8> kAerosolNames = {
     "none",         "rural",         "urban",         "maritime",
     "tropospheric", "navy_maritime", "advection_fog", "radiation_fog"};
 
-absl::StatusOr<LowerSpec> lower_from_message(const schema::Surroundings& s, double wind_speed_m_s) {
-  using Kind = LowerSpec::Kind;
+absl::StatusOr<SurfaceBoundary> lower_from_message(const schema::Surroundings& s,
+                                                   double wind_speed_m_s) {
+  using Kind = SurfaceBoundary::Kind;
   const auto is_ground =
       named<bool>("surroundings.kind", s.kind(), {{"sea", false}, {"ground", true}});
   if (!is_ground.ok()) return is_ground.status();
-  LowerSpec lower;
+  SurfaceBoundary lower;
   if (*is_ground) {
     lower.kind = Kind::kGround;
     lower.temperature_k = s.ground_temperature_k();
@@ -95,13 +97,11 @@ absl::StatusOr<AerosolKind> aerosol_named(std::string_view name) {
 }
 
 absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather) {
-  const auto base = afgl_profile_named(weather.profile());
-  if (!base.ok()) return base.status();
-  AirProfile profile = afgl_profile(*base);
+  ASSIGN_OR_RETURN(const auto base, afgl_profile_named(weather.profile()));
+  AirProfile profile = afgl_profile(base);
   if (!weather.profile_csv().empty()) {
-    auto stated = parse_profile_csv(weather.profile_csv(), weather.profile_file_name(), profile);
-    if (!stated.ok()) return stated.status();
-    profile = *std::move(stated);
+    ASSIGN_OR_RETURN(
+        profile, parse_profile_csv(weather.profile_csv(), weather.profile_file_name(), profile));
   }
   if (!weather.surface_stated()) return profile;
   return bend_to_surface(profile, {.air_temperature_k = weather.air_temperature_k(),
@@ -112,29 +112,26 @@ absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather) 
 absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
                                                  const schema::Surroundings& surroundings) {
   WeatherSpec spec;
-  auto profile = profile_from_message(weather);
-  if (!profile.ok()) return profile.status();
-  spec.air.profile = *std::move(profile);
-  const auto kind = aerosol_named(weather.aerosol());
-  if (!kind.ok()) return kind.status();
-  spec.air.aerosol = {.kind = *kind,
+  ASSIGN_OR_RETURN(auto profile, profile_from_message(weather));
+  spec.air.profile = std::move(profile);
+  ASSIGN_OR_RETURN(const auto kind, aerosol_named(weather.aerosol()));
+  spec.air.aerosol = {.kind = kind,
                       .visibility_m = weather.visibility_m(),
                       .air_mass = weather.air_mass(),
                       .wind_speed_m_s = weather.wind_speed_m_s(),
                       .wind_speed_24h_m_s = weather.wind_speed_24h_m_s(),
                       .summer_troposphere = weather.summer_troposphere()};
-  if (const absl::Status status = check_aerosol(spec.air.aerosol); !status.ok()) return status;
+  RETURN_IF_ERROR(check_aerosol(spec.air.aerosol));
   spec.air.co2_ppmv = weather.co2_ppmv();
   spec.refraction = weather.refraction();
   spec.above_surface_m = weather.above_surface_m();
   spec.cloud_cover = weather.cloud_cover();
-  auto lower = lower_from_message(surroundings, weather.wind_speed_m_s());
-  if (!lower.ok()) return lower.status();
-  spec.lower = *lower;
+  ASSIGN_OR_RETURN(auto lower, lower_from_message(surroundings, weather.wind_speed_m_s()));
+  spec.lower = lower;
   if (!weather.modtran_text().empty()) {
-    auto imported = parse_imported_paths(weather.modtran_text(), weather.modtran_file_name());
-    if (!imported.ok()) return imported.status();
-    spec.imported = std::make_shared<const ImportedPaths>(*std::move(imported));
+    ASSIGN_OR_RETURN(auto imported,
+                     parse_imported_paths(weather.modtran_text(), weather.modtran_file_name()));
+    spec.imported = std::make_shared<const ImportedPaths>(std::move(imported));
   }
   return spec;
 }

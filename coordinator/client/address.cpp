@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 
 namespace irsig {
@@ -82,30 +83,28 @@ absl::StatusOr<Address> parse_address(std::string_view text, const NetworkOption
       return refuse(text, "TLS is for ports: a Unix socket is protected by its mode");
     return parse_unix(text);
   }
-  auto place = parse_port(text);
-  if (!place.ok()) return place.status();
+  ASSIGN_OR_RETURN(auto place, parse_port(text));
   if (network.tls.any() && (network.insecure_network || network.insecure_loopback))
     return refuse(text, network.insecure_network
                             ? "--insecure-network is for addresses without TLS"
                             : "--insecure-loopback is for addresses without TLS");
   if (network.tls.any()) {
-    auto identity = read_tls(network.tls);
-    if (!identity.ok()) return identity.status();
-    place->address.tls = std::make_shared<const TlsIdentity>(*std::move(identity));
-  } else if (place->loopback && !network.insecure_loopback && !network.insecure_network) {
+    ASSIGN_OR_RETURN(auto identity, read_tls(network.tls));
+    place.address.tls = std::make_shared<const TlsIdentity>(std::move(identity));
+  } else if (place.loopback && !network.insecure_loopback && !network.insecure_network) {
     return refuse(
         text,
         "whoever uses this machine could do everything there; use a Unix socket, give --tls-cert, "
         "--tls-key and --tls-ca, or --insecure-loopback where all users of the machine are "
         "trusted");
-  } else if (!place->loopback && !network.insecure_network) {
+  } else if (!place.loopback && !network.insecure_network) {
     return refuse(
         text,
         "not a loopback address: whoever reaches it from another machine could do "
         "everything; give --tls-cert, --tls-key and --tls-ca, or --insecure-network where "
         "all who are on the network are trusted");
   }
-  return std::move(place->address);
+  return std::move(place.address);
 }
 
 }  // namespace irsig

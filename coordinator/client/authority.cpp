@@ -19,6 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "coordinator/client/openssl_handles.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 
 namespace irsig {
@@ -140,12 +141,10 @@ struct Authority {
 
 absl::StatusOr<Authority> open_authority(const std::string& folder) {
   Authority out{folder, nullptr, nullptr};
-  const auto pem = read_file(out.file("ca.pem"));
-  if (!pem.ok()) return pem.status();
-  const auto key = read_file(out.file("ca.key"));
-  if (!key.ok()) return key.status();
-  auto chain = certificates_of(*pem);
-  out.key = private_key_of(*key);
+  ASSIGN_OR_RETURN(const auto pem, read_file(out.file("ca.pem")));
+  ASSIGN_OR_RETURN(const auto key, read_file(out.file("ca.key")));
+  auto chain = certificates_of(pem);
+  out.key = private_key_of(key);
   if (chain.size() != 1 || !out.key || X509_check_private_key(chain[0].get(), out.key.get()) != 1) {
     ERR_clear_error();
     return absl::InvalidArgumentError(absl::StrCat(
@@ -218,46 +217,40 @@ absl::Status make_authority(const std::string& folder, const std::string& name, 
   Authority authority{folder, nullptr,
                       PrivateKey(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"))};
   if (!authority.key) return openssl_failed("a key");
-  auto made = begin_certificate(name, nullptr, authority.key.get(), now_unix_s - kClocksDiffer_s,
-                                now_unix_s + valid_s);
-  if (!made.ok()) return made.status();
-  authority.certificate = *std::move(made);
+  ASSIGN_OR_RETURN(authority.certificate,
+                   begin_certificate(name, nullptr, authority.key.get(),
+                                     now_unix_s - kClocksDiffer_s, now_unix_s + valid_s));
   X509* const own = authority.certificate.get();
   for (const auto& [kind, text] : {std::pair{NID_basic_constraints, "critical,CA:TRUE,pathlen:0"},
                                    {NID_key_usage, "critical,keyCertSign,cRLSign"},
                                    {NID_subject_key_identifier, "hash"}})
-    if (auto status = add_extension(own, own, kind, text); !status.ok()) return status;
+    RETURN_IF_ERROR(add_extension(own, own, kind, text));
   if (X509_sign(own, authority.key.get(), EVP_sha256()) == 0) return openssl_failed("a signature");
-  if (auto status = write_file(authority.file("ca.key"), pem_of(authority.key.get()), 0600);
-      !status.ok())
-    return status;
-  if (auto status = write_file(authority.file("ca.pem"), pem_of(own), 0644); !status.ok())
-    return status;
+  RETURN_IF_ERROR(write_file(authority.file("ca.key"), pem_of(authority.key.get()), 0600));
+  RETURN_IF_ERROR(write_file(authority.file("ca.pem"), pem_of(own), 0644));
   const std::unique_ptr<X509_CRL, Freed<X509_CRL_free>> list(X509_CRL_new());
   return write_list(authority, list.get(), now_unix_s);
 }
 
 absl::Status issue_certificate(const std::string& folder, const CertificateWish& wish,
                                const std::string& out_folder, double now_unix_s, double valid_s) {
-  if (auto status = check_name(wish.name); !status.ok()) return status;
+  RETURN_IF_ERROR(check_name(wish.name));
   if (wish.hosts.empty() && wish.roles.empty())
     return absl::InvalidArgumentError(
         "a certificate is of a coordinator (--host) or has roles (--role submit, work, read)");
   std::string hosts, uses;
   for (const std::string& host : wish.hosts) {
-    const auto name = alternative_name(host);
-    if (!name.ok()) return name.status();
-    absl::StrAppend(&hosts, hosts.empty() ? "" : ",", *name);
+    ASSIGN_OR_RETURN(const auto name, alternative_name(host));
+    absl::StrAppend(&hosts, hosts.empty() ? "" : ",", name);
   }
   if (!wish.hosts.empty()) uses = "serverAuth";
   if (!wish.roles.empty()) absl::StrAppend(&uses, uses.empty() ? "" : ",", "clientAuth");
   for (const Role role : wish.roles) absl::StrAppend(&uses, ",", role_oid(role));
-  const auto authority = open_authority(folder);
-  if (!authority.ok()) return authority.status();
-  if (now_unix_s + valid_s > expiry_of(*authority))
+  ASSIGN_OR_RETURN(const auto authority, open_authority(folder));
+  if (now_unix_s + valid_s > expiry_of(authority))
     return absl::InvalidArgumentError(absl::StrCat(
         "the certificate would outlive its authority's, which ends in ",
-        std::max(0.0, std::floor((expiry_of(*authority) - now_unix_s) / 86400)), " days"));
+        std::max(0.0, std::floor((expiry_of(authority) - now_unix_s) / 86400)), " days"));
   const std::string pem_path = absl::StrCat(out_folder, "/", wish.name, ".pem");
   const std::string key_path = absl::StrCat(out_folder, "/", wish.name, ".key");
   for (const std::string& path : {pem_path, key_path})
@@ -265,10 +258,10 @@ absl::Status issue_certificate(const std::string& folder, const CertificateWish&
       return absl::AlreadyExistsError(absl::StrCat(path, " is there already"));
   const PrivateKey key(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"));
   if (!key) return openssl_failed("a key");
-  X509* const issuer = authority->certificate.get();
-  auto made = begin_certificate(wish.name, issuer, key.get(), now_unix_s - kClocksDiffer_s,
-                                now_unix_s + valid_s);
-  if (!made.ok()) return made.status();
+  X509* const issuer = authority.certificate.get();
+  ASSIGN_OR_RETURN(auto made,
+                   begin_certificate(wish.name, issuer, key.get(), now_unix_s - kClocksDiffer_s,
+                                     now_unix_s + valid_s));
   std::vector<std::pair<int, std::string>> extensions = {
       {NID_basic_constraints, "critical,CA:FALSE"},
       {NID_key_usage, "critical,digitalSignature"},
@@ -277,27 +270,22 @@ absl::Status issue_certificate(const std::string& folder, const CertificateWish&
       {NID_authority_key_identifier, "keyid"}};
   if (!hosts.empty()) extensions.emplace_back(NID_subject_alt_name, hosts);
   for (const auto& [kind, text] : extensions)
-    if (auto status = add_extension(made->get(), issuer, kind, text); !status.ok()) return status;
-  if (X509_sign(made->get(), authority->key.get(), EVP_sha256()) == 0)
+    RETURN_IF_ERROR(add_extension(made.get(), issuer, kind, text));
+  if (X509_sign(made.get(), authority.key.get(), EVP_sha256()) == 0)
     return openssl_failed("a signature");
-  const std::string pem = pem_of(made->get());
-  const auto facts = certificate_facts(pem);
-  if (!facts.ok()) return facts.status();
+  const std::string pem = pem_of(made.get());
+  ASSIGN_OR_RETURN(const auto facts, certificate_facts(pem));
   // What is known to the authority first can always be revoked.
-  if (auto status = write_file(authority->file(absl::StrCat("issued/", facts->serial_hex, ".pem")),
-                               pem, 0600);
-      !status.ok())
-    return status;
-  if (auto status = write_file(key_path, pem_of(key.get()), 0600); !status.ok()) return status;
+  RETURN_IF_ERROR(
+      write_file(authority.file(absl::StrCat("issued/", facts.serial_hex, ".pem")), pem, 0600));
+  RETURN_IF_ERROR(write_file(key_path, pem_of(key.get()), 0600));
   return write_file(pem_path, pem, 0644);
 }
 
 absl::StatusOr<std::vector<IssuedCertificate>> issued_certificates(const std::string& folder) {
-  const auto ca = read_file(folder + "/ca.pem");
-  if (!ca.ok()) return ca.status();
-  const auto crl = read_file(folder + "/crl.pem");
-  if (!crl.ok()) return crl.status();
-  const auto revoked = revoked_serials(*crl, *ca);
+  ASSIGN_OR_RETURN(const auto ca, read_file(folder + "/ca.pem"));
+  ASSIGN_OR_RETURN(const auto crl, read_file(folder + "/crl.pem"));
+  const auto revoked = revoked_serials(crl, ca);
   if (!revoked.ok())
     return absl::InvalidArgumentError(
         absl::StrCat(folder, "/crl.pem ", std::string(revoked.status().message())));
@@ -305,9 +293,8 @@ absl::StatusOr<std::vector<IssuedCertificate>> issued_certificates(const std::st
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder + "/issued", error)) {
     if (entry.path().extension() != ".pem") continue;
-    const auto pem = read_file(entry.path());
-    if (!pem.ok()) return pem.status();
-    auto facts = certificate_facts(*pem);
+    ASSIGN_OR_RETURN(const auto pem, read_file(entry.path()));
+    auto facts = certificate_facts(pem);
     if (!facts.ok())
       return absl::InvalidArgumentError(
           absl::StrCat(entry.path().string(), " ", std::string(facts.status().message())));
@@ -325,21 +312,18 @@ absl::StatusOr<std::vector<IssuedCertificate>> issued_certificates(const std::st
 absl::StatusOr<std::size_t> revoke_certificates(const std::string& folder,
                                                 const std::string& name_or_serial,
                                                 double now_unix_s) {
-  const auto authority = open_authority(folder);
-  if (!authority.ok()) return authority.status();
-  const auto issued = issued_certificates(folder);
-  if (!issued.ok()) return issued.status();
+  ASSIGN_OR_RETURN(const auto authority, open_authority(folder));
+  ASSIGN_OR_RETURN(const auto issued, issued_certificates(folder));
   const std::string serial = absl::AsciiStrToLower(name_or_serial);
-  const auto known = read_file(authority->file("crl.pem"));
-  if (!known.ok()) return known.status();
-  const Bio bio(BIO_new_mem_buf(known->data(), static_cast<int>(known->size())));
+  ASSIGN_OR_RETURN(const auto known, read_file(authority.file("crl.pem")));
+  const Bio bio(BIO_new_mem_buf(known.data(), static_cast<int>(known.size())));
   const std::unique_ptr<X509_CRL, Freed<X509_CRL_free>> list(
       PEM_read_bio_X509_CRL(bio.get(), nullptr, nullptr, nullptr));
   if (!list) return openssl_failed("a revocation list");
   const std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME_free>> now(
       ASN1_TIME_set(nullptr, static_cast<time_t>(now_unix_s)));
   std::size_t found = 0, revoked = 0;
-  for (const IssuedCertificate& one : *issued) {
+  for (const IssuedCertificate& one : issued) {
     const bool meant = one.facts.name == name_or_serial || one.facts.serial_hex == serial;
     found += meant ? 1 : 0;
     if (!meant || one.revoked) continue;
@@ -361,7 +345,7 @@ absl::StatusOr<std::size_t> revoke_certificates(const std::string& folder,
                                             "\" is neither name nor serial number of a "
                                             "certificate that ",
                                             folder, " has signed"));
-  if (auto status = write_list(*authority, list.get(), now_unix_s); !status.ok()) return status;
+  RETURN_IF_ERROR(write_list(authority, list.get(), now_unix_s));
   return revoked;
 }
 

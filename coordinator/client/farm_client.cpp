@@ -6,6 +6,7 @@
 #include "coordinator/client/channel.h"
 #include "coordinator/client/fetch_asset.h"
 #include "coordinator/client/handshake.h"
+#include "core/base/status_macros.h"
 #include "schema/farm.grpc.pb.h"
 
 namespace irsig {
@@ -19,7 +20,7 @@ std::unique_ptr<schema::Farm::Stub> stub_for(const Address& coordinator) {
 
 absl::Status named(const absl::Status& status, const Address& coordinator) {
   if (!is_unreachable(status)) return status;
-  if (auto why = check_handshake(coordinator); !why.ok()) return why;
+  RETURN_IF_ERROR(check_handshake(coordinator));
   return absl::UnavailableError(
       absl::StrCat("no coordinator answers at ", coordinator.text, " (", status.message(), ")"));
 }
@@ -41,10 +42,9 @@ absl::StatusOr<Reply> ask(const Address& coordinator,
 
 absl::StatusOr<std::string> sha256_of_sweep(const Address& coordinator,
                                             std::string_view name_or_sha256, double patience_s) {
-  const auto known = farm_status(coordinator, patience_s);
-  if (!known.ok()) return known.status();
+  ASSIGN_OR_RETURN(const auto known, farm_status(coordinator, patience_s));
   std::string sha256, names;
-  for (const auto& sweep : known->sweep()) {
+  for (const auto& sweep : known.sweep()) {
     const bool prefix =
         name_or_sha256.size() >= 8 && sweep.sweep_sha256().starts_with(name_or_sha256);
     if (prefix || sweep.name() == name_or_sha256) sha256 = sweep.sweep_sha256();
@@ -112,19 +112,17 @@ absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator, doub
 absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
                                            std::string_view sweep_name_or_sha256,
                                            double patience_s) {
-  auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
-  if (!sha256.ok()) return sha256.status();
+  ASSIGN_OR_RETURN(auto sha256, sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s));
   schema::CancelRequest request;
-  request.set_sweep_sha256(*std::move(sha256));
+  request.set_sweep_sha256(std::move(sha256));
   return ask(coordinator, &schema::Farm::Stub::Cancel, request, patience_s);
 }
 
 absl::Status prioritize(const Address& coordinator, std::string_view sweep_name_or_sha256,
                         int priority, double patience_s) {
-  auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
-  if (!sha256.ok()) return sha256.status();
+  ASSIGN_OR_RETURN(auto sha256, sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s));
   schema::PrioritizeRequest request;
-  request.set_sweep_sha256(*std::move(sha256));
+  request.set_sweep_sha256(std::move(sha256));
   request.set_priority(priority);
   return ask(coordinator, &schema::Farm::Stub::Prioritize, request, patience_s).status();
 }

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "core/base/status_macros.h"
 #include "jobs/expand.h"
 
 namespace irsig {
@@ -19,7 +20,7 @@ absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
   std::string bytes;
   schema::AssetChunk chunk;
   while (stream->Read(&chunk)) bytes += chunk.piece();
-  if (const auto status = to_absl(stream->Finish()); !status.ok()) return status;
+  RETURN_IF_ERROR(to_absl(stream->Finish()));
   return bytes;
 }
 
@@ -28,11 +29,10 @@ absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
 absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
                                                   const std::string& sweep_sha256,
                                                   double patience_s) {
-  const auto bytes = fetch_asset(farm, sweep_sha256, patience_s);
-  if (!bytes.ok()) return bytes.status();
+  ASSIGN_OR_RETURN(const auto bytes, fetch_asset(farm, sweep_sha256, patience_s));
   // The hash is that of the canonical encoding, which does not depend on how protobuf writes it.
   schema::ResolvedSweep sweep;
-  if (!sweep.ParseFromString(*bytes) || sha256_hex(canonical_encoding(sweep)) != sweep_sha256) {
+  if (!sweep.ParseFromString(bytes) || sha256_hex(canonical_encoding(sweep)) != sweep_sha256) {
     return absl::DataLossError(absl::StrCat("the sweep ", sweep_sha256, " arrived damaged"));
   }
   return sweep;

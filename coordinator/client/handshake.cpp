@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/openssl_handles.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -142,9 +143,8 @@ absl::Status check_handshake(const Address& coordinator) {
   const IgnoredSigpipe quietly;
   // A coordinator that ends hangs up, too, but not twice.
   for (int attempt = 0; attempt < 2; ++attempt) {
-    const auto outcome = try_once(coordinator);
-    if (!outcome.ok()) return outcome.status();
-    if (*outcome != Outcome::kHungUpOnUs) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const auto outcome, try_once(coordinator));
+    if (outcome != Outcome::kHungUpOnUs) return absl::OkStatus();
   }
   return refused(coordinator,
                  "does not accept our certificate: it has expired, or another authority than the "

@@ -6,6 +6,7 @@
 #include <csignal>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -22,16 +23,14 @@ absl::Status LocalCrew::start() {
   std::vector<std::string> arguments = command_;
   arguments.insert(arguments.end(), {"--name", name_of_all()});
   if (workers_ > 1) arguments.insert(arguments.end(), {"--threads", absl::StrCat(workers_)});
-  auto child = ChildProcess::start(arguments, folder_ + "/worker.log", SIGKILL);
-  if (!child.ok()) return child.status();
-  together_ = std::make_unique<ChildProcess>(*std::move(child));
+  ASSIGN_OR_RETURN(auto child, ChildProcess::start(arguments, folder_ + "/worker.log", SIGKILL));
+  together_ = std::make_unique<ChildProcess>(std::move(child));
   return absl::OkStatus();
 }
 
 absl::Status LocalCrew::start_apart() {
   apart_.resize(workers_);
-  for (std::size_t slot = 0; slot < apart_.size(); ++slot)
-    if (auto status = start_worker(slot); !status.ok()) return status;
+  for (std::size_t slot = 0; slot < apart_.size(); ++slot) RETURN_IF_ERROR(start_worker(slot));
   return absl::OkStatus();
 }
 
@@ -42,10 +41,10 @@ absl::Status LocalCrew::start_worker(std::size_t slot) {
   arguments.insert(
       arguments.end(),
       {"--name", workers_ > 1 ? absl::StrCat(name_of_all(), "-", slot + 1) : name_of_all()});
-  auto child =
-      ChildProcess::start(arguments, absl::StrCat(folder_, "/worker-", slot + 1, ".log"), SIGKILL);
-  if (!child.ok()) return child.status();
-  apart_[slot] = std::make_unique<ChildProcess>(*std::move(child));
+  ASSIGN_OR_RETURN(
+      auto child,
+      ChildProcess::start(arguments, absl::StrCat(folder_, "/worker-", slot + 1, ".log"), SIGKILL));
+  apart_[slot] = std::make_unique<ChildProcess>(std::move(child));
   return absl::OkStatus();
 }
 
@@ -62,9 +61,8 @@ absl::StatusOr<bool> LocalCrew::has_died(ChildProcess& worker, std::uint64_t job
 
 absl::Status LocalCrew::keep_alive(std::uint64_t jobs_settled) {
   if (together_) {
-    const auto died = has_died(*together_, jobs_settled);
-    if (!died.ok()) return died.status();
-    if (*died) {
+    ASSIGN_OR_RETURN(const auto died, has_died(*together_, jobs_settled));
+    if (died) {
       together_.reset();
       return start_apart();
     }
@@ -73,10 +71,9 @@ absl::Status LocalCrew::keep_alive(std::uint64_t jobs_settled) {
                : absl::OkStatus();
   }
   for (std::size_t slot = 0; slot < apart_.size(); ++slot) {
-    const auto died = has_died(*apart_[slot], jobs_settled);
-    if (!died.ok()) return died.status();
-    if (!*died) continue;
-    if (auto status = start_worker(slot); !status.ok()) return status;
+    ASSIGN_OR_RETURN(const auto died, has_died(*apart_[slot], jobs_settled));
+    if (!died) continue;
+    RETURN_IF_ERROR(start_worker(slot));
   }
   const bool all_aside = std::all_of(apart_.begin(), apart_.end(), [](const auto& worker) {
     return worker->ended() && worker->exit_code() == kSetAside;

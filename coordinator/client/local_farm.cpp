@@ -14,6 +14,7 @@
 #include "coordinator/client/authority.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_crew.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -49,20 +50,17 @@ std::string beside_this_executable(const std::string& name) {
 absl::StatusOr<std::unique_ptr<LocalFarm>> LocalFarm::start(const LocalFarmPlan& plan) {
   std::unique_ptr<LocalFarm> farm(new LocalFarm(plan));
   // Nodes see the database's folder, or they could not see any.
-  auto folder = plan.slurm
-                    ? ScratchFolder::make_in(fs::absolute(plan.db_path).parent_path().string())
-                    : ScratchFolder::make(kLongestFolder);
-  if (!folder.ok()) return folder.status();
-  farm->folder_ = *std::move(folder);
+  ASSIGN_OR_RETURN(farm->folder_,
+                   plan.slurm
+                       ? ScratchFolder::make_in(fs::absolute(plan.db_path).parent_path().string())
+                       : ScratchFolder::make(kLongestFolder));
   if (plan.slurm) {
-    if (auto status = farm->make_certificates(); !status.ok()) return status;
+    RETURN_IF_ERROR(farm->make_certificates());
   } else {
-    auto address = parse_address("unix:" + farm->folder_->file("farm"));
-    if (!address.ok()) return address.status();
-    farm->address_ = *std::move(address);
+    ASSIGN_OR_RETURN(farm->address_, parse_address("unix:" + farm->folder_->file("farm")));
   }
-  if (auto status = farm->start_coordinator(); !status.ok()) return status;
-  if (auto status = farm->make_crew(); !status.ok()) return status;
+  RETURN_IF_ERROR(farm->start_coordinator());
+  RETURN_IF_ERROR(farm->make_crew());
   return farm;
 }
 
@@ -80,14 +78,12 @@ absl::Status LocalFarm::make_certificates() {
   const std::string tls = folder_->file("tls");
   const double now =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  if (auto s = make_authority(tls, "irsig run", now, kCertificates_s + 86400); !s.ok()) return s;
+  RETURN_IF_ERROR(make_authority(tls, "irsig run", now, kCertificates_s + 86400));
   for (const CertificateWish& wish : {CertificateWish{"coordinator", {plan_.slurm->host}, {}},
                                       CertificateWish{"worker", {}, {Role::kWork}},
                                       CertificateWish{"user", {}, {Role::kSubmit, Role::kRead}}})
-    if (auto s = issue_certificate(tls, wish, tls, now, kCertificates_s); !s.ok()) return s;
-  auto address = parse_address(plan_.slurm->host + ":0", {tls_files("user")});
-  if (!address.ok()) return address.status();
-  address_ = *std::move(address);
+    RETURN_IF_ERROR(issue_certificate(tls, wish, tls, now, kCertificates_s));
+  ASSIGN_OR_RETURN(address_, parse_address(plan_.slurm->host + ":0", {tls_files("user")}));
   return absl::OkStatus();
 }
 
@@ -111,9 +107,8 @@ absl::Status LocalFarm::make_crew() {
     crew_ = std::make_unique<LocalCrew>(plan_.workers, std::move(command), folder_->path());
     return absl::OkStatus();
   }
-  auto crew = SlurmCrew::make(*plan_.slurm, plan_.workers, std::move(command), folder_->path());
-  if (!crew.ok()) return crew.status();
-  crew_ = *std::move(crew);
+  ASSIGN_OR_RETURN(
+      crew_, SlurmCrew::make(*plan_.slurm, plan_.workers, std::move(command), folder_->path()));
   return absl::OkStatus();
 }
 
@@ -126,9 +121,7 @@ absl::StatusOr<bool> LocalFarm::answers(const std::string& log) {
   constexpr std::string_view kListening = "irsig-coordinator: listening on ";
   while (std::getline(file, line)) {
     if (!line.starts_with(kListening) || file.eof()) continue;
-    auto address = parse_address(line.substr(kListening.size()), {tls_files("user")});
-    if (!address.ok()) return address.status();
-    address_ = *std::move(address);
+    ASSIGN_OR_RETURN(address_, parse_address(line.substr(kListening.size()), {tls_files("user")}));
     return farm_status(address_, 5).ok();
   }
   return false;
@@ -147,16 +140,14 @@ absl::Status LocalFarm::start_coordinator() {
     command.insert(command.end(),
                    {"--tls-cert", tls.certificate, "--tls-key", tls.key, "--tls-ca", tls.ca});
   }
-  auto child = ChildProcess::start(command, log, SIGTERM);
-  if (!child.ok()) return child.status();
-  coordinator_ = std::make_unique<ChildProcess>(*std::move(child));
+  ASSIGN_OR_RETURN(auto child, ChildProcess::start(command, log, SIGTERM));
+  coordinator_ = std::make_unique<ChildProcess>(std::move(child));
   const auto deadline =
       std::chrono::steady_clock::now() + std::chrono::duration<double>(kCoordinatorStart_s);
   while (std::chrono::steady_clock::now() < deadline) {
     if (coordinator_->ended()) return end_of(*coordinator_);
-    const auto there = answers(log);
-    if (!there.ok()) return there.status();
-    if (*there) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const auto there, answers(log));
+    if (there) return absl::OkStatus();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return absl::UnavailableError(absl::StrCat("the coordinator did not answer within ",
@@ -171,7 +162,7 @@ absl::Status LocalFarm::keep_alive(std::uint64_t jobs_settled) {
     // It ends by itself only when it cannot go on (a full disk): then another one could not either.
     if (coordinator_->exit_code() || ++coordinator_deaths_ > kCoordinatorDeaths)
       return end_of(*coordinator_);
-    if (auto status = start_coordinator(); !status.ok()) return status;
+    RETURN_IF_ERROR(start_coordinator());
   }
   return crew_->keep_alive(jobs_settled);
 }

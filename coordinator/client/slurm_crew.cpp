@@ -15,6 +15,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "coordinator/client/child_process.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -65,15 +66,14 @@ absl::StatusOr<std::unique_ptr<SlurmCrew>> SlurmCrew::make(const SlurmPlan& plan
 absl::StatusOr<std::string> SlurmCrew::run(const std::vector<std::string>& arguments,
                                            const char* name) {
   const std::string log = absl::StrCat(folder_, "/", name, "-", ++runs_, ".log");
-  auto child = ChildProcess::start(arguments, log, SIGTERM);
-  if (!child.ok()) return child.status();
-  const bool ended = child->wait(kAnswer_s);
+  ASSIGN_OR_RETURN(auto child, ChildProcess::start(arguments, log, SIGTERM));
+  const bool ended = child.wait(kAnswer_s);
   std::ifstream file(log);
   std::stringstream text;
   text << file.rdbuf();
   std::error_code ignored;
   std::filesystem::remove(log, ignored);
-  if (ended && child->succeeded()) return text.str();
+  if (ended && child.succeeded()) return text.str();
   return absl::UnavailableError(absl::StrCat(
       name, ended ? " failed: " : " does not answer: ", absl::StripAsciiWhitespace(text.str())));
 }
@@ -114,19 +114,18 @@ absl::Status SlurmCrew::hand_in() {
   sbatch.push_back("--wrap");
   sbatch.push_back(absl::StrCat("exec sh ", quoted(folder_ + "/worker.sh"),
                                 plan_.nodes > 0 ? " \"$SLURM_CPUS_ON_NODE\"" : ""));
-  const auto said = run(sbatch, "sbatch");
-  if (!said.ok()) return said.status();
+  ASSIGN_OR_RETURN(const auto said, run(sbatch, "sbatch"));
   // "NUMBER" or "NUMBER;CLUSTER", after whatever the site's plugins have to say.
-  const std::vector<std::string> lines = absl::StrSplit(absl::StripAsciiWhitespace(*said), '\n');
+  const std::vector<std::string> lines = absl::StrSplit(absl::StripAsciiWhitespace(said), '\n');
   job_ = std::vector<std::string>(absl::StrSplit(lines.back(), ';')).front();
   if (job_.empty() || job_.find_first_not_of("0123456789") != std::string::npos)
-    return absl::UnavailableError(absl::StrCat("sbatch printed no job number: ", *said));
+    return absl::UnavailableError(absl::StrCat("sbatch printed no job number: ", said));
   next_look_s_ = now_s() + kBetweenLooks_s;
   return absl::OkStatus();
 }
 
 absl::Status SlurmCrew::start() {
-  if (auto status = write_script(); !status.ok()) return status;
+  RETURN_IF_ERROR(write_script());
   return hand_in();
 }
 

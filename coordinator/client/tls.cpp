@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "coordinator/client/openssl_handles.h"
+#include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 
 namespace irsig {
@@ -112,11 +113,9 @@ absl::StatusOr<TlsIdentity> read_tls(const TlsFiles& files) {
                                                                   out.certificate},
         {"--tls-key", files.key, out.key},
         {"--tls-ca", files.ca, out.ca}}) {
-    auto read_text = read(option, path);
-    if (!read_text.ok()) return read_text.status();
-    text = *std::move(read_text);
+    ASSIGN_OR_RETURN(text, read(option, path));
   }
-  if (auto status = check_mode(files.key); !status.ok()) return status;
+  RETURN_IF_ERROR(check_mode(files.key));
   const auto chain = certificates_of(out.certificate), trusted = certificates_of(out.ca);
   if (chain.empty()) return wrong(files.certificate, "has no certificate, expected one in PEM");
   if (trusted.empty()) return wrong(files.ca, "has no certificate, expected one in PEM");
@@ -127,9 +126,9 @@ absl::StatusOr<TlsIdentity> read_tls(const TlsFiles& files) {
     return wrong(files.key,
                  absl::StrCat("is not the key of the certificate in ", files.certificate));
   }
-  if (auto status = check_dates(*chain.front(), files.certificate); !status.ok()) return status;
-  if (auto status = check_dates(*trusted.front(), files.ca); !status.ok()) return status;
-  if (auto status = check_signed(chain, trusted, files); !status.ok()) return status;
+  RETURN_IF_ERROR(check_dates(*chain.front(), files.certificate));
+  RETURN_IF_ERROR(check_dates(*trusted.front(), files.ca));
+  RETURN_IF_ERROR(check_signed(chain, trusted, files));
   return out;
 }
 

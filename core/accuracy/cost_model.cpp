@@ -207,10 +207,10 @@ SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
                       static_cast<double>(job_cpu_s.size());
   cost.cpu_s = mean * pieces * static_cast<double>(views);
   if (rows > 0) {
-    cost.reached_share = reached / rows;
-    cost.at_floor_share = floor / rows;
-    cost.kept_by_bias_share = bias / rows;
-    cost.kept_by_limit_share = limit / rows;
+    cost.reached_fraction = reached / rows;
+    cost.at_floor_fraction = floor / rows;
+    cost.kept_by_bias_fraction = bias / rows;
+    cost.kept_by_limit_fraction = limit / rows;
   }
   // Whoever is free takes the next job.
   std::priority_queue<double, std::vector<double>, std::greater<>> free_at;

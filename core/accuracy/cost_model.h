@@ -89,7 +89,8 @@ struct SweepCost {
   double job_cpu_quartile1_s = 0, job_cpu_median_s = 0, job_cpu_quartile3_s = 0;
   double median_samples = 0;
   // Of the rows.
-  double reached_share = 0, at_floor_share = 0, kept_by_bias_share = 0, kept_by_limit_share = 0;
+  double reached_fraction = 0, at_floor_fraction = 0, kept_by_bias_fraction = 0,
+         kept_by_limit_fraction = 0;
 };
 
 // A sweep of `views` views of which some were piloted, each made of jobs_per_view jobs; workers

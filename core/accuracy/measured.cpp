@@ -41,12 +41,12 @@ double Measured::share(BoundOf which) const {
   return error > 0 ? of(which) * bias_bound() / 3 / (error * error) : 0;
 }
 
-double Measured::sampled_share() const {
+double Measured::sampled_fraction() const {
   const double error = numerical_error();
   return error > 0 ? stderr_ * stderr_ / (error * error) : 0;
 }
 
-double Measured::unseen_share() const {
+double Measured::unseen_fraction() const {
   const double error = numerical_error();
   return error > 0 ? unseen_stderr * unseen_stderr / (error * error) : 0;
 }

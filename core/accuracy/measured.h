@@ -51,8 +51,8 @@ struct Measured {
   [[nodiscard]] double numerical_error() const;
   // What a bound, or the standard error, brings to the square of the numerical error; 0 to 1.
   [[nodiscard]] double share(BoundOf which) const;
-  [[nodiscard]] double sampled_share() const;
-  [[nodiscard]] double unseen_share() const;
+  [[nodiscard]] double sampled_fraction() const;
+  [[nodiscard]] double unseen_fraction() const;
 };
 
 // The value and its whole error multiplied.

@@ -23,9 +23,9 @@ namespace irsig {
   VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", 1, "emitted by what the sensor sees")   \
   VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", 1, "direct sun, reflected") \
   VALUE(sky_reflected_w_sr, sky_reflected_stderr_w_sr, "W/sr", 1, "sky, reflected")        \
-  VALUE(sea_reflected_w_sr, sea_reflected_stderr_w_sr, "W/sr", 1,                          \
+  VALUE(surface_reflected_w_sr, surface_reflected_stderr_w_sr, "W/sr", 1,                  \
         "what lies below the horizon, reflected")                                          \
-  VALUE(parts_reflected_w_sr, parts_reflected_stderr_w_sr, "W/sr", 1,                      \
+  VALUE(interreflected_w_sr, interreflected_stderr_w_sr, "W/sr", 1,                        \
         "emitted by parts of the target, reflected by others")
 
 #define IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)                                                     \
@@ -56,26 +56,28 @@ namespace irsig {
 #define IRSIG_BOUND_QUANTITIES(NUMBER)                                                           \
   NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed")  \
   NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                               \
-         "over wavelength; basis_bound_w_sr is contained in it")                                 \
-  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                   \
+         "over wavelength; spectral_basis_bound_w_sr is contained in it")                        \
+  NUMBER(undersampling_bound_w_sr, kBound, "W/sr", 3,                                            \
          "of small places that may shine and that samples may have missed")                      \
-  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")               \
-  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                      \
+  NUMBER(spectral_basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")      \
+  NUMBER(direction_interpolation_bound_w_sr, kBound, "W/sr", 3,                                  \
          "of sky and sea between the directions at which they are known")                        \
   NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")        \
   NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr")  \
   NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr")  \
   NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here")  \
-  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                    \
+  NUMBER(target_depth_bound_w_sr, kBound, "W/sr", 6,                                             \
          "at the sensor: of one range for the target's whole depth")                             \
-  NUMBER(unseen_stderr_w_sr, kStderr, "W/sr", 8,                                                 \
+  NUMBER(undersampling_stderr_w_sr, kStderr, "W/sr", 8,                                          \
          "estimate: what samples that met nothing brighter may have missed, of intensity_w_sr")  \
-  NUMBER(apparent_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of apparent_intensity_w_sr") \
-  NUMBER(contrast_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of contrast_intensity_w_sr") \
+  NUMBER(apparent_undersampling_stderr_w_sr, kStderr, "W/sr", 8,                                 \
+         "the same of apparent_intensity_w_sr")                                                  \
+  NUMBER(contrast_undersampling_stderr_w_sr, kStderr, "W/sr", 8,                                 \
+         "the same of contrast_intensity_w_sr")                                                  \
   NUMBER(background_bound_w_sr, kBound, "W/sr", 9,                                               \
          "of contrast_intensity_w_sr: of what is behind, between the directions at which it is " \
          "known")                                                                                \
-  NUMBER(backface_share, kGuard, "1", 10,                                                        \
+  NUMBER(backface_fraction, kGuard, "1", 10,                                                     \
          "of the silhouette: one-sided facets seen from behind, which send nothing")             \
   NUMBER(temperature_bound_w_sr, kBound, "W/sr", 11,                                             \
          "of intensity_w_sr: of temperatures that are not stated, but measured or computed")     \
@@ -98,9 +100,9 @@ namespace irsig {
   NUMBER(contrast_plume_bound_w_sr, kBound, "W/sr", 14, "the same of contrast_intensity_w_sr") \
   NUMBER(plume_model_error_w_sr, kModelError, "W/sr", 14,                                      \
          "one sigma of hot water behind the air's, part of apparent_model_error_w_sr")         \
-  VALUE(plume_on_hull_w_sr, plume_on_hull_stderr_w_sr, "W/sr", 15,                             \
+  VALUE(plume_reflected_w_sr, plume_reflected_stderr_w_sr, "W/sr", 15,                         \
         "of plume_w_sr: hot gas that the target reflects, less what gas takes of its light")   \
-  VALUE(apparent_plume_on_hull_w_sr, apparent_plume_on_hull_stderr_w_sr, "W/sr", 15,           \
+  VALUE(apparent_plume_reflected_w_sr, apparent_plume_reflected_stderr_w_sr, "W/sr", 15,       \
         "the same of apparent_plume_w_sr and contrast_plume_w_sr")                             \
   VALUE(plume_area_m2, plume_area_stderr_m2, "m2", 15,                                         \
         "projected, where hot gas has plume.area_optical_depth in band")                       \

@@ -211,7 +211,7 @@ struct Share {
 // Between two levels of one region, or of the same particles, the extinction is exponential; from
 // one region to the next each one's particles fade linearly to nothing at the other's level.
 // So LOWTRAN7 has it, whose amounts of the other region's particles are 0 at either level.
-std::array<Share, 2> shares_at(const AerosolSpec& spec, double height_km, double visibility_km) {
+std::array<Share, 2> fractions_at(const AerosolSpec& spec, double height_km, double visibility_km) {
   const HeightTable& t = height_table();
   if (height_km >= t.height_km.back()) return {};
   const TablePosition at = locate(t.height_km, std::max(height_km, 0.0));
@@ -333,7 +333,7 @@ double aerosol_depth_550(const AerosolSpec& spec, double surface_humidity_percen
   constexpr double kStepKm = 0.05, kTopKm = 100;
   double depth = 0;
   for (double z = 0.5 * kStepKm; z < kTopKm; z += kStepKm) {
-    for (const Share& share : shares_at(spec, z, visible_km)) depth += kStepKm * share.per_km;
+    for (const Share& share : fractions_at(spec, z, visible_km)) depth += kStepKm * share.per_km;
   }
   return depth;
 }
@@ -365,7 +365,7 @@ AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
                     AirSpectrum(kAirBandCount, 0.0)};
   if (spec.kind == AerosolKind::kNone) return out;
   for (const Share& share :
-       shares_at(spec, 1e-3 * height_m, visibility_km(spec, surface_humidity_percent))) {
+       fractions_at(spec, 1e-3 * height_m, visibility_km(spec, surface_humidity_percent))) {
     if (share.per_km <= 0) continue;
     const double per_m = 1e-3 * share.per_km;
     const ModelOptics& model = model_of(spec.kind, share.region);

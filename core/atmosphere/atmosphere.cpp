@@ -9,6 +9,7 @@
 #include "core/atmosphere/gas_table.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
@@ -18,8 +19,8 @@ Atmosphere::Atmosphere(AtmosphereSpec spec)
       surface_humidity_percent_(relative_humidity_percent(spec_.profile.level.front())) {}
 
 absl::StatusOr<Atmosphere> Atmosphere::make(AtmosphereSpec spec) {
-  if (const absl::Status status = check_profile(spec.profile); !status.ok()) return status;
-  if (const absl::Status status = check_aerosol(spec.aerosol); !status.ok()) return status;
+  RETURN_IF_ERROR(check_profile(spec.profile));
+  RETURN_IF_ERROR(check_aerosol(spec.aerosol));
   if (!(spec.co2_ppmv >= 0 && spec.co2_ppmv <= 5000)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("co2_ppmv %g: expected 0 to 5000", spec.co2_ppmv));

@@ -53,7 +53,7 @@ void for_spectra(Layer& layer, const Each& each) {
   each(layer.scattering.asymmetry);
   each(layer.scattering.grey_depth);
   each(layer.emission.thermal_w_m2_sr_um);
-  each(layer.emission.surroundings_share);
+  each(layer.emission.surroundings_fraction);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     : bands_(bands) {
   const AirProfile& profile = atmosphere.profile();
   const double humidity_percent = relative_humidity_percent(profile.level.front());
-  thermal_w_m2_sr_um = surroundings_share = AirSpectrum(kAirBandCount, 0.0);
+  thermal_w_m2_sr_um = surroundings_fraction = AirSpectrum(kAirBandCount, 0.0);
   AbsorberAmounts sum;
   transmittance = irsig::transmittance(sum, bands_);
   const auto add_node = [&](double height_m) {
@@ -125,7 +125,7 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     planck_spectrum(planck_far, temperature_at(i + 1), bands_);
     add_emission(merged.emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far,
                  bands_);
-    add_surroundings(merged.emission.surroundings_share, step, transmittance, t_far, bands_);
+    add_surroundings(merged.emission.surroundings_fraction, step, transmittance, t_far, bands_);
     merge(merged.scattering, step, bands_);
     transmittance = std::move(t_far);
     std::swap(planck_near, planck_far);
@@ -134,7 +134,7 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     add_node(path.node[i + 1].height_m);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       thermal_w_m2_sr_um[b] += merged.emission.thermal_w_m2_sr_um[b];
-      surroundings_share[b] += merged.emission.surroundings_share[b];
+      surroundings_fraction[b] += merged.emission.surroundings_fraction[b];
     }
     std::vector<double>& kept = layer_.emplace_back();
     kept.reserve(6 * node_.back().transmittance.size());
@@ -179,7 +179,7 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
         const double absorbed_seen = seen_near[b] - seen_far[b] - scattering * seen[b];
         out.thermal_w_m2_sr_um[b] +=
             ratio_of(emits.thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
-        out.surroundings_share[b] += ratio_of(emits.surroundings_share[b], seen[b], mean[b]);
+        out.surroundings_fraction[b] += ratio_of(emits.surroundings_fraction[b], seen[b], mean[b]);
       }
     }
     seen_near = std::move(seen_far);

@@ -130,7 +130,7 @@ class PathLayers {
   PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands);
 
   // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
-  AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_share;
+  AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_fraction;
   [[nodiscard]] AbsorberAmounts amounts() const { return node_.back().amounts.unpacked(bands_); }
   // Of a ray that misses the air or has no length: nothing in it.
   [[nodiscard]] bool empty() const { return layer_.empty(); }
@@ -138,7 +138,7 @@ class PathLayers {
 
   // The same behind near air.
   struct Emission {
-    AirSpectrum thermal_w_m2_sr_um, surroundings_share;
+    AirSpectrum thermal_w_m2_sr_um, surroundings_fraction;
   };
   struct Behind : Emission {
     AirSpectrum transmittance;  // of near air and path together

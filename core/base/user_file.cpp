@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -51,10 +52,10 @@ struct Opened {
 absl::StatusOr<Opened> open_regular(const std::string& path) {
   struct stat file {};
   if (::stat(path.c_str(), &file) != 0) return of_errno();
-  if (absl::Status status = check_regular(file); !status.ok()) return status;
+  RETURN_IF_ERROR(check_regular(file));
   Descriptor opened(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (opened.number() < 0 || ::fstat(opened.number(), &file) != 0) return of_errno();
-  if (absl::Status status = check_regular(file); !status.ok()) return status;
+  RETURN_IF_ERROR(check_regular(file));
   return Opened{std::move(opened), static_cast<std::uint64_t>(file.st_size)};
 }
 
@@ -79,12 +80,11 @@ absl::StatusOr<std::string> read_most(const Opened& file, std::uint64_t most_byt
 }  // namespace
 
 absl::StatusOr<std::string> read_user_file(const std::string& path, std::uint64_t most_bytes) {
-  const absl::StatusOr<Opened> file = open_regular(path);
-  if (!file.ok()) return file.status();
-  if (file->bytes > most_bytes)
+  ASSIGN_OR_RETURN(const Opened file, open_regular(path));
+  if (file.bytes > most_bytes)
     return absl::InvalidArgumentError(
-        absl::StrCat("has ", file->bytes, " bytes, expected at most ", most_bytes));
-  absl::StatusOr<std::string> bytes = read_most(*file, most_bytes + 1);
+        absl::StrCat("has ", file.bytes, " bytes, expected at most ", most_bytes));
+  absl::StatusOr<std::string> bytes = read_most(file, most_bytes + 1);
   if (bytes.ok() && bytes->size() > most_bytes)
     return absl::InvalidArgumentError(
         absl::StrCat("has more than ", most_bytes, " bytes, expected at most so many"));
@@ -101,9 +101,8 @@ absl::StatusOr<std::string> read_file_beside(const std::string& naming_file,
 }
 
 absl::StatusOr<std::string> front_of_user_file(const std::string& path, std::uint64_t bytes) {
-  const absl::StatusOr<Opened> file = open_regular(path);
-  if (!file.ok()) return file.status();
-  return read_most(*file, bytes);
+  ASSIGN_OR_RETURN(const Opened file, open_regular(path));
+  return read_most(file, bytes);
 }
 
 }  // namespace irsig

@@ -11,7 +11,7 @@ namespace irsig {
 // it leaves out is dark.
 struct EffectSet {
   std::uint32_t max_reflections = 0;
-  bool no_second_hit = false;                   // of a convex target: no reflected ray is traced
+  bool skip_self_intersection = false;          // of a convex target: no reflected ray is traced
   bool sky = true, lower = true, parts = true;  // whether reflections see them
   bool joined_lines = true;
   struct Sun {  // of one condition

@@ -42,7 +42,7 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "0 for a convex target; else what is still reflected after each order (pilot, upper "
        "limit) x the brightest source",
        "rays of the second and later orders", true},
-      {Effect::kHotPartsReflected, "hot_parts_reflected",
+      {Effect::kHotPartsReflected, "hot_interreflected",
        "hot parts reflected by others, aimed at from every facet",
        "parts well above the rest of the target", "with inter_reflection: it is on or off with it",
        "one ray to a hot part for each reflection that it could matter to", false},
@@ -109,7 +109,7 @@ const std::array<EffectInfo, kPlumeEffects>& plume_effect_table() {
        "hot gas: what it sends, less what it takes of the light of target and background",
        "mid-wave, most of all at 4.2-4.6 um", "a measurement with few rays, and 4 standard errors",
        "rays of its own and some 50 spectra for each condition", true},
-      {Effect::kPlumeOnHull, "plume_on_hull",
+      {Effect::kPlumeOnHull, "plume_reflected",
        "what the target reflects of hot gas, less what the gas takes of other light that the "
        "target "
        "reflects",
@@ -156,9 +156,9 @@ std::string_view name_of(EffectReason reason) {
     case EffectReason::kAbsent:
       return "not_in_scene";
     case EffectReason::kWithinShare:
-      return "within_share";
+      return "within_fraction";
     case EffectReason::kAboveShare:
-      return "above_share";
+      return "above_fraction";
     case EffectReason::kOtherRow:
       return "other_row";
     case EffectReason::kNoGoal:
@@ -181,7 +181,7 @@ bool LedgerEntry::operator==(const LedgerEntry& other) const {
          same(bound_w_sr, other.bound_w_sr) &&
          same(apparent_bound_w_sr, other.apparent_bound_w_sr) &&
          same(contrast_bound_w_sr, other.contrast_bound_w_sr) &&
-         same(share_w_sr, other.share_w_sr) && same(time_s, other.time_s);
+         same(fraction_w_sr, other.fraction_w_sr) && same(time_s, other.time_s);
 }
 
 }  // namespace irsig

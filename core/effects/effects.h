@@ -125,7 +125,7 @@ struct LedgerEntry {
   EffectState state;
   EffectReason reason;
   double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
-  double share_w_sr;  // measured: what it contributes to the intensity at the target
+  double fraction_w_sr;  // measured: what it contributes to the intensity at the target
   // Of one processor, for the whole view, estimated from counts: spent (on) or saved (off).    [s]
   double time_s;
 

@@ -13,13 +13,14 @@
 #include "absl/strings/str_format.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
-#include "core/environment/leg.h"
+#include "core/base/status_macros.h"
+#include "core/environment/lazy.h"
 #include "core/environment/light_bounds.h"
 #include "core/environment/line_horizon.h"
-#include "core/environment/made_once.h"
+#include "core/environment/sensor_path.h"
 #include "core/environment/sun_light.h"
+#include "core/environment/thermal_surroundings.h"
 #include "core/environment/view_light.h"
-#include "core/environment/weather_light.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 
@@ -38,18 +39,19 @@ constexpr std::array kLowerSines = {0.0,   0.0006, 0.0015, 0.003, 0.006, 0.011, 
 constexpr std::uint32_t kAzimuths = 24;
 
 absl::Status check(const WeatherSpec& w) {
-  const LowerSpec& l = w.lower;
+  const SurfaceBoundary& l = w.lower;
   if (!(l.temperature_k >= 100 && l.temperature_k <= 400)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("surface temperature_k %g: expected 100 to 400", l.temperature_k));
   }
-  const bool grey = l.kind == LowerSpec::Kind::kGreySea || l.kind == LowerSpec::Kind::kGround;
+  const bool grey =
+      l.kind == SurfaceBoundary::Kind::kGreySea || l.kind == SurfaceBoundary::Kind::kGround;
   if (grey && !(l.emissivity >= 0 && l.emissivity <= 1)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("surface emissivity %g: expected 0 to 1", l.emissivity));
   }
   constexpr double kMostWindMS = 150;  // more than any storm
-  if (l.kind == LowerSpec::Kind::kRoughSea &&
+  if (l.kind == SurfaceBoundary::Kind::kRoughSea &&
       !(l.wind_speed_m_s >= 0 && l.wind_speed_m_s <= kMostWindMS)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("wind_speed_m_s %g: expected 0 to %g", l.wind_speed_m_s, kMostWindMS));
@@ -139,14 +141,14 @@ struct Environment::Parts {
     double height_m = 0;     // of the target, as the profile counts
     double reference_m = 0;  // of its reference point, above the surface
     GrazingRay ray;
-    MadeOnce<std::unique_ptr<const WeatherLight>> light;
-    MadeOnce<std::unique_ptr<const WeatherBounds>> bounds;
+    Lazy<std::unique_ptr<const ThermalSurroundings>> light;
+    Lazy<std::unique_ptr<const WeatherBounds>> bounds;
     int suns = 0;  // conditions under which the sun is up
   };
   struct Condition {
     ConditionEnvironment spec;
-    MadeOnce<std::unique_ptr<const SunLight>> sun;
-    MadeOnce<std::unique_ptr<const ConditionBounds>> bounds;
+    Lazy<std::unique_ptr<const SunLight>> sun;
+    Lazy<std::unique_ptr<const ConditionBounds>> bounds;
     SunSeen seen{};
     [[nodiscard]] bool sun_is_up() const { return seen.visible > 0; }
   };
@@ -157,10 +159,10 @@ struct Environment::Parts {
   DirectionNodes nodes, rings;  // rings: the same with one azimuth
   double point_above_m = 0;     // the point that stands for the target, above its reference point
 
-  [[nodiscard]] const WeatherLight& light_of(const Weather& w) const {
+  [[nodiscard]] const ThermalSurroundings& light_of(const Weather& w) const {
     return *w.light.get([&] {
-      return std::make_unique<WeatherLight>(w.spec, *w.atmosphere, w.height_m, nodes,
-                                            wavelengths.bands, w.suns);
+      return std::make_unique<ThermalSurroundings>(w.spec, *w.atmosphere, w.height_m, nodes,
+                                                   wavelengths.bands, w.suns);
     });
   }
   [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
@@ -183,14 +185,14 @@ struct Environment::Parts {
 };
 
 // What of the view is computed so far.
-struct Environment::Look::Parts {
+struct Environment::SightLine::Parts {
   const Environment::Parts& of;
   Line line;
   struct Weather {
-    LegPath path;
+    SensorRay path;
     std::optional<LineHorizon> horizon;
-    std::unique_ptr<const Leg> leg;
-    std::vector<Leg> end;  // [Line::end]
+    std::unique_ptr<const SensorPath> leg;
+    std::vector<SensorPath> end;  // [Line::end]
     std::unique_ptr<ViewLight> light;
   };
   std::map<std::uint32_t, Weather> weather;
@@ -199,19 +201,18 @@ struct Environment::Look::Parts {
   [[nodiscard]] absl::Status add(std::uint32_t index) {
     if (weather.contains(index)) return absl::OkStatus();
     const Environment::Parts::Weather& w = of.weather[index];
-    absl::StatusOr<LegPath> path =
-        leg_path(w.spec, *w.atmosphere, w.height_m, line, of.wavelengths.bands);
-    if (!path.ok()) return path.status();
+    ASSIGN_OR_RETURN(SensorRay path,
+                     sensor_ray(w.spec, *w.atmosphere, w.height_m, line, of.wavelengths.bands));
     Weather& here = weather[index];
-    here.path = *std::move(path);
+    here.path = std::move(path);
     here.horizon.emplace(w.ray, w.height_m, line, here.path.lift_rad);
     return absl::OkStatus();
   }
-  [[nodiscard]] const Leg& leg_of(std::uint32_t index) {
+  [[nodiscard]] const SensorPath& sensor_path_of(std::uint32_t index) {
     Weather& here = weather.at(index);
     const Environment::Parts::Weather& w = of.weather[index];
     if (!here.leg) {
-      here.leg = std::make_unique<Leg>(here.path, *w.atmosphere, w.height_m, of.wavelengths);
+      here.leg = std::make_unique<SensorPath>(here.path, *w.atmosphere, w.height_m, of.wavelengths);
     }
     return *here.leg;
   }
@@ -224,8 +225,8 @@ struct Environment::Look::Parts {
         here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end),
                               *w.atmosphere, w.height_m, of.wavelengths);
       }
-      here.light = std::make_unique<ViewLight>(leg_of(index), of.light_of(w), line, *here.horizon,
-                                               of.wavelengths, here.end);
+      here.light = std::make_unique<ViewLight>(sensor_path_of(index), of.light_of(w), line,
+                                               *here.horizon, of.wavelengths, here.end);
     }
     return *here.light;
   }
@@ -233,10 +234,10 @@ struct Environment::Look::Parts {
 
 Environment::Environment(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Environment::~Environment() = default;
-Environment::Look::Look(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-Environment::Look::Look(Look&&) noexcept = default;
-Environment::Look& Environment::Look::operator=(Look&&) noexcept = default;
-Environment::Look::~Look() = default;
+Environment::SightLine::SightLine(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Environment::SightLine::SightLine(SightLine&&) noexcept = default;
+Environment::SightLine& Environment::SightLine::operator=(SightLine&&) noexcept = default;
+Environment::SightLine::~SightLine() = default;
 
 const AirSpectrum& Environment::surroundings_w_m2_sr_um(std::uint32_t weather) const {
   return parts_->light_of(parts_->weather[weather]).surroundings;
@@ -251,7 +252,7 @@ Environment::Line Environment::line(const Viewpoint& v) const {
   const double up_m = v.range_m * std::sin(elevation) - parts_->point_above_m;
   const double along_m = v.range_m * std::cos(elevation);
   return {std::hypot(up_m, along_m), std::atan2(up_m, along_m) / kRadPerDeg,
-          body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BehindNodes()};
+          body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BackgroundDirections()};
 }
 
 Environment::Horizon Environment::horizon(const Line& line) const {
@@ -298,9 +299,8 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
         absl::StrFormat("target_height_m %g: expected above 0, to 100000", target_height_m));
   }
   auto parts = std::make_unique<Parts>();
-  absl::StatusOr<NodeWavelengths> wavelengths = node_wavelengths(node_um);
-  if (!wavelengths.ok()) return wavelengths.status();
-  parts->wavelengths = *std::move(wavelengths);
+  ASSIGN_OR_RETURN(NodeWavelengths wavelengths, node_wavelengths(node_um));
+  parts->wavelengths = std::move(wavelengths);
   const double raised_m = weather.front().above_surface_m;
   parts->point_above_m =
       raised_m > 0 ? std::max(0.0, kLowestAirPointM - raised_m) : target_height_m;
@@ -383,39 +383,38 @@ double Environment::bytes_per_condition() const {
   return kept * sizeof(float) + (rings * bands + 3 * kBehind * wavelengths) * sizeof(double);
 }
 
-absl::StatusOr<Environment::Look> Environment::look(const Line& line) const {
-  auto parts = std::unique_ptr<Look::Parts>(new Look::Parts{*parts_, line, {}, {}});
+absl::StatusOr<Environment::SightLine> Environment::sight_line(const Line& line) const {
+  auto parts = std::unique_ptr<SightLine::Parts>(new SightLine::Parts{*parts_, line, {}, {}});
   for (const Parts::Condition& c : parts_->condition) {
-    if (const absl::Status s = parts->add(c.spec.weather); !s.ok()) return s;
+    RETURN_IF_ERROR(parts->add(c.spec.weather));
   }
-  return Look(std::move(parts));
+  return SightLine(std::move(parts));
 }
 
 absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
     const Line& line, std::span<const std::uint32_t> conditions, bool around) const {
   // A line that another condition's weather does not cover is none of this view's business.
-  auto parts = std::unique_ptr<Look::Parts>(new Look::Parts{*parts_, line, {}, {}});
+  auto parts = std::unique_ptr<SightLine::Parts>(new SightLine::Parts{*parts_, line, {}, {}});
   for (const std::uint32_t c : conditions) {
     if (c >= parts_->condition.size()) {
       return absl::InvalidArgumentError(absl::StrCat("there is no condition ", c));
     }
-    if (const absl::Status s = parts->add(parts_->condition[c].spec.weather); !s.ok()) return s;
+    RETURN_IF_ERROR(parts->add(parts_->condition[c].spec.weather));
   }
-  Look look(std::move(parts));
+  SightLine look(std::move(parts));
   EffectSet wanted = EffectSet::everything(parts_->condition.size(), 1);
   wanted.sky = wanted.lower = around;
   std::vector<ViewEnvironment> out;
   for (const std::uint32_t c : conditions) {
-    absl::StatusOr<ViewEnvironment> seen = look.see(c, wanted, true);
-    if (!seen.ok()) return seen.status();
-    out.push_back(*std::move(seen));
+    ASSIGN_OR_RETURN(ViewEnvironment seen, look.evaluate(c, wanted, true));
+    out.push_back(std::move(seen));
   }
   return out;
 }
 
-absl::StatusOr<ViewEnvironment> Environment::Look::see(std::uint32_t condition,
-                                                       const EffectSet& effects,
-                                                       bool with_azimuths) {
+absl::StatusOr<ViewEnvironment> Environment::SightLine::evaluate(std::uint32_t condition,
+                                                                 const EffectSet& effects,
+                                                                 bool with_azimuths) {
   const Environment::Parts& of = parts_->of;
   if (condition >= of.condition.size()) {
     return absl::InvalidArgumentError(absl::StrCat("there is no condition ", condition));
@@ -437,14 +436,14 @@ absl::StatusOr<ViewEnvironment> Environment::Look::see(std::uint32_t condition,
       .seen_under(sun, effects, condition, with_azimuths ? of.nodes : of.rings);
 }
 
-const LightBounds& Environment::Look::bounds(std::uint32_t condition) {
+const LightBounds& Environment::SightLine::bounds(std::uint32_t condition) {
   const auto known = parts_->bounds.find(condition);
   if (known != parts_->bounds.end()) return known->second;
   const Environment::Parts& of = parts_->of;
   IRSIG_CHECK(condition < of.condition.size());
   const Environment::Parts::Condition& c = of.condition[condition];
   return parts_->bounds[condition] =
-             light_bounds(of.bounds_of(c), parts_->leg_of(c.spec.weather), parts_->line,
+             light_bounds(of.bounds_of(c), parts_->sensor_path_of(c.spec.weather), parts_->line,
                           *parts_->weather.at(c.spec.weather).horizon);
 }
 

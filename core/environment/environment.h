@@ -10,16 +10,16 @@
 #include "core/atmosphere/imported_path.h"
 #include "core/effects/effect_set.h"
 #include "core/environment/air.h"
-#include "core/environment/behind_nodes.h"
+#include "core/environment/background_directions.h"
 #include "core/environment/direction_nodes.h"
-#include "core/environment/light_around.h"
+#include "core/environment/incident_radiance.h"
 #include "core/environment/sea_surface.h"
 #include "core/geo/viewpoint.h"
 
 namespace irsig {
 
 // What lies below the horizon.
-struct LowerSpec {
+struct SurfaceBoundary {
   enum class Kind {
     kRoughSea,  // facets with Cox and Munk's slopes for the wind: emission, reflected sky
     kFlatSea,   // a mirror of water; the sun in it is left out
@@ -38,7 +38,7 @@ inline constexpr double kLowestAirPointM = 1;
 struct WeatherSpec {
   AtmosphereSpec air;  // its profile already bent to the surface
   bool refraction = true;
-  LowerSpec lower;
+  SurfaceBoundary lower;
   // Somebody else's transmittance and path radiance instead of the embedded model's; null: none.
   std::shared_ptr<const ImportedPaths> imported;
   // Height of the target's reference point above sea or ground; it then stands for the target, from
@@ -65,8 +65,8 @@ struct ConditionEnvironment {
 //
 // Below the horizon: what the surface emits and reflects of the sky, seen through the air in front
 // of it; light that a rough sea mirrors from below the horizon has met the sea before. The sun that
-// a rough sea mirrors is in behind_apparent only: for the target's reflections it is a light of its
-// own (sea_glint.h). What a grey surface reflects of the sun is in the nodes.
+// a rough sea mirrors is in background_apparent only: for the target's reflections it is a light of
+// its own (sea_glint.h). What a grey surface reflects of the sun is in the nodes.
 //
 // Accuracy (tests/physics/environment_nodes_test.cpp, mid-latitude summer, maritime aerosol of 23
 // km): night sky from the nodes 1.1e-3 in the mean over 1000 directions; sunlit sky at 3.7 um as
@@ -80,21 +80,21 @@ struct ViewEnvironment {
   // What the air there holds; null: it is imported, or no embedded atmosphere.
   std::shared_ptr<const AbsorberAmounts> air;
   std::vector<AirPath> end;                        // [Line::end] the same of the target's ends
-  std::vector<LightAround::AirChange> end_change;  // [Line::end] by how much they differ
+  std::vector<IncidentRadiance::AirChange> end_change;  // [Line::end] by how much they differ
   Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
-  LightAround around;                              // sky, then lower
-  std::vector<Spectrum> behind_apparent;           // [node of Line::behind]
+  IncidentRadiance around;                         // sky, then lower
+  std::vector<Spectrum> background_apparent;       // [node of Line::behind]
   // Of these: the most by which straight lines to the nodes beside them were found to err at three
   // places between (within a factor of 2 of the largest error, tests/physics/horizon_test.cpp), and
   // one sigma of the models. Empty: none.
-  std::vector<Spectrum> behind_interpolation, behind_model_error;
+  std::vector<Spectrum> background_interpolation, background_model_error;
 
-  // LightAround::interpolation is the most by which straight lines between a node and those beside
-  // it were found to err, half way between rings, and of sunlight at 25 places of each cell. Summed
-  // with the weights of paths it bounds what narrow lobes see.
-  // Relative interpolation error of the nodes' radiance between them: mean over the side's solid
-  // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
-  // 8e-4. Of the sunlit sky: and mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
+  // IncidentRadiance::interpolation is the most by which straight lines between a node and those
+  // beside it were found to err, half way between rings, and of sunlight at 25 places of each cell.
+  // Summed with the weights of paths it bounds what narrow lobes see. Relative interpolation error
+  // of the nodes' radiance between them: mean over the side's solid angle of |linear - direct| /
+  // mean radiance, in the worst quarter of a micrometre; 1.5e-3 and 8e-4. Of the sunlit sky: and
+  // mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
   double sky_interpolation = 0, lower_interpolation = 0;
   // Of leaving out EffectSet::joined_lines, relative to what is reflected of sky and surface at the
   // target: the most by which any mean over directions of the apparent nodes can differ, in the
@@ -157,7 +157,7 @@ class Environment {
     double range_m;
     double elevation_deg;  // of the sensor, at the target, geometric; -90 .. 90
     Vec<Body> direction;   // unit vector towards the sensor
-    BehindNodes behind;    // where the background is wanted: directions away from the sensor
+    BackgroundDirections behind;  // where the background is wanted: directions away from the sensor
     // Other places of the target, by what of the air lies in front of them: how far they are from
     // the sensor, and how high above the target's reference point.
     struct End {
@@ -172,7 +172,7 @@ class Environment {
   // Where the sea (or ground) ends for the sensor of a line, refracted if the weather says so.
   struct Horizon {
     // Straight lines from the sensor that fall less than this pass above it: z of their unit vector
-    // (BehindNodes).
+    // (BackgroundDirections).
     double z;
     // What it hides of the target is what a sphere of this radius hides from straight lines that
     // rise to the sensor by `lift_rad` more than the geometric ones.
@@ -196,11 +196,11 @@ class Environment {
 
   // A line of sight, to be asked for bounds first and for light then; what they share is computed
   // once. Not for several threads. The environment outlives it.
-  class Look {
+  class SightLine {
    public:
-    Look(Look&&) noexcept;
-    Look& operator=(Look&&) noexcept;
-    ~Look();
+    SightLine(SightLine&&) noexcept;
+    SightLine& operator=(SightLine&&) noexcept;
+    ~SightLine();
     [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
     // What is returned depends on the line, the condition and the effects alone; what they leave
     // out is 0. `effects`: of as many conditions as the environment has. Of lines behind nodes
@@ -208,17 +208,18 @@ class Environment {
     // computed exactly (8 of a side), or at three of them. The nodes are those of
     // nodes(with_azimuths): INVALID_ARGUMENT if a sun is up whose scattered light is to be
     // reflected and they have none.
-    [[nodiscard]] absl::StatusOr<ViewEnvironment> see(std::uint32_t condition,
-                                                      const EffectSet& effects, bool with_azimuths);
+    [[nodiscard]] absl::StatusOr<ViewEnvironment> evaluate(std::uint32_t condition,
+                                                           const EffectSet& effects,
+                                                           bool with_azimuths);
 
    private:
     friend class Environment;
     struct Parts;
-    explicit Look(std::unique_ptr<Parts> parts);
+    explicit SightLine(std::unique_ptr<Parts> parts);
     std::unique_ptr<Parts> parts_;
   };
   // INVALID_ARGUMENT as view() has it.
-  [[nodiscard]] absl::StatusOr<Look> look(const Line& line) const;
+  [[nodiscard]] absl::StatusOr<SightLine> sight_line(const Line& line) const;
 
   [[nodiscard]] std::size_t conditions() const;
   // What a condition takes of memory while a view is computed, what is kept from view to view

@@ -178,7 +178,7 @@ void ConditionBounds::mirror() {
   }
 }
 
-LightBounds light_bounds(const ConditionBounds& condition, const Leg& leg,
+LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg,
                          const Environment::Line& line, const LineHorizon& horizon) {
   const WeatherBounds& weather = condition.weather;
   AirSpectrum path(kAirBandCount, 0.0), background = path;

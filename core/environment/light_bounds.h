@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/environment/leg.h"
 #include "core/environment/line_horizon.h"
+#include "core/environment/sensor_path.h"
 #include "core/environment/weather_bounds.h"
 
 namespace irsig {
@@ -26,7 +26,7 @@ struct ConditionBounds {
   void mirror();
 };
 
-[[nodiscard]] LightBounds light_bounds(const ConditionBounds& condition, const Leg& leg,
+[[nodiscard]] LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg,
                                        const Environment::Line& line, const LineHorizon& horizon);
 
 }  // namespace irsig

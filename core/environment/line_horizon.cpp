@@ -56,7 +56,7 @@ Environment::Horizon LineHorizon::horizon() const {
   return out;
 }
 
-BehindSight LineHorizon::sight(const BehindNodes& nodes, double z, bool above) const {
+BehindSight LineHorizon::sight(const BackgroundDirections& nodes, double z, bool above) const {
   constexpr double kSteep = 0.2;  // there the height of passing does not matter, nor is it one
   const double bottom_m = ray_.bottom_m();
   const double along = std::sqrt(std::max(0.0, 1 - z * z));

@@ -37,10 +37,10 @@ class LineHorizon {
               double lift_rad);
 
   // Where the sea ends: z of the straight line from the sensor to the height at which the ray that
-  // touches the surface passes the target (BehindNodes).
+  // touches the surface passes the target (BackgroundDirections).
   [[nodiscard]] float z() const { return z_; }
   [[nodiscard]] Environment::Horizon horizon() const;
-  [[nodiscard]] BehindSight sight(const BehindNodes& nodes, double z, bool above) const;
+  [[nodiscard]] BehindSight sight(const BackgroundDirections& nodes, double z, bool above) const;
 
  private:
   const GrazingRay& ray_;

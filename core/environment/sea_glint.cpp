@@ -13,7 +13,7 @@ SeaGlint sea_glint(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_
           static_cast<float>(std::min(1.0, dot(to_observer, facet)))};
 }
 
-GlintShare glint_share(float cos_incidence) {
+GlintShare glint_fraction(float cos_incidence) {
   const auto above =
       std::upper_bound(kGlintCosines.begin() + 1, kGlintCosines.end() - 1, cos_incidence);
   const auto node = static_cast<std::size_t>(above - kGlintCosines.begin()) - 1;

@@ -27,6 +27,6 @@ struct GlintShare {
   std::size_t node;  // and the next
   float weight_of_next;
 };
-[[nodiscard]] GlintShare glint_share(float cos_incidence);
+[[nodiscard]] GlintShare glint_fraction(float cos_incidence);
 
 }  // namespace irsig

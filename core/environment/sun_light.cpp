@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/base/constants.h"
-#include "core/environment/hat_fit.h"
 #include "core/environment/interpolation_error.h"
+#include "core/environment/linear_basis_fit.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
@@ -78,7 +78,7 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
 }  // namespace
 
 SunLight::SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
-                   const WeatherLight& weather, const LowerSpec& surface,
+                   const ThermalSurroundings& weather, const SurfaceBoundary& surface,
                    const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
                    const NodeWavelengths& wavelengths)
     : visible(seen.visible),
@@ -136,7 +136,7 @@ SunLight::Around SunLight::make_around() const {
   std::vector<Lower> lower;
   for (std::size_t r = 0; r < weather_.lower.size(); ++r) lower.push_back(make_lower(r, packed));
   weather_.sun_is_made();
-  auto light = std::make_shared<LightAround::Sunlight>();
+  auto light = std::make_shared<IncidentRadiance::Sunlight>();
   const std::size_t above = sky.node.size(), below = lower.size() * azimuths_;
   light->air = BandRows<float>(above + below, n);
   light->surface = BandRows<float>(below, n);
@@ -263,7 +263,8 @@ AirSpectrum SunLight::sky_towards(Vec<Body> direction, std::size_t ring, double 
 
 AirSpectrum SunLight::glint_towards(Vec<Body> direction, std::size_t ring, double f) const {
   AirSpectrum out(kAirBandCount, 0.0);
-  if (surface_.kind != LowerSpec::Kind::kRoughSea || !(surface_.wind_speed_m_s > 0)) return out;
+  if (surface_.kind != SurfaceBoundary::Kind::kRoughSea || !(surface_.wind_speed_m_s > 0))
+    return out;
   const Vec<Body> to_observer = -1.0 * direction;
   const double per_sr = glint_per_sr(to_observer, direction_, surface_.wind_speed_m_s);
   const double cosine = dot(normalized(to_observer + direction_), direction_);
@@ -281,8 +282,8 @@ double SunLight::glint_model_relative(Vec<Body> direction) const {
 }
 
 double SunLight::diffuse_per_sr() const {
-  const bool diffuse =
-      surface_.kind == LowerSpec::Kind::kGreySea || surface_.kind == LowerSpec::Kind::kGround;
+  const bool diffuse = surface_.kind == SurfaceBoundary::Kind::kGreySea ||
+                       surface_.kind == SurfaceBoundary::Kind::kGround;
   return diffuse ? (1 - surface_.emissivity) * std::max(0.0, -direction_.z) * std::numbers::inv_pi
                  : 0;
 }

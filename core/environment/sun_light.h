@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/environment/leg.h"
-#include "core/environment/made_once.h"
-#include "core/environment/weather_light.h"
+#include "core/environment/lazy.h"
+#include "core/environment/sensor_path.h"
+#include "core/environment/thermal_surroundings.h"
 
 namespace irsig {
 
@@ -19,8 +19,9 @@ class SunLight {
  public:
   // All outlive it.
   SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
-           const WeatherLight& weather, const LowerSpec& surface, const Atmosphere& atmosphere,
-           double height_m, const DirectionNodes& nodes, const NodeWavelengths& wavelengths);
+           const ThermalSurroundings& weather, const SurfaceBoundary& surface,
+           const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
+           const NodeWavelengths& wavelengths);
 
   [[nodiscard]] bool shines() const { return sun_.has_value(); }
   [[nodiscard]] Vec<Body> direction() const { return direction_; }
@@ -37,10 +38,10 @@ class SunLight {
     // On NodeWavelengths::used. Its errors: above the horizon the largest of the linear radiance in
     // any direction of the cells around a node that was looked at; below twice what the differences
     // from the nodes beside it say of straight lines.
-    std::shared_ptr<const LightAround::Sunlight> light;
-    // Of the sky, as WeatherLight's relative errors, of the whole light. interpolation: mean over
-    // lobes of cos^20, 30 deg wide, of |linear - direct|: narrower features than a surface of slope
-    // 0.15 mirrors are beneath the nodes.
+    std::shared_ptr<const IncidentRadiance::Sunlight> light;
+    // Of the sky, as ThermalSurroundings's relative errors, of the whole light. interpolation: mean
+    // over lobes of cos^20, 30 deg wide, of |linear - direct|: narrower features than a surface of
+    // slope 0.15 mirrors are beneath the nodes.
     double interpolation = 0, model_relative = 0;
   };
   [[nodiscard]] const Around& around() const;
@@ -62,8 +63,8 @@ class SunLight {
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
-  // Of one ring of WeatherLight::limb(): radiance at the target, not averaged, and its ratio behind
-  // near air.
+  // Of one ring of ThermalSurroundings::limb(): radiance at the target, not averaged, and its ratio
+  // behind near air.
   [[nodiscard]] AirSpectrum limb_towards(Vec<Body> direction, std::size_t ring) const;
   [[nodiscard]] AirSpectrum limb_ratio(std::size_t ring, const AbsorberAmounts& near) const;
 
@@ -94,19 +95,19 @@ class SunLight {
   void find_errors(Sky& sky) const;
   void find_node_errors(Sky& sky, std::span<const std::size_t> bands) const;
 
-  const WeatherLight& weather_;
+  const ThermalSurroundings& weather_;
   Vec<Body> direction_;
   double height_m_;
   std::uint32_t azimuths_;
-  const LowerSpec& surface_;
+  const SurfaceBoundary& surface_;
   const NodeWavelengths& wavelengths_;
   const BandChoice& bands_;
   std::optional<SunAmounts> sun_;
   AirSpectrum near_;                               // transmittance from the sun to the target
-  std::deque<MadeOnce<ScatteredSun>> sky_source_;  // [ring]
-  std::deque<MadeOnce<ScatteredSun>> limb_source_;
-  std::deque<MadeOnce<AirSpectrum>> far_;  // [ring below]
-  MadeOnce<Around> around_;
+  std::deque<Lazy<ScatteredSun>> sky_source_;      // [ring]
+  std::deque<Lazy<ScatteredSun>> limb_source_;
+  std::deque<Lazy<AirSpectrum>> far_;  // [ring below]
+  Lazy<Around> around_;
 };
 
 }  // namespace irsig

@@ -23,14 +23,15 @@ constexpr double kSkyJoinedShare = 0.5, kLowerJoinedShare = 2;
 
 struct ViewLight::Solar {
   const SunLight& sun;
-  const Leg& leg;
+  const SensorPath& leg;
   AirSpectrum near_end;  // transmittance from the sun to the target and on to the sensor
   RingRatios sky;
   std::vector<std::optional<SunLight::LowerRatio>> lower_exact;
   std::array<std::optional<AirSpectrum>, kLimb.size()> limb;
   RingRatios lower_air, lower_surface;
 
-  Solar(const SunLight& light, const Leg& near, std::size_t sky_rings, std::size_t lower_rings)
+  Solar(const SunLight& light, const SensorPath& near, std::size_t sky_rings,
+        std::size_t lower_rings)
       : sun(light),
         leg(near),
         near_end(near.imported ? near.transmittance : light.joined(near.layers.amounts())),
@@ -69,9 +70,9 @@ struct ViewLight::Solar {
   }
 };
 
-ViewLight::ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
-                     const LineHorizon& horizon, const NodeWavelengths& wavelengths,
-                     const std::vector<Leg>& end)
+ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
+                     const Environment::Line& line, const LineHorizon& horizon,
+                     const NodeWavelengths& wavelengths, const std::vector<SensorPath>& end)
     : leg_(leg),
       light_(light),
       line_(line),
@@ -110,8 +111,8 @@ ViewLight::ViewLight(const Leg& leg, const WeatherLight& light, const Environmen
       limb_(kLimb.size()),
       sky_error_(kLimb.size() + light.sky.size()),
       behind_(light.lower.size()),
-      shapes_(std::make_shared<LightAround::Shapes>(leg.shapes())) {
-  AirSpectrum scattered = leg.layers.surroundings_share;
+      shapes_(std::make_shared<IncidentRadiance::Shapes>(leg.shapes())) {
+  AirSpectrum scattered = leg.layers.surroundings_fraction;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= light.surroundings[b];
   error_ = model_error(leg.layers.amounts(), leg.layers.transmittance, scattered,
                        leg.layers.warmest_k(), wavelengths.bands, &light.surroundings);
@@ -152,16 +153,16 @@ AirSpectrum ViewLight::seen_lower(std::size_t r) {
   const PathLayers::Behind& air = behind(r);
   AirSpectrum seen = air.thermal_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    seen[b] += air.surroundings_share[b] * light_.surroundings[b] +
+    seen[b] += air.surroundings_fraction[b] * light_.surroundings[b] +
                air.transmittance[b] * ring.emission[b] +
                ratio[b] * ring.reflected_ratio[b] * ring.reflected[b];
   }
   return seen;
 }
 
-const std::shared_ptr<const LightAround::Thermal>& ViewLight::rings() {
+const std::shared_ptr<const IncidentRadiance::Thermal>& ViewLight::rings() {
   if (rings_) return rings_;
-  auto made = std::make_shared<LightAround::Thermal>();
+  auto made = std::make_shared<IncidentRadiance::Thermal>();
   made->ring = BandRows<double>(light_.sky.size() + light_.lower.size(), shapes_->bands);
   std::size_t row = 0;
   const auto add = [&](const AirSpectrum& total) {
@@ -269,7 +270,7 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
     add_around(out, diffuse_sun ? sun : nullptr, diffuse_sun ? &*solar : nullptr,
                effects.joined_lines, nodes);
   } else {
-    out.around = LightAround::dark(shapes_);
+    out.around = IncidentRadiance::dark(shapes_);
   }
   const bool background_sun = sun && use.background;
   add_behind(out, background_sun ? sun : nullptr, background_sun ? &*solar : nullptr);
@@ -286,13 +287,13 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
 // What is imported holds for one place: the others differ from it as the embedded model has it.
 void ViewLight::add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun) {
   if (end_.empty()) return;
-  const auto emitted = [&](const Leg& leg, std::size_t b) {
+  const auto emitted = [&](const SensorPath& leg, std::size_t b) {
     return leg.layers.thermal_w_m2_sr_um[b] +
-           leg.layers.surroundings_share[b] * light_.surroundings[b];
+           leg.layers.surroundings_fraction[b] * light_.surroundings[b];
   };
   const AirSpectrum dark(kAirBandCount, 0.0);
   const AirSpectrum sun_here = sun ? sun->scattered_by(leg_.layers, line_.direction) : dark;
-  for (const Leg& end : end_) {
+  for (const SensorPath& end : end_) {
     const AirSpectrum sun_there = sun ? sun->scattered_by(end.layers, line_.direction) : dark;
     AirSpectrum transmittance = leg_.transmittance, thermal = path_radiance_, solar = scattered;
     for (const std::uint32_t b : wavelengths_.used) {
@@ -316,12 +317,12 @@ void ViewLight::add_ends(ViewEnvironment& out, const AirSpectrum& scattered, con
 
 void ViewLight::add_around(ViewEnvironment& out, const SunLight* sun, Solar* solar,
                            bool joined_lines, const DirectionNodes& nodes) {
-  out.around = LightAround(shapes_, rings(), rings_apparent(joined_lines),
-                           static_cast<std::uint32_t>(light_.sky.size()), nodes.azimuths());
+  out.around = IncidentRadiance(shapes_, rings(), rings_apparent(joined_lines),
+                                static_cast<std::uint32_t>(light_.sky.size()), nodes.azimuths());
   if (sun) {
     const std::size_t above = light_.sky.size(), below = light_.lower.size();
-    LightAround::Ratios ratios{BandRows<double>(above + below, shapes_->bands),
-                               BandRows<double>(below, shapes_->bands)};
+    IncidentRadiance::Ratios ratios{BandRows<double>(above + below, shapes_->bands),
+                                    BandRows<double>(below, shapes_->bands)};
     const auto put = [&](BandRows<double>& to, std::size_t row, const AirSpectrum& ratio) {
       const std::vector<double> used = wavelengths_.of_used(ratio);
       std::copy(used.begin(), used.end(), to.row(row));
@@ -479,7 +480,7 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
   for (std::size_t b = 0; b < kAirBandCount; ++b) light[b] *= mirrored[b];
   AirSpectrum error = light;
   for (double& x : error) x *= sun->glint_model_relative(sight.direction);
-  const LightAround::Sunlight& from = *sun->around().light;
+  const IncidentRadiance::Sunlight& from = *sun->around().light;
   const std::size_t above = from.error.size() - light_.lower.size() * sun->azimuths();
   for (std::size_t k = 0; k < rings; ++k) {
     const std::uint32_t azimuths = sun->azimuths();
@@ -508,7 +509,7 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
 }
 
 void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar) {
-  const BehindNodes& nodes = line_.behind;
+  const BackgroundDirections& nodes = line_.behind;
   const auto at = [&](double z, bool above) {
     return behind_at(horizon_.sight(nodes, z, above), sun, solar);
   };
@@ -518,9 +519,9 @@ void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* sol
   const std::vector<double> dark(wavelengths_.um.size(), 0.0);
   for (std::uint32_t n = 0; n < nodes.count(); ++n) {
     const Behind here = at(static_cast<double>(nodes.z(n)), nodes.above(n, horizon_.z()));
-    out.behind_apparent.push_back(spread(here));
-    out.behind_model_error.push_back(leg_.spread_thermal(here.model_error));
-    out.behind_interpolation.push_back(dark);
+    out.background_apparent.push_back(spread(here));
+    out.background_model_error.push_back(leg_.spread_thermal(here.model_error));
+    out.background_interpolation.push_back(dark);
     if (n == 0 || nodes.z(n - 1) == nodes.z(n)) continue;
     // Far from the horizon all is smooth: half way will do.
     constexpr double kNear = 0.02;
@@ -532,10 +533,10 @@ void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* sol
           (1 - f) * static_cast<double>(nodes.z(n - 1)) + f * static_cast<double>(nodes.z(n));
       const std::vector<double> direct = spread(at(z, z < static_cast<double>(horizon_.z())));
       for (std::size_t i = 0; i < direct.size(); ++i) {
-        const double error = std::abs(direct[i] - (1 - f) * out.behind_apparent[n - 1][i] -
-                                      f * out.behind_apparent[n][i]);
+        const double error = std::abs(direct[i] - (1 - f) * out.background_apparent[n - 1][i] -
+                                      f * out.background_apparent[n][i]);
         for (const std::uint32_t k : {n - 1, n}) {
-          out.behind_interpolation[k][i] = std::max(out.behind_interpolation[k][i], error);
+          out.background_interpolation[k][i] = std::max(out.background_interpolation[k][i], error);
         }
       }
     }

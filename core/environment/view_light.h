@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/environment/leg.h"
 #include "core/environment/line_horizon.h"
 #include "core/environment/ring_ratios.h"
+#include "core/environment/sensor_path.h"
 #include "core/environment/sun_light.h"
-#include "core/environment/weather_light.h"
+#include "core/environment/thermal_surroundings.h"
 
 namespace irsig {
 
@@ -18,9 +18,9 @@ namespace irsig {
 class ViewLight {
  public:
   // All outlive it.
-  ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
+  ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const Environment::Line& line,
             const LineHorizon& horizon, const NodeWavelengths& wavelengths,
-            const std::vector<Leg>& end);
+            const std::vector<SensorPath>& end);
   ViewLight(const ViewLight&) = delete;
   ViewLight& operator=(const ViewLight&) = delete;
 
@@ -40,7 +40,7 @@ class ViewLight {
   [[nodiscard]] const PathLayers::Behind& behind(std::size_t ring);
   // The same in the sweep's bands, of all rings: sky, then lower. At the target, and at the
   // sensor with the air's lines joined at all exact rings or at three.
-  [[nodiscard]] const std::shared_ptr<const LightAround::Thermal>& rings();
+  [[nodiscard]] const std::shared_ptr<const IncidentRadiance::Thermal>& rings();
   using Apparent = std::shared_ptr<const BandRows<double>>;
   [[nodiscard]] const Apparent& rings_apparent(bool joined_lines);
   // Of joining them at three, for the light of one side, in front of which the ratios are those.
@@ -62,12 +62,12 @@ class ViewLight {
   void add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
 
-  const Leg& leg_;
-  const WeatherLight& light_;
+  const SensorPath& leg_;
+  const ThermalSurroundings& light_;
   const Environment::Line& line_;
   const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
-  const std::vector<Leg>& end_;  // [Line::end]
+  const std::vector<SensorPath>& end_;  // [Line::end]
   AirSpectrum path_radiance_;
   ModelError error_;
   RingRatios sky_ratio_, mirrored_ratio_;  // of the sky, and of what the surface mirrors of it
@@ -76,8 +76,8 @@ class ViewLight {
   std::vector<std::optional<AirSpectrum>> sky_error_;      // from the horizon up
   std::vector<std::optional<PathLayers::Behind>> behind_;  // [lower ring]
   std::shared_ptr<const AbsorberAmounts> air_;
-  std::shared_ptr<const LightAround::Shapes> shapes_;
-  std::shared_ptr<const LightAround::Thermal> rings_;
+  std::shared_ptr<const IncidentRadiance::Shapes> shapes_;
+  std::shared_ptr<const IncidentRadiance::Thermal> rings_;
   std::array<Apparent, 2> rings_apparent_;
 };
 

@@ -8,7 +8,7 @@
 
 #include "core/atmosphere/path_layers.h"
 #include "core/environment/glitter_sums.h"
-#include "core/environment/hat_fit.h"
+#include "core/environment/linear_basis_fit.h"
 #include "core/environment/sea_surface.h"
 #include "core/spectral/planck.h"
 
@@ -62,10 +62,11 @@ void scale_amounts(AbsorberAmounts& a, double f) {
 }
 
 bool WeatherBounds::glints() const {
-  return surface.kind == LowerSpec::Kind::kRoughSea && surface.wind_speed_m_s > 0;
+  return surface.kind == SurfaceBoundary::Kind::kRoughSea && surface.wind_speed_m_s > 0;
 }
 bool WeatherBounds::grey() const {
-  return surface.kind == LowerSpec::Kind::kGreySea || surface.kind == LowerSpec::Kind::kGround;
+  return surface.kind == SurfaceBoundary::Kind::kGreySea ||
+         surface.kind == SurfaceBoundary::Kind::kGround;
 }
 
 WeatherBounds::WeatherBounds(const WeatherSpec& spec, const Atmosphere& atmosphere,
@@ -165,7 +166,7 @@ void WeatherBounds::mirror_sky() {
   constexpr double kMargin = 1.2;
   mirrored_sky = AirSpectrum(kAirBandCount, 1.0);
   if (grey()) mirrored_sky.assign(kAirBandCount, 2 * (1 - surface.emissivity));
-  if (surface.kind != LowerSpec::Kind::kRoughSea) return;
+  if (surface.kind != SurfaceBoundary::Kind::kRoughSea) return;
   mirrored_sky.assign(kAirBandCount, 0.0);
   for (const double sine : {0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0}) {
     const double level = std::sqrt(1 - sine * sine);

@@ -23,7 +23,7 @@ struct WeatherBounds {
   [[nodiscard]] bool grey() const;    // the surface
   [[nodiscard]] bool glints() const;  // the surface has glitter
 
-  LowerSpec surface;
+  SurfaceBoundary surface;
   double height_m;
   BandChoice bands;
   std::vector<double> sky_sine;  // of the rings

@@ -11,6 +11,7 @@
 
 #include "absl/strings/match.h"
 #include "core/base/file_errors.h"
+#include "core/base/status_macros.h"
 #include "core/fields/field_rows.h"
 #include "fmt/format.h"
 
@@ -206,9 +207,9 @@ absl::StatusOr<TemperatureField> read_temperature_field(std::string_view bytes,
   if (!csv && !ply)
     return absl::InvalidArgumentError(
         fmt::format("{}: temperatures are read from .csv and .ply", how.file_name));
-  auto rows = csv ? read_field_csv(bytes, how.file_name) : read_field_ply(bytes, how.file_name);
-  if (!rows.ok()) return rows.status();
-  return FieldReader(*std::move(rows), how, mesh).read();
+  ASSIGN_OR_RETURN(
+      auto rows, csv ? read_field_csv(bytes, how.file_name) : read_field_ply(bytes, how.file_name));
+  return FieldReader(std::move(rows), how, mesh).read();
 }
 
 absl::StatusOr<FacetTemperatures> at_time(const TemperatureField& field, double unix_s) {

@@ -21,7 +21,7 @@ IRSIG_LANE Step sqrt_step(Step a) {
 }
 
 // depth / X, of X > 0
-IRSIG_LANE Step share_of_weak_depth(Step x, Step lorentz, Step doppler) {
+IRSIG_LANE Step fraction_of_weak_depth(Step x, Step lorentz, Step doppler) {
   const Step yc = x / (4 * lorentz + x);
   const Step z = x / (1.7 * doppler);
   Step s = z * z;
@@ -53,7 +53,7 @@ IRSIG_CLONES void grow(std::size_t bands, const GrowthSums& sums, const double* 
     const Step x{first ? w : sum_weak[i], first ? 0.0 : w};
     const Step l{first ? lw : sum_lorentz[i], first ? 0.0 : lw};
     const Step d{first ? dw : sum_doppler[i], first ? 0.0 : dw};
-    const Step whole = x * share_of_weak_depth(x, l / x, d / x);
+    const Step whole = x * fraction_of_weak_depth(x, l / x, d / x);
     const double grown = some ? (first ? whole.from : whole.by) : 0.0;
     const double before = exp_lane(-depth[i]);
     from[i] = before;

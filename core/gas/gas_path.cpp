@@ -8,6 +8,7 @@
 #include "core/atmosphere/gas_terms.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_loops.h"
 #include "core/gas/hot_lines.h"
 #include "core/gas/narrow_band.h"
@@ -142,9 +143,9 @@ std::vector<JointLines> joint_lines(GasBands bands) {
   return out;
 }
 
-absl::StatusOr<AirBeforeGas> AirBeforeGas::make(const AbsorberAmounts& air, GasBands bands) {
-  if (absl::Status status = check(bands, kAirGasBands); !status.ok()) return status;
-  AirBeforeGas out;
+absl::StatusOr<ForegroundAir> ForegroundAir::make(const AbsorberAmounts& air, GasBands bands) {
+  RETURN_IF_ERROR(check(bands, kAirGasBands));
+  ForegroundAir out;
   out.bands_ = bands;
   for (std::size_t band = bands.first; band < bands.last; ++band) {
     const std::size_t air_band = band - kAirGasBands.first;
@@ -167,7 +168,7 @@ absl::StatusOr<AirBeforeGas> AirBeforeGas::make(const AbsorberAmounts& air, GasB
   return out;
 }
 
-void AirBeforeGas::add_water(std::size_t band, const AbsorberAmounts& air) {
+void ForegroundAir::add_water(std::size_t band, const AbsorberAmounts& air) {
   point_begin_.push_back(place_.size());
   GasTerms cold = gas_terms(air, Gas::kH2o, band);
   water_.push_back(product(cold));
@@ -199,7 +200,7 @@ void AirBeforeGas::add_water(std::size_t band, const AbsorberAmounts& air) {
   IRSIG_CHECK(place_.size() - point_begin_.back() <= kMostWaterPoints);
 }
 
-void AirBeforeGas::add_lines(const AbsorberAmounts& air) {
+void ForegroundAir::add_lines(const AbsorberAmounts& air) {
   const std::vector<JointLines> joint = joint_lines(bands_);
   joint_ = weights(joint);
   for (const JointLines& one : joint) {
@@ -217,7 +218,7 @@ void AirBeforeGas::add_lines(const AbsorberAmounts& air) {
 }
 
 absl::StatusOr<GasPath> GasPath::make(std::span<const GasLayer> path, GasBands bands) {
-  if (absl::Status status = check(bands, {}); !status.ok()) return status;
+  RETURN_IF_ERROR(check(bands, {}));
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (const absl::Status status = check_gas(path[i]); !status.ok()) {
       return absl::Status(status.code(),
@@ -319,7 +320,7 @@ void GasPath::compute(std::span<const GasLayer> path) {
   alone_.radiance_w_m2_sr_um = std::move(emitted);
 }
 
-GasThroughAir GasPath::through(const AirBeforeGas& air) const {
+GasThroughAir GasPath::through(const ForegroundAir& air) const {
   IRSIG_CHECK(air.bands_.first == bands_.first);
   IRSIG_CHECK(air.bands_.last == bands_.last);
   const std::size_t n = bands_.size();

@@ -22,11 +22,11 @@ struct JointLines {
 [[nodiscard]] std::vector<JointLines> joint_lines(GasBands bands);
 
 // What air between the eye and gas means for any path of gas: made once, asked by many paths.
-class AirBeforeGas {
+class ForegroundAir {
  public:
   // INVALID_ARGUMENT for bands that the air has not.
-  [[nodiscard]] static absl::StatusOr<AirBeforeGas> make(const AbsorberAmounts& air,
-                                                         GasBands bands);
+  [[nodiscard]] static absl::StatusOr<ForegroundAir> make(const AbsorberAmounts& air,
+                                                          GasBands bands);
 
  private:
   friend class GasPath;
@@ -55,7 +55,7 @@ class GasPath {
 
   [[nodiscard]] const GasSpectrum& alone() const { return alone_; }
   // of: air for the same bands
-  [[nodiscard]] GasThroughAir through(const AirBeforeGas& of) const;
+  [[nodiscard]] GasThroughAir through(const ForegroundAir& of) const;
 
  private:
   // What is stored of a layer, per band. Without joint lines: a factor of what is left (soot, gases

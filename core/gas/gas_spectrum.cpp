@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_format.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_path.h"
 
 namespace irsig {
@@ -33,18 +34,15 @@ std::vector<double> gas_band_edges_um(double lambda_min_um, double lambda_max_um
 }
 
 absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasLayer> path, GasBands bands) {
-  const absl::StatusOr<GasPath> made = GasPath::make(path, bands);
-  if (!made.ok()) return made.status();
-  return made->alone();
+  ASSIGN_OR_RETURN(const GasPath made, GasPath::make(path, bands));
+  return made.alone();
 }
 
 absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasLayer> path,
                                               const AbsorberAmounts& air, GasBands bands) {
-  const absl::StatusOr<AirBeforeGas> before = AirBeforeGas::make(air, bands);
-  if (!before.ok()) return before.status();
-  const absl::StatusOr<GasPath> made = GasPath::make(path, bands);
-  if (!made.ok()) return made.status();
-  return made->through(*before);
+  ASSIGN_OR_RETURN(const ForegroundAir before, ForegroundAir::make(air, bands));
+  ASSIGN_OR_RETURN(const GasPath made, GasPath::make(path, bands));
+  return made.through(before);
 }
 
 }  // namespace irsig

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "absl/strings/str_format.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 
@@ -41,7 +42,7 @@ absl::Status check_gas(const GasLayer& segment) {
     return absl::InvalidArgumentError(
         absl::StrFormat("gas length_m %g: expected 0 or more", segment.length_m));
   }
-  if (const absl::Status status = check_gas(segment.state); !status.ok()) return status;
+  RETURN_IF_ERROR(check_gas(segment.state));
   if (!(segment.temperature_spread_k >= 0 &&
         segment.temperature_spread_k < segment.state.temperature_k)) {
     return absl::InvalidArgumentError(absl::StrFormat("gas temperature_spread_k %g at %g K",

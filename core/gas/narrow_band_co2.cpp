@@ -37,13 +37,14 @@ constexpr std::array<HotBands, 2> kBands27 = {
     {{28.5, 2 * kOmega2 + kOmega3, centre_2_7_long, bend_2_7},
      {42.3, kOmega1 + kOmega3, centre_2_7_short, bend_2_7}}};
 
-double occupied_share(double energy, double temperature) {
+double occupied_fraction(double energy, double temperature) {
   return 1 - std::exp(-kRadcalC2CmK * energy / temperature);
 }
 double filling(const HotBands& bands, double temperature) {
-  return occupied_share(kOmega3, temperature) * std::pow(occupied_share(kOmega12, temperature), 3) *
-         (2 - occupied_share(kOmega12, temperature)) *
-         occupied_share(bands.combination, temperature);
+  return occupied_fraction(kOmega3, temperature) *
+         std::pow(occupied_fraction(kOmega12, temperature), 3) *
+         (2 - occupied_fraction(kOmega12, temperature)) *
+         occupied_fraction(bands.combination, temperature);
 }
 
 void fill(const HotBands& bands, double t, HotLevels& out) {
@@ -82,7 +83,7 @@ void bands_2_7(std::span<const double> nu, double t, std::span<NarrowBand> out) 
     for (std::size_t j = 0; j < kGasLanes; ++j) at[j] = nu[first + std::min(j, count - 1)];
     for (std::size_t k = 0; k < kBands27.size(); ++k) {
       for (std::size_t j = 0; j < kGasLanes; ++j)
-        scale[j] = common[k] * occupied_share(at[j], t) * at[j];
+        scale[j] = common[k] * occupied_fraction(at[j], t) * at[j];
       add_hot_bands(levels[k], t, at, scale, sums);
     }
     for (std::size_t j = 0; j < count; ++j) {

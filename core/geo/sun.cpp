@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -55,9 +56,7 @@ std::array<double, 3> sun_velocity(double utc1, double utc2) {
 
 absl::StatusOr<SunPosition> sun_position(const UtcTime& utc, double latitude_deg,
                                          double longitude_deg, double height_m) {
-  if (absl::Status status = check_place(latitude_deg, longitude_deg, height_m); !status.ok()) {
-    return status;
-  }
+  RETURN_IF_ERROR(check_place(latitude_deg, longitude_deg, height_m));
   // Quasi Julian date: a day with a leap second has 86401 seconds, so that 23:59:60 has a date of
   // its own.
   double date1 = 0.0;

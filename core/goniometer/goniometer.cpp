@@ -10,6 +10,7 @@
 #include "core/base/constants.h"
 #include "core/base/problems.h"
 #include "core/base/sobol.h"
+#include "core/base/status_macros.h"
 #include "core/transport/path_tracer.h"
 #include "core/transport/primary_rays.h"
 
@@ -206,9 +207,8 @@ absl::Status check_border(const Bench& bench, const Mesh& mesh, GoniometerResult
 
 absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
                                                 const GoniometerSpec& spec) {
-  if (const absl::Status status = check(scene, spec); !status.ok()) return status;
-  auto target = make_target(scene.mesh, scene.part, scene.isa);
-  if (!target.ok()) return target.status();
+  RETURN_IF_ERROR(check(scene, spec));
+  ASSIGN_OR_RETURN(auto target, make_target(scene.mesh, scene.part, scene.isa));
 
   GoniometerResult out;
   out.spec = spec;
@@ -261,14 +261,13 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
     material.push_back(*std::move(m));
   }
 
-  Bench bench{spec, *target, material, channel, {}, {}, {0, 0, -spec.reference_height_m}};
+  Bench bench{spec, target, material, channel, {}, {}, {0, 0, -spec.reference_height_m}};
   for (const double zenith_deg : spec.source_zenith_deg) {
     const Vec<Body> towards = direction(zenith_deg, 0);
     const double cos_zenith = std::cos(zenith_deg * kRadPerDeg);
     const double radius_rad = spec.source_angular_radius_deg * kRadPerDeg;
     if (spec.source_distance_m > 0) {
-      const Vec<Body> from_centre =
-          bench.middle + spec.source_distance_m * towards - target->centre;
+      const Vec<Body> from_centre = bench.middle + spec.source_distance_m * towards - target.centre;
       const double distance_m = length(from_centre);
       const double ratio = distance_m / spec.source_distance_m;
       bench.source.push_back({normalized(from_centre), radius_rad, distance_m});
@@ -278,7 +277,7 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
       bench.irradiance.push_back(cos_zenith);
     }
   }
-  if (const absl::Status status = check_border(bench, scene.mesh, out); !status.ok()) return status;
+  RETURN_IF_ERROR(check_border(bench, scene.mesh, out));
 
   // One job for each view that is different from the others.
   struct Job {

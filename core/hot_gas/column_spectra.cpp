@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "core/base/work_counts.h"
 #include "core/hot_gas/gas_model_error.h"
 #include "core/spectral/planck.h"
@@ -67,10 +68,9 @@ absl::StatusOr<GasWavelengths> GasWavelengths::make(std::vector<double> um) {
   out.um_ = std::move(um);
   std::vector<std::size_t> used;
   for (const double lambda_um : out.um_) {
-    const absl::StatusOr<std::size_t> band = gas_band(lambda_um);
-    if (!band.ok()) return band.status();
-    out.band_.push_back(*band);
-    used.push_back(*band);
+    ASSIGN_OR_RETURN(const std::size_t band, gas_band(lambda_um));
+    out.band_.push_back(band);
+    used.push_back(band);
   }
   std::sort(used.begin(), used.end());
   for (const std::size_t band : used) {
@@ -89,9 +89,8 @@ absl::StatusOr<std::vector<GasPath>> paths_of(const GasColumn& column,
   const std::vector<GasLayer> layers = layers_of(column);
   std::vector<GasPath> out;
   for (const GasBands& range : wavelengths.ranges()) {
-    absl::StatusOr<GasPath> path = GasPath::make(layers, range);
-    if (!path.ok()) return path.status();
-    out.push_back(*std::move(path));
+    ASSIGN_OR_RETURN(GasPath path, GasPath::make(layers, range));
+    out.push_back(std::move(path));
   }
   return out;
 }
@@ -102,9 +101,8 @@ absl::StatusOr<AirBeforeColumns> AirBeforeColumns::make(const AbsorberAmounts& a
                                                         const GasWavelengths& wavelengths) {
   AirBeforeColumns out;
   for (const GasBands& range : wavelengths.ranges()) {
-    absl::StatusOr<AirBeforeGas> made = AirBeforeGas::make(air, range);
-    if (!made.ok()) return made.status();
-    out.range_.push_back(*std::move(made));
+    ASSIGN_OR_RETURN(ForegroundAir made, ForegroundAir::make(air, range));
+    out.range_.push_back(std::move(made));
   }
   return out;
 }
@@ -127,13 +125,9 @@ absl::StatusOr<HotColumn> HotColumn::make(const GasColumn& column,
     }
     next += static_cast<std::ptrdiff_t>(step.count);
   }
-  absl::StatusOr<std::vector<GasPath>> fine = paths_of(small, wavelengths);
-  if (!fine.ok()) return fine.status();
-  out.fine_ = *std::move(fine);
+  ASSIGN_OR_RETURN(out.fine_, paths_of(small, wavelengths));
   if (large.size() < small.size()) {
-    absl::StatusOr<std::vector<GasPath>> coarse = paths_of(large, wavelengths);
-    if (!coarse.ok()) return coarse.status();
-    out.coarse_ = *std::move(coarse);
+    ASSIGN_OR_RETURN(out.coarse_, paths_of(large, wavelengths));
   }
   const double temperature_k = emission_temperature_k(column);
   const BandLight alone = light(out.fine_, nullptr);

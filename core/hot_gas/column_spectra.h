@@ -50,7 +50,7 @@ class AirBeforeColumns {
 
  private:
   friend class HotColumn;
-  std::vector<AirBeforeGas> range_;
+  std::vector<ForegroundAir> range_;
 };
 
 // A column of gas, of which all is computed that does not depend on the air before it.

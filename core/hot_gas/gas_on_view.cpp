@@ -22,9 +22,9 @@ SegmentSteps view_steps() {
   return steps;
 }
 
-std::optional<double> GasSurvey::cross(Vec<Body> from, Vec<Body> direction, double end_m,
-                                       std::span<double> /*measure*/,
-                                       std::span<float> /*share*/) const {
+std::optional<double> ColumnCollector::cross(Vec<Body> from, Vec<Body> direction, double end_m,
+                                             std::span<double> /*measure*/,
+                                             std::span<float> /*share*/) const {
   GasColumn column = march(*field_, {centre_ + from, direction, 0, end_m}, steps_);
   if (!column.empty()) columns_.push_back(std::move(column));
   return std::nullopt;
@@ -64,7 +64,7 @@ GasOnView::GasOnView(std::shared_ptr<const PlumeField> field, Vec<Body> centre,
     }
   }
   for (std::size_t i = 0; i < n; ++i) {
-    auto& to = share_of_.emplace_back();
+    auto& to = fraction_of_.emplace_back();
     to.fill(0);
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t g = 0; g < to.size(); ++g) to[g] += m[i][n + j] * classes_[j][g];
@@ -76,7 +76,7 @@ GasOnView::Shares GasOnView::shares(std::span<const double> tests) const {
   for (std::size_t g = 0; g < own.size(); ++g) own[g] *= scale_[g];
   Shares out;
   for (std::size_t k = 0; k < classes_.size(); ++k)
-    out.of_class[k] = ordered_dot(share_of_[k].data(), own.data(), own.size());
+    out.of_class[k] = ordered_dot(fraction_of_[k].data(), own.data(), own.size());
   double off = 0;
   for (std::size_t g = 0; g < own.size(); ++g) {
     double left = own[g];

@@ -14,9 +14,9 @@ namespace irsig {
 [[nodiscard]] SegmentSteps view_steps();
 
 // Collects what rays meet and lets none go on. For one thread.
-class GasSurvey final : public GasOnRays {
+class ColumnCollector final : public RayMedium {
  public:
-  GasSurvey(std::shared_ptr<const PlumeField> field, Vec<Body> centre)
+  ColumnCollector(std::shared_ptr<const PlumeField> field, Vec<Body> centre)
       : field_(std::move(field)), centre_(centre), steps_(view_steps()) {}
   [[nodiscard]] std::uint32_t measures() const override { return 0; }
   [[nodiscard]] std::uint32_t classes() const override { return 0; }
@@ -41,7 +41,7 @@ struct ThickGas {
 
 // Hot gas as a view's rays measure it, by test gases, and by whether it is thick; what it takes of
 // the light behind it as a sum of what a few columns take, its classes.
-class GasOnView final : public GasOnRays {
+class GasOnView final : public RayMedium {
  public:
   using Absorbed = std::array<double, ColumnTests::kGases>;
   //   most     the largest that any column absorbs of each test gas
@@ -76,7 +76,7 @@ class GasOnView final : public GasOnRays {
   ColumnTests tests_;
   Absorbed scale_{};                // 1 / most
   std::vector<Absorbed> classes_;   // times scale_
-  std::vector<Absorbed> share_of_;  // [class] Its share: the sum of this x what a column absorbs
+  std::vector<Absorbed> fraction_of_;  // [class] Its share: the sum of this x what a column absorbs
   ThickGas thick_;
 };
 

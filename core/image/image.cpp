@@ -9,6 +9,8 @@
 #include <memory>
 #include <mutex>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 namespace {
 
@@ -61,7 +63,7 @@ absl::StatusOr<std::string> encode(const char* name, const oiio::ImageSpec& spec
 }  // namespace
 
 absl::StatusOr<std::string> encode_exr(const RadianceImage& image) {
-  if (absl::Status status = check(image); !status.ok()) return status;
+  RETURN_IF_ERROR(check(image));
   oiio::ImageSpec spec = spec_of(image, oiio::TypeDesc::FLOAT);
   spec.attribute("compression", "rle");
   // The writer would put the present time here.
@@ -70,13 +72,13 @@ absl::StatusOr<std::string> encode_exr(const RadianceImage& image) {
 }
 
 absl::StatusOr<std::string> encode_png(const RadianceImage& image) {
-  if (absl::Status status = check(image); !status.ok()) return status;
+  RETURN_IF_ERROR(check(image));
   return encode_png(
       image, {0, *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end())});
 }
 
 absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreyScale& scale) {
-  if (absl::Status status = check(image); !status.ok()) return status;
+  RETURN_IF_ERROR(check(image));
   const double black = static_cast<double>(scale.black_w_m2_sr);
   const double range = static_cast<double>(scale.white_w_m2_sr) - black;
   std::vector<unsigned char> grey;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/status_macros.h"
 #include "core/materials/cook_torrance.h"
 #include "core/materials/lobe_mixture.h"
 #include "core/materials/lobe_quadrature.h"
@@ -136,15 +137,13 @@ double beard_maxwell_normalised_bias(double width) {
 }
 
 BrdfModelOr prepare_beard_maxwell(const BeardMaxwell& spec, const PreparedFor& at) {
-  if (auto status = first_failure(
-          {check_covers(spec.constants, at.lambda_min_um, at.lambda_max_um),
-           check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
-           check_fraction(spec.volume, "volume reflectance", at.lambda_min_um, at.lambda_max_um),
-           check_between(spec.width, "width", 1e-4, 1), check_between(spec.bias, "bias", 0, 1e9),
-           check_between(spec.tau_deg, "tau", 1e-3, 1e6),
-           check_between(spec.omega_deg, "omega", 1e-3, 1e6)});
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(first_failure(
+      {check_covers(spec.constants, at.lambda_min_um, at.lambda_max_um),
+       check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
+       check_fraction(spec.volume, "volume reflectance", at.lambda_min_um, at.lambda_max_um),
+       check_between(spec.width, "width", 1e-4, 1), check_between(spec.bias, "bias", 0, 1e9),
+       check_between(spec.tau_deg, "tau", 1e-3, 1e6),
+       check_between(spec.omega_deg, "omega", 1e-3, 1e6)}));
   const bool grey =
       spec.constants.size() == 1 && spec.diffuse.size() == 1 && spec.volume.size() == 1;
   return std::make_shared<const BeardMaxwellModel>(spec, grey ? 1 : at.node_um.size(), at.node_um);

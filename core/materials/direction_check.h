@@ -12,7 +12,7 @@ struct DirectionCheck {
   double p_value;      // of chi-square over `bins`, the directions below the surface among them
   int bins;            // of at least 10 expected directions each
   double integral;     // of the density over the hemisphere
-  double share_above;  // of the directions drawn
+  double fraction_above;  // of the directions drawn
 };
 
 // Draws `samples` independent directions for one w_o from one material and compares them with the

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/materials/beard_maxwell.h"
 #include "core/materials/brdf_model.h"
 #include "core/materials/cook_torrance.h"
@@ -92,9 +93,7 @@ void Material::set_tables(const DhrTable& dhr, double forced_emissivity) {
 
 absl::Status Material::prepare_lambert(const Lambert& spec, const std::vector<double>& node_um,
                                        double lambda_min_um, double lambda_max_um) {
-  if (auto status = check_fraction(spec.emissivity, "emissivity", lambda_min_um, lambda_max_um);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(check_fraction(spec.emissivity, "emissivity", lambda_min_um, lambda_max_um));
   roughness_ = 0;
   narrowest_slope_ = std::numeric_limits<float>::infinity();
   grey_ = spec.emissivity.size() == 1;
@@ -116,8 +115,7 @@ absl::Status Material::prepare_lambert(const Lambert& spec, const std::vector<do
 absl::Status Material::prepare_cook_torrance(const CookTorrance& spec,
                                              const std::vector<double>& node_um,
                                              double lambda_min_um, double lambda_max_um) {
-  if (auto status = check_covers(spec.constants, lambda_min_um, lambda_max_um); !status.ok())
-    return status;
+  RETURN_IF_ERROR(check_covers(spec.constants, lambda_min_um, lambda_max_um));
   const double m = spec.roughness;
   roughness_ = static_cast<float>(m);
   narrowest_slope_ = roughness_;

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/sobol.h"
+#include "core/base/status_macros.h"
 #include "core/materials/direction_check.h"
 #include "core/materials/material.h"
 #include "core/materials/tabulated_brdf.h"
@@ -158,9 +159,7 @@ absl::StatusOr<std::vector<MaterialCheckRow>> check_material(const MaterialSpec&
                                                              const std::vector<double>& lambda_um) {
   if (lambda_um.empty()) return absl::InvalidArgumentError("no wavelengths");
   const auto [least, most] = std::minmax_element(lambda_um.begin(), lambda_um.end());
-  auto prepared = Material::prepare(spec, lambda_um, *least, *most);
-  if (!prepared.ok()) return prepared.status();
-  const Material& material = *prepared;
+  ASSIGN_OR_RETURN(const Material& material, Material::prepare(spec, lambda_um, *least, *most));
 
   std::vector<MaterialCheckRow> rows{reciprocity(material, lambda_um), energy(material)};
 
@@ -193,9 +192,9 @@ absl::StatusOr<std::vector<MaterialCheckRow>> check_material(const MaterialSpec&
   for (const double theta_deg : kAnglesDeg) {
     const DirectionCheck test = check_directions(
         material, material, static_cast<double>(cos_deg(theta_deg)), kDirections, kSeed);
-    integral.see(
-        std::max(std::abs(test.integral - test.share_above), test.integral > 1 + 2e-3 ? 1.0 : 0.0),
-        theta_deg);
+    integral.see(std::max(std::abs(test.integral - test.fraction_above),
+                          test.integral > 1 + 2e-3 ? 1.0 : 0.0),
+                 theta_deg);
     chi_square.see(1 - test.p_value, theta_deg);
   }
   rows.push_back(integral.row());
@@ -204,15 +203,14 @@ absl::StatusOr<std::vector<MaterialCheckRow>> check_material(const MaterialSpec&
   rows.push_back(finiteness(material));
 
   if (const auto* brdf = std::get_if<TabulatedBrdf>(&spec.model)) {
-    const auto findings = examine(*brdf);
-    if (!findings.ok()) return findings.status();
+    ASSIGN_OR_RETURN(const auto findings, examine(*brdf));
     // Statements, not tests: the table is made reciprocal and continued as a constant whatever they
     // are.
     rows.push_back({"stated table: reciprocity residual before symmetrising (of its largest value)",
-                    findings->reciprocity_residual, 1, true, "whole grid"});
+                    findings.reciprocity_residual, 1, true, "whole grid"});
     rows.push_back({"stated table: share of the hemisphere beyond its last zenith angle",
-                    findings->clamped_share, 1, true,
-                    absl::StrCat("beyond ", findings->last_zenith_deg, " deg")});
+                    findings.clamped_fraction, 1, true,
+                    absl::StrCat("beyond ", findings.last_zenith_deg, " deg")});
   }
   return rows;
 }

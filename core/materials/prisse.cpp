@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/materials/lobe_mixture.h"
 #include "core/materials/lobe_quadrature.h"
 #include "core/materials/spectra.h"
@@ -133,12 +134,10 @@ double prisse_roughness_factor(const Prisse& spec, double lambda_um) {
 }
 
 BrdfModelOr prepare_prisse(const Prisse& spec, const PreparedFor& at) {
-  if (auto status = first_failure(
-          {check_fraction(spec.reflectance, "reflectance", at.lambda_min_um, at.lambda_max_um),
-           check_between(spec.gamma_um, "gamma [um]", 1e-6, 1e6),
-           check_between(spec.lambda0_um, "lambda0 [um]", 0, 1e6)});
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(first_failure(
+      {check_fraction(spec.reflectance, "reflectance", at.lambda_min_um, at.lambda_max_um),
+       check_between(spec.gamma_um, "gamma [um]", 1e-6, 1e6),
+       check_between(spec.lambda0_um, "lambda0 [um]", 0, 1e6)}));
   for (const double lambda_um : at.node_um)
     if (const double r = prisse_roughness_factor(spec, lambda_um); !(r <= 1e8 && r >= 1e-4))
       return absl::InvalidArgumentError(absl::StrCat("gamma ", spec.gamma_um, " um gives r = ", r,

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/materials/lobe_mixture.h"
 #include "core/materials/lobe_quadrature.h"
 #include "core/materials/spectra.h"
@@ -214,13 +215,11 @@ class SandfordRobertsonModel final : public LobeModel {
 }  // namespace
 
 BrdfModelOr prepare_sandford_robertson(const SandfordRobertson& spec, const PreparedFor& at) {
-  if (auto status = first_failure(
-          {check_fraction(spec.emissivity, "emissivity", at.lambda_min_um, at.lambda_max_um),
-           check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
-           check_between(spec.lobe_width, "lobe width", 1e-4, 1),
-           check_between(spec.grazing, "grazing fall", 0, 0.999999)});
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(first_failure(
+      {check_fraction(spec.emissivity, "emissivity", at.lambda_min_um, at.lambda_max_um),
+       check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
+       check_between(spec.lobe_width, "lobe width", 1e-4, 1),
+       check_between(spec.grazing, "grazing fall", 0, 0.999999)}));
   const GrazingFall fall(spec.grazing);
   for (const double lambda_um : at.node_um) {
     const double sum =

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -56,9 +57,7 @@ OpticalConstant constants_at(const OpticalConstants& table, double lambda_um) {
 
 absl::Status check_covers(const OpticalConstants& table, double lambda_min_um,
                           double lambda_max_um) {
-  if (auto status = check_table(table, "table of optical constants", lambda_min_um, lambda_max_um);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(check_table(table, "table of optical constants", lambda_min_um, lambda_max_um));
   for (const OpticalConstant& c : table)
     if (!(c.n > 0 && c.k >= 0 && c.n < 1e12 && c.k < 1e12))
       return absl::InvalidArgumentError(
@@ -68,10 +67,8 @@ absl::Status check_covers(const OpticalConstants& table, double lambda_min_um,
 
 absl::Status check_fraction(const Spectrum& table, const char* what, double lambda_min_um,
                             double lambda_max_um) {
-  if (auto status = check_table(table, what, lambda_min_um, lambda_max_um); !status.ok())
-    return status;
-  for (const SpectralPoint& p : table)
-    if (auto status = check_between(p.value, what, 0, 1); !status.ok()) return status;
+  RETURN_IF_ERROR(check_table(table, what, lambda_min_um, lambda_max_um));
+  for (const SpectralPoint& p : table) RETURN_IF_ERROR(check_between(p.value, what, 0, 1));
   return absl::OkStatus();
 }
 

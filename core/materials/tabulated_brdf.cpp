@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/materials/gauss_legendre.h"
 
 namespace irsig {
@@ -288,7 +289,7 @@ class TabulatedModel final : public BrdfModel {
 }  // namespace
 
 BrdfModelOr prepare_tabulated_brdf(const TabulatedBrdf& spec, const PreparedFor& at) {
-  if (auto status = check_measured(spec); !status.ok()) return status;
+  RETURN_IF_ERROR(check_measured(spec));
   const bool grey = spec.lambda_um.size() == 1;
   if (!grey &&
       (spec.lambda_um.front() > at.lambda_min_um || spec.lambda_um.back() < at.lambda_max_um))
@@ -300,7 +301,7 @@ BrdfModelOr prepare_tabulated_brdf(const TabulatedBrdf& spec, const PreparedFor&
 }
 
 absl::StatusOr<TabulatedBrdfFindings> examine(const TabulatedBrdf& spec) {
-  if (auto status = check_measured(spec); !status.ok()) return status;
+  RETURN_IF_ERROR(check_measured(spec));
   const double first = std::max(spec.theta_i_deg.front(), spec.theta_r_deg.front());
   const double last = std::min(spec.theta_i_deg.back(), spec.theta_r_deg.back());
   Grid shared = united(spec.theta_i_deg, spec.theta_r_deg, {});

@@ -26,7 +26,7 @@ struct TabulatedBrdfFindings {
   double
       reciprocity_residual;  // largest |t(i, o) - t(o, i)| / largest t, where both are in the grid
   double last_zenith_deg;    // beyond it, in or out, the table is continued as a constant
-  double clamped_share;      // how much of the cosine-weighted hemisphere lies beyond it
+  double clamped_fraction;   // how much of the cosine-weighted hemisphere lies beyond it
 };
 // Errors: a table that is not one (sizes, order, ranges, negative values).
 [[nodiscard]] absl::StatusOr<TabulatedBrdfFindings> examine(const TabulatedBrdf& spec);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/materials/gauss_legendre.h"
 #include "core/materials/material.h"
 #include "core/materials/wavelength_range.h"
@@ -43,18 +44,18 @@ absl::StatusOr<TotalEmissivity> total_emissivity(const MaterialSpec& spec, doubl
     if (um >= table.min_um && um <= table.max_um) out.covered += 1.0 / kWavelengths;
     um = std::clamp(um, table.min_um, std::max(table.min_um, table.max_um));
   }
-  const auto material = Material::prepare(spec, node_um, node_um.front(), node_um.back());
-  if (!material.ok()) return material.status();
+  ASSIGN_OR_RETURN(const auto material,
+                   Material::prepare(spec, node_um, node_um.front(), node_um.back()));
   const QuadratureRule rule = gauss_legendre(16);
-  std::vector<float> emissivity(material->nodes());
+  std::vector<float> emissivity(material.nodes());
   for (std::size_t i = 0; i < rule.x.size(); ++i) {
     const auto cosine = static_cast<float>(rule.x[i]);
     const double weight = 2 * rule.x[i] * rule.w[i];
-    if (material->grey()) {
-      out.value += weight * static_cast<double>(material->emissivity(cosine));
+    if (material.grey()) {
+      out.value += weight * static_cast<double>(material.emissivity(cosine));
       continue;
     }
-    material->spectral_emissivity(cosine, emissivity.data());
+    material.spectral_emissivity(cosine, emissivity.data());
     for (const float e : emissivity) out.value += weight * static_cast<double>(e) / kWavelengths;
   }
   out.value = std::clamp(out.value, 0.0, 1.0);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/status_macros.h"
 #include "core/materials/lobe_mixture.h"
 #include "core/materials/lobe_quadrature.h"
 #include "core/materials/spectra.h"
@@ -124,13 +125,10 @@ class WardModel final : public LobeModel {
 }  // namespace
 
 BrdfModelOr prepare_ward(const Ward& spec, const PreparedFor& at) {
-  if (auto status = first_failure(
-          {check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
-           check_fraction(spec.specular, "specular reflectance", at.lambda_min_um,
-                          at.lambda_max_um),
-           check_between(spec.roughness, "roughness", 1e-4, 1)});
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(first_failure(
+      {check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
+       check_fraction(spec.specular, "specular reflectance", at.lambda_min_um, at.lambda_max_um),
+       check_between(spec.roughness, "roughness", 1e-4, 1)}));
   const bool grey = spec.diffuse.size() == 1 && spec.specular.size() == 1;
   return std::make_shared<const WardModel>(spec, grey ? 1 : at.node_um.size(), at.node_um);
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 
 namespace irsig {
@@ -116,14 +117,14 @@ double buoyancy_flux_m4_s3(const PlumeExit& exit, const PlumeAir& air) {
 }
 
 absl::StatusOr<std::vector<PlumeStation>> bent_plume(const PlumeExit& exit, const PlumeAir& air,
-                                                     double length_m, double step_share) {
-  if (absl::Status status = check(exit, air, length_m); !status.ok()) return status;
+                                                     double length_m, double step_fraction) {
+  RETURN_IF_ERROR(check(exit, air, length_m));
   const Model model(exit, air);
   State y = model.start();
   std::vector<PlumeStation> out{model.station(y, 0)};
   for (double s = 0; s < length_m;) {
     // What is left is not a step of a rounding error.
-    double h = step_share * out.back().radius_m;
+    double h = step_fraction * out.back().radius_m;
     if (s + 1.5 * h >= length_m) h = length_m - s;
     y = step(model, y, h);
     s = h == length_m - s ? length_m : s + h;

@@ -47,7 +47,7 @@ inline constexpr double kEntrainmentAlong = 0.11, kEntrainmentAcross = 0.6;
 [[nodiscard]] absl::StatusOr<std::vector<PlumeStation>> bent_plume(const PlumeExit& exit,
                                                                    const PlumeAir& air,
                                                                    double length_m,
-                                                                   double step_share = 0.02);
+                                                                   double step_fraction = 0.02);
 
 // F = g w R^2 (T_0 - T_a) / T_0, [m4/s3]: of Briggs' formula.
 [[nodiscard]] double buoyancy_flux_m4_s3(const PlumeExit& exit, const PlumeAir& air);

@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-double linear_source_share(double tau) {
+double linear_source_fraction(double tau) {
   if (tau > 0.7) return -std::expm1(-tau) / tau - std::exp(-tau) + 0.5 * std::expm1(-tau);
   // 1/2 sum over k >= 1 of (-1)^k k tau^(k+1) / (k+2)!
   double sum = 0, term = tau / 2;  // tau^(k+1) / (k+2)! with k = 0
@@ -35,7 +35,7 @@ GasLight light_through(std::span<const double> optical_depth, std::span<const Se
   for (std::size_t i = 0; i < source.size(); ++i) {
     const double tau = optical_depth[i], passed = std::exp(-in_front);
     const double absorbed = -std::expm1(-tau);
-    const double line = source[i].change == 0 ? 0 : source[i].change * linear_source_share(tau);
+    const double line = source[i].change == 0 ? 0 : source[i].change * linear_source_fraction(tau);
     out.emitted += passed * (source[i].mean * absorbed + line);
     out.contrast += passed * ((source[i].mean - background) * absorbed + line);
     in_front += tau;

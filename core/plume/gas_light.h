@@ -51,6 +51,6 @@ struct GasLight {
                                 std::span<const SegmentSource> coarse_source);
 
 // G(tau) above.
-[[nodiscard]] double linear_source_share(double optical_depth);
+[[nodiscard]] double linear_source_fraction(double optical_depth);
 
 }  // namespace irsig

@@ -52,8 +52,8 @@ void GasPiece::widen(const GasPiece& by) {
   least_k = std::min(least_k, by.least_k);
   most_k = std::max(most_k, by.most_k);
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
-    least_share[s] = std::min(least_share[s], by.least_share[s]);
-    most_share[s] = std::max(most_share[s], by.most_share[s]);
+    least_fraction[s] = std::min(least_fraction[s], by.least_fraction[s]);
+    most_fraction[s] = std::max(most_fraction[s], by.most_fraction[s]);
   }
 }
 
@@ -87,7 +87,7 @@ bool GasPiece::is_fine(const SegmentSteps& steps) const {
   constexpr double kRisesAndFalls = 4;
   double change = 0;
   for (std::size_t s = 0; s < kPlumeSpecies; ++s)
-    change = std::max(change, most_share[s] - least_share[s]);
+    change = std::max(change, most_fraction[s] - least_fraction[s]);
   const double range = most_k / least_k - 1;
   return steps.allow(course_of(segment).is_known ? range : kRisesAndFalls * range,
                      steps.grey.optical_depth(segment), change);

@@ -62,7 +62,7 @@ struct SegmentSteps {
 struct GasPiece {
   GasSegment segment;
   double least_k = 0, most_k = 0;
-  std::array<double, kPlumeSpecies> least_share{}, most_share{};
+  std::array<double, kPlumeSpecies> least_fraction{}, most_fraction{};
 
   void widen(const GasPiece& by);
   [[nodiscard]] bool is_fine(const SegmentSteps& steps) const;

@@ -5,6 +5,7 @@
 
 #include "core/base/clones.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/generated_volume.h"
 #include "fmt/format.h"
@@ -165,24 +166,21 @@ absl::StatusOr<GeneratedPlume> generate_funnel_plume(const FunnelPlume& plume) {
         plume.voxel_m, plume.exit.diameter_m));
   const Vec<Body> wind = relative_wind(plume.wind_m_s, plume.wind_from_deg, plume.ship_speed_m_s);
   const PlumeAir air{length(wind), plume.air_temperature_k, plume.air_pressure_pa};
-  absl::StatusOr<std::vector<PlumeStation>> stations = bent_plume(plume.exit, air, plume.length_m);
-  if (!stations.ok()) return stations.status();
-  const absl::StatusOr<ExhaustGas> gas =
-      exhaust_gas(plume.exhaust, plume.exit.temperature_k, plume.air_pressure_pa);
-  if (!gas.ok()) return gas.status();
+  ASSIGN_OR_RETURN(std::vector<PlumeStation> stations, bent_plume(plume.exit, air, plume.length_m));
+  ASSIGN_OR_RETURN(const ExhaustGas gas,
+                   exhaust_gas(plume.exhaust, plume.exit.temperature_k, plume.air_pressure_pa));
 
   GeneratedPlume out;
   out.downwind = air.wind_m_s > 0 ? normalized(wind) : Vec<Body>{1, 0, 0};
-  AxisOfPlume axis(*stations, out.downwind, plume.exit, plume.air_temperature_k,
+  AxisOfPlume axis(stations, out.downwind, plume.exit, plume.air_temperature_k,
                    0.5 * plume.voxel_m);
-  const absl::StatusOr<Blocks> blocks = reached_blocks(axis, plume.voxel_m);
-  if (!blocks.ok()) return blocks.status();
+  ASSIGN_OR_RETURN(const Blocks blocks, reached_blocks(axis, plume.voxel_m));
   GeneratedVolume volume(plume.voxel_m, plume.air_pressure_pa,
-                         {gas->co2, gas->h2o, gas->co, gas->soot});
+                         {gas.co2, gas.h2o, gas.co, gas.soot});
   const double h = plume.voxel_m, hotter = plume.exit.temperature_k - plume.air_temperature_k;
   // Two points an axis, of Gauss and Legendre.
   const double points[] = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
-  for (const auto& [origin, reached] : *blocks) {
+  for (const auto& [origin, reached] : blocks) {
     for (unsigned v = 0; v < 512; ++v) {
       const Place low{(origin[0] + static_cast<int>(v >> 6)) * h,
                       (origin[1] + static_cast<int>(v >> 3 & 7)) * h,
@@ -205,7 +203,7 @@ absl::StatusOr<GeneratedPlume> generate_funnel_plume(const FunnelPlume& plume) {
     }
     volume.add_block(origin);
   }
-  out.axis = *std::move(stations);
+  out.axis = std::move(stations);
   volume.finish(out);
   return out;
 }

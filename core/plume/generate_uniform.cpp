@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/generated_volume.h"
 #include "fmt/format.h"
@@ -68,11 +69,13 @@ GeneratedVolume::GeneratedVolume(double voxel_m, double pressure_pa,
   value_.resize(512 * volume_.channel.size());
 }
 
-void GeneratedVolume::set(unsigned offset, double temperature_k, double share, double soot_share) {
+void GeneratedVolume::set(unsigned offset, double temperature_k, double share,
+                          double soot_fraction) {
   float* to = value_.data() + offset * volume_.channel.size();
   to[0] = static_cast<float>(temperature_k);
   for (std::size_t c = 0; c < fraction_.size(); ++c)
-    to[c + 1] = static_cast<float>(fraction_[c].first * (fraction_[c].second ? soot_share : share));
+    to[c + 1] =
+        static_cast<float>(fraction_[c].first * (fraction_[c].second ? soot_fraction : share));
   mask_[offset >> 6] |= std::uint64_t{1} << (offset & 63);
 }
 
@@ -90,8 +93,7 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
   if (!(plume.voxel_m >= 1e-6 && plume.voxel_m <= 1e4))
     return absl::InvalidArgumentError(
         fmt::format("voxel_m {:g}, expected 1e-6 to 1e4", plume.voxel_m));
-  const absl::StatusOr<Extent> half = extent_of(plume);
-  if (!half.ok()) return half.status();
+  ASSIGN_OR_RETURN(const Extent half, extent_of(plume));
   // As a field of it would be refused.
   PlumeGrids said;
   said.temperature = {"", plume.temperature_k, "K"};
@@ -110,8 +112,8 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
 
   const double h = plume.voxel_m;
   const auto blocks = [&](double x) { return static_cast<std::int32_t>(std::ceil(x / (8 * h))); };
-  const double count = 8.0 * std::ceil(half->x / (8 * h)) * std::ceil(half->y / (8 * h)) *
-                       std::ceil(half->z / (8 * h));
+  const double count =
+      8.0 * std::ceil(half.x / (8 * h)) * std::ceil(half.y / (8 * h)) * std::ceil(half.z / (8 * h));
   if (count > static_cast<double>(kMostGeneratedBlocks))
     return absl::InvalidArgumentError(
         fmt::format("voxel_m {:g} makes {:g} blocks of 8^3 voxels, expected at most {}", h, count,
@@ -122,13 +124,13 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
     int in = 0, all = 0;
     const auto at = [&](int c, int n) { return h * (c + (n + 0.5) / kPoints); };
     for (int n = 0; n < kPoints * kPoints * kPoints; ++n, ++all)
-      in += inside_plume(plume, *half, at(i, n % kPoints), at(j, n / kPoints % kPoints),
+      in += inside_plume(plume, half, at(i, n % kPoints), at(j, n / kPoints % kPoints),
                          at(k, n / kPoints / kPoints));
     return static_cast<double>(in) / all;
   };
-  for (std::int32_t x = -blocks(half->x); x < blocks(half->x); ++x)
-    for (std::int32_t y = -blocks(half->y); y < blocks(half->y); ++y)
-      for (std::int32_t z = -blocks(half->z); z < blocks(half->z); ++z) {
+  for (std::int32_t x = -blocks(half.x); x < blocks(half.x); ++x)
+    for (std::int32_t y = -blocks(half.y); y < blocks(half.y); ++y)
+      for (std::int32_t z = -blocks(half.z); z < blocks(half.z); ++z) {
         for (int v = 0; v < 512; ++v)
           if (const double in = share(8 * x + (v >> 6), 8 * y + (v >> 3 & 7), 8 * z + (v & 7));
               in > 0)

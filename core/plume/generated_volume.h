@@ -15,7 +15,7 @@ class GeneratedVolume {
                   const std::array<double, kPlumeSpecies>& fraction);
   // A voxel of the block to be added: share of the mole fractions and of the soot's volume
   // fraction.
-  void set(unsigned offset, double temperature_k, double share, double soot_share);
+  void set(unsigned offset, double temperature_k, double share, double soot_fraction);
   void add_block(std::array<std::int32_t, 3> origin);
   void finish(GeneratedPlume& out);
 

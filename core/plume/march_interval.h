@@ -66,7 +66,7 @@ class IntervalMarcher {
     out.least_k = out.most_k = s.temperature_k;
     const double per_weight = 1 / s.weight;
     for (std::size_t k = 0; k < kPlumeSpecies; ++k)
-      out.least_share[k] = out.most_share[k] = share(k, s.amount[k], per_weight);
+      out.least_fraction[k] = out.most_fraction[k] = share(k, s.amount[k], per_weight);
     for (int i = 0; i < 3; ++i) {
       weight[i] = (i == 1 ? 4.0 : 1.0) / 6 * ends[i]->weight * length / s.weight;
       t[i] =
@@ -81,8 +81,8 @@ class IntervalMarcher {
       const double per_own = 1 / ends[i]->weight;
       for (std::size_t k = 0; k < kPlumeSpecies; ++k) {
         const double own = share(k, ends[i]->amount[k], per_own);
-        out.least_share[k] = std::min(out.least_share[k], own);
-        out.most_share[k] = std::max(out.most_share[k], own);
+        out.least_fraction[k] = std::min(out.least_fraction[k], own);
+        out.most_fraction[k] = std::max(out.most_fraction[k], own);
       }
     }
     // Share of the amount in the first half: of the parabola through the three weights.

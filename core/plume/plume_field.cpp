@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/plume/plume_field_maker.h"
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 #include "fmt/format.h"
 
 namespace irsig {
@@ -95,9 +96,8 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeField::make(VoxelVolume v
 
 absl::StatusOr<std::shared_ptr<const PlumeField>> plume_of(VoxelVolume volume,
                                                            const PlumeGrids& grids) {
-  const absl::StatusOr<PlumeReading> reading = check_plume_grids(grids);
-  if (!reading.ok()) return reading.status();
-  return PlumeField::make(std::move(volume), *reading);
+  ASSIGN_OR_RETURN(const PlumeReading reading, check_plume_grids(grids));
+  return PlumeField::make(std::move(volume), reading);
 }
 
 absl::StatusOr<std::shared_ptr<const PlumeField>> import_plume(std::string_view file,

@@ -127,8 +127,8 @@ class PlumeField {
   mutable absl::StatusOr<std::shared_ptr<const PlumeField>> half_;
 };
 
-// Reads a VDB file (in a process of its own, vdb_apart.h) and makes the field. Errors begin with
-// file_name.
+// Reads a VDB file (in a process of its own, vdb_subprocess.h) and makes the field. Errors begin
+// with file_name.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const PlumeField>> import_plume(
     std::string_view file, const std::string& file_name, const PlumeGrids& grids);
 

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "fmt/format.h"
 
 namespace irsig {
@@ -292,8 +293,8 @@ void PlumeFieldMaker::sort_values() {
 
 absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeFieldMaker::make() {
   field_.reset(new PlumeField());
-  if (absl::Status status = match_channels(); !status.ok()) return status;
-  if (absl::Status status = check_lattice(); !status.ok()) return status;
+  RETURN_IF_ERROR(match_channels());
+  RETURN_IF_ERROR(check_lattice());
   field_->interpolation_ = reading_.interpolation;
   field_->temperature_ = reading_.temperature;
   field_->pressure_ = reading_.pressure;
@@ -301,7 +302,7 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeFieldMaker::make() {
   field_->channels_ = channel_.size();
   std::size_t read = 0, written = 0;
   for (std::size_t b = 0; b < volume_.block.size(); ++b) take_block(b, read, written);
-  if (absl::Status status = faults(); !status.ok()) return status;
+  RETURN_IF_ERROR(faults());
   if (origin_.empty())
     return refuse(fmt::format("no gas: in the {} active voxels co2, h2o, co and soot are all 0",
                               field_->report_.warm_without_gas));

@@ -14,16 +14,16 @@ Vec<Body> between(const std::vector<Vec<Body>>& vertex, const CutVertex& v) {
   return (1 - v.share) * vertex[v.from] + v.share * vertex[v.to];
 }
 
-// One round: cuts each edge once where `share_of` says so, a share in (0, 1) of the way from its
+// One round: cuts each edge once where `fraction_of` says so, a share in (0, 1) of the way from its
 // higher vertex to its lower one, so that it is the same whichever facet asks, also where a file
 // has a vertex twice; else 0. Whether any was.
 template <typename ShareOf>
-bool cut_once(const ShareOf& share_of, Mesh& mesh, std::vector<CutVertex>& made) {
+bool cut_once(const ShareOf& fraction_of, Mesh& mesh, std::vector<CutVertex>& made) {
   absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cut_of;
   const auto cut_at = [&](std::uint32_t a, std::uint32_t b) -> std::int64_t {
     const double above = mesh.vertex[b].z - mesh.vertex[a].z;  // z is down
     if (above < 0 || (above == 0 && b < a)) std::swap(a, b);
-    const double share = share_of(mesh.vertex[a], mesh.vertex[b]);
+    const double share = fraction_of(mesh.vertex[a], mesh.vertex[b]);
     if (share == 0) return -1;
     const auto [at, is_new] =
         cut_of.try_emplace(std::pair{a, b}, static_cast<std::uint32_t>(mesh.vertex.size()));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/sobol.h"
+#include "core/base/status_macros.h"
 #include "core/scene/settle_spheres.h"
 #include "fmt/format.h"
 
@@ -240,7 +241,7 @@ absl::Status check(const ParticleBed& bed) {
 }  // namespace
 
 absl::StatusOr<ParticleModel> generate_particles(const ParticleBed& bed) {
-  if (const absl::Status status = check(bed); !status.ok()) return status;
+  RETURN_IF_ERROR(check(bed));
   std::vector<double> share;  // by number
   double largest_m = 0, smallest_m = bed.size.front().diameter_m, sum = 0;
   for (const GrainSize& s : bed.size) {

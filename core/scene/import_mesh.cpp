@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/status_macros.h"
 #include "core/scene/import_formats.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
@@ -102,9 +103,7 @@ absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how) 
         "reference \"{}\", expected origin, bbox_center or bbox_bottom_center", how.reference));
   }
 
-  absl::StatusOr<FileMesh> read = read_file(bytes, how.file_name);
-  if (!read.ok()) return read.status();
-  FileMesh& file = *read;
+  ASSIGN_OR_RETURN(FileMesh & file, read_file(bytes, how.file_name));
   if (file.triangle.empty()) return refuse("the mesh is empty: no facet was found");
 
   const Box box = box_of(file);

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 
@@ -96,8 +97,7 @@ bool is_convex(const Target& target) {
 
 absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa,
                                    TracerOptions options) {
-  auto part_of_group = part_of_groups(mesh, parts);
-  if (!part_of_group.ok()) return part_of_group.status();
+  ASSIGN_OR_RETURN(auto part_of_group, part_of_groups(mesh, parts));
 
   Target target;
   target.part = std::move(parts);
@@ -125,7 +125,7 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
     const Vec<Body> a = mesh.vertex[corner[0]];
     const Vec<Body> twice = cross(mesh.vertex[corner[1]] - a, mesh.vertex[corner[2]] - a);
     const double norm = length(twice);
-    const std::uint32_t part = (*part_of_group)[mesh.triangle_group[i]];
+    const std::uint32_t part = part_of_group[mesh.triangle_group[i]];
     const double inverse = norm > 0 ? 1 / norm : 0;
     target.facet.push_back({static_cast<float>(inverse * twice.x),
                             static_cast<float>(inverse * twice.y),
@@ -133,9 +133,8 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
     target.part_area_m2[part] += 0.5 * norm;
     target.triangle.insert(target.triangle.end(), corner.begin(), corner.end());
   }
-  auto tracer = Tracer::build(target.vertex, target.triangle, isa, options);
-  if (!tracer.ok()) return tracer.status();
-  target.tracer = *std::move(tracer);
+  ASSIGN_OR_RETURN(auto tracer, Tracer::build(target.vertex, target.triangle, isa, options));
+  target.tracer = std::move(tracer);
   target.convex = is_convex(target);
   return target;
 }

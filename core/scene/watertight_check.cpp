@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/sobol.h"
+#include "core/base/status_macros.h"
 #include "core/scene/hit_judge.h"
 #include "fmt/format.h"
 
@@ -45,10 +46,9 @@ class Checker {
  public:
   static absl::StatusOr<Checker> create(const Mesh& mesh, const WatertightCheck& what) {
     Checker checker(mesh, what);
-    auto tracer =
-        Tracer::build(checker.judge_.vertex(), checker.judge_.triangle(), what.isa, what.options);
-    if (!tracer.ok()) return tracer.status();
-    checker.tracer_ = *std::move(tracer);
+    ASSIGN_OR_RETURN(
+        checker.tracer_,
+        Tracer::build(checker.judge_.vertex(), checker.judge_.triangle(), what.isa, what.options));
     if (!checker.find_origins())
       return absl::InvalidArgumentError("the mesh encloses no volume to start rays from");
     return checker;
@@ -195,9 +195,8 @@ class Checker {
 absl::StatusOr<WatertightCounts> check_watertight(const Mesh& mesh, const WatertightCheck& check) {
   if (mesh.vertex.empty() || mesh.triangle.empty())
     return absl::InvalidArgumentError("the mesh is empty");
-  absl::StatusOr<Checker> checker = Checker::create(mesh, check);
-  if (!checker.ok()) return checker.status();
-  return checker->run();
+  ASSIGN_OR_RETURN(Checker checker, Checker::create(mesh, check));
+  return checker.run();
 }
 
 absl::StatusOr<Mesh> import_from_offset(const Mesh& mesh, double offset_m) {

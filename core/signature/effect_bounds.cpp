@@ -214,19 +214,19 @@ PilotLimits best_case(const PreparedScene& scene, const ViewRequest& request, co
 }
 
 std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewRequest& request,
-                                     const PilotLimits& pilot, const UnseenLight* lit,
+                                     const PilotLimits& pilot, const UndersampledSources* lit,
                                      ViewSurroundings& surroundings) {
   const std::size_t bands = scene.axis.bands();
   const SurfaceLimits surface = surface_limits(scene);
   const double q0 = pilot.beyond_m2, area_m2 = pilot.area_m2;
-  const UnseenLight::Sun dark_facets;
+  const UndersampledSources::Sun dark_facets;
   std::vector<RowBounds> out;
   for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
     const ConditionSpec& condition = request.condition[c];
     const LightBounds& light = surroundings.bounds(c);
     const std::vector<double> sun_arrives =
         arriving_sunlight(light, request.environment != nullptr, scene.axis.node_um());
-    const UnseenLight::Sun& facets =
+    const UndersampledSources::Sun& facets =
         lit != nullptr && sun_shines(condition)
             ? lit->of({condition.sun_direction,
                        condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0})

@@ -30,7 +30,8 @@ struct PilotLimits {
 // limit of what is seen whatever else happens; A: the area, Q0: what is left after the first facet.
 //
 //   reflected sky, sea, parts   Q0 x the brightest of them
-//   direct sun                  what facets mirror at most (UnseenLight), and Q0 x the largest
+//   direct sun                  what facets mirror at most (UndersampledSources), and Q0 x the
+//   largest
 //                               radiance of any lit facet
 //   diffuse and mirrored sun    Q0 x their largest radiance, or the facets' largest BRDF x their
 //                               irradiance
@@ -42,7 +43,8 @@ struct PilotLimits {
 // matt and turned to it.
 [[nodiscard]] std::vector<RowBounds> effect_bounds(const PreparedScene& scene,
                                                    const ViewRequest& request,
-                                                   const PilotLimits& pilot, const UnseenLight* lit,
+                                                   const PilotLimits& pilot,
+                                                   const UndersampledSources* lit,
                                                    ViewSurroundings& surroundings);
 
 // The same without goals and bounds: what is absent only.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/ordered_dot.h"
+#include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/pass.h"
 #include "core/signature/unseen.h"
@@ -63,12 +64,12 @@ GasMeasurement::GasMeasurement(Where where, const PreparedScene& scene, const Vi
 
 absl::StatusOr<bool> GasMeasurement::find() {
   if (!on_hull_) {
-    auto boxed = make_boxed_view(scene_.target, request_.viewpoint, sight_of(*field_));
-    if (!boxed.ok()) return boxed.status();
-    aimed_ = std::make_shared<const AimedView>(std::move(boxed->view));
-    sight_ = std::move(boxed->sight);
+    ASSIGN_OR_RETURN(auto boxed,
+                     make_boxed_view(scene_.target, request_.viewpoint, sight_of(*field_)));
+    aimed_ = std::make_shared<const AimedView>(std::move(boxed.view));
+    sight_ = std::move(boxed.sight);
   }
-  const auto survey = std::make_shared<const GasSurvey>(field_, scene_.target.centre);
+  const auto survey = std::make_shared<const ColumnCollector>(field_, scene_.target.centre);
   samples_ = pilots_.survey;
   run(survey, samples_, 0, reflections(true));
   if (on_hull_ && survey->columns().empty() && plan_.samples_per_replicate > samples_) {
@@ -81,16 +82,15 @@ absl::StatusOr<bool> GasMeasurement::find() {
   std::vector<std::vector<double>> tested;
   for (const GasColumn& column : survey->columns())
     tests.test(column, tested.emplace_back(ColumnTests::kCount));
-  if (auto status = choose_classes(survey->columns(), tested, tests); !status.ok()) return status;
+  RETURN_IF_ERROR(choose_classes(survey->columns(), tested, tests));
   std::vector<PathWeights> pilot = run(gas_, pilots_.second, 1, reflections(true));
-  if (auto status = choose_nodes(survey->columns(), tested, sum_of(pilot)); !status.ok())
-    return status;
+  RETURN_IF_ERROR(choose_nodes(survey->columns(), tested, sum_of(pilot)));
   samples_ = pilots_.second;
   const std::vector<double> sums = sum_of(pilot);
   if (!on_hull_) {
     gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, most_absorbed_,
                                              class_tests_, thick());
-    if (auto status = find_voxel_errors(tests); !status.ok()) return status;
+    RETURN_IF_ERROR(find_voxel_errors(tests));
   }
   keep(std::move(pilot));
   if (!on_hull_) image_plan_ = plan_images(sums);
@@ -120,14 +120,14 @@ std::vector<double> GasMeasurement::sent_w_sr() const {
   return out;
 }
 
-std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const GasOnRays> gas,
+std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const RayMedium> gas,
                                              std::uint64_t samples, std::uint64_t stage,
                                              std::uint32_t reflections) {
   std::vector<double> none;
   return run(std::move(gas), *aimed_, samples, stage, reflections, {}, none);
 }
 
-std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const GasOnRays> gas,
+std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const RayMedium> gas,
                                              const AimedView& view, std::uint64_t samples,
                                              std::uint64_t stage, std::uint32_t reflections,
                                              const ImagePlan& images, std::vector<double>& image) {
@@ -142,7 +142,7 @@ std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const GasOnRays> ga
   settings.max_reflections = reflections;
   if (on_hull_) {
     // Hardly any reflected ray meets gas, and those are all that counts.
-    settings.persistence = 8;
+    settings.roulette_survival_scale = 8;
     settings.split = kSplit;
   }
   const PathTracer tracer(scene_.target, scene_.carried_material(), view, std::move(geometry),
@@ -261,10 +261,9 @@ absl::Status GasMeasurement::prepare(const std::vector<GasColumn>& columns,
                                      std::vector<HotColumn>& hot,
                                      std::vector<ColumnLight>& here) const {
   for (const GasColumn& column : columns) {
-    auto made = HotColumn::make(column, wavelengths_);
-    if (!made.ok()) return made.status();
-    here.push_back(made->at_near_end());
-    hot.push_back(*std::move(made));
+    ASSIGN_OR_RETURN(auto made, HotColumn::make(column, wavelengths_));
+    here.push_back(made.at_near_end());
+    hot.push_back(std::move(made));
   }
   return absl::OkStatus();
 }
@@ -321,7 +320,7 @@ absl::Status GasMeasurement::choose_nodes(const std::vector<GasColumn>& columns,
       chosen.push_back(columns[place[c]]);
       nodes.tests.push_back(of_set[c]);
     }
-    if (auto status = prepare(chosen, nodes.column, nodes.here); !status.ok()) return status;
+    RETURN_IF_ERROR(prepare(chosen, nodes.column, nodes.here));
   }
   for (std::size_t b = 0; b < scene_.axis.bands(); ++b)
     band_tests_.push_back(tests_of({&nodes_[0], &nodes_[1]}, b));

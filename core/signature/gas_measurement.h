@@ -61,9 +61,9 @@ class GasMeasurement {
     std::vector<ColumnLight> classes;
   };
 
-  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
+  std::vector<PathWeights> run(std::shared_ptr<const RayMedium> gas, std::uint64_t samples,
                                std::uint64_t stage, std::uint32_t reflections);
-  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, const AimedView& view,
+  std::vector<PathWeights> run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
                                std::uint64_t samples, std::uint64_t stage,
                                std::uint32_t reflections, const ImagePlan& images,
                                std::vector<double>& image);

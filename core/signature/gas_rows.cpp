@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "core/signature/gas_measurement.h"
 #include "core/spectral/planck.h"
 
@@ -97,33 +98,28 @@ class GasOfField {
                  pictures, field, condition) {}
 
   absl::Status trace() {
-    auto seen = in_sight_.find();
-    if (!seen.ok()) return seen.status();
-    seen_ = *seen;
+    ASSIGN_OR_RETURN(seen_, in_sight_.find());
     if (seen_ && !without_) in_sight_.measure({});
-    auto met = on_hull_.find();
-    if (!met.ok()) return met.status();
-    met_ = *met;
+    ASSIGN_OR_RETURN(met_, on_hull_.find());
     return absl::OkStatus();
   }
 
   // [selected band] which: of its conditions
   absl::StatusOr<std::vector<GasRow>> rows(std::size_t which) {
     const std::uint32_t condition = request_.selected_condition[condition_[which]];
-    auto seen = rows_of(seen_ ? &in_sight_ : nullptr, which);
-    if (!seen.ok()) return seen.status();
+    ASSIGN_OR_RETURN(auto seen, rows_of(seen_ ? &in_sight_ : nullptr, which));
     // Of few rays, and of as many as are wanted; made when they are asked for.
     std::optional<std::vector<GasRow>> few, all;
-    for (std::size_t i = 0; i < seen->size(); ++i) {
+    for (std::size_t i = 0; i < seen.size(); ++i) {
       const std::uint32_t band = request_.selected_band[i];
-      GasRow& row = (*seen)[i];
+      GasRow& row = seen[i];
       RowBounds::Bound left_out = unmet(band);
       const bool room = !plan_.room.empty(), forced = without_ || without_hull();
       const EffectPlanner::Room& of_row =
           room ? plan_.room[condition * scene_.axis.bands() + band] : EffectPlanner::Room{};
       bool off = forced || !met_;
       if (met_ && (forced || (room && on_hull_.sent_w_sr()[band] <= of_row.source))) {
-        if (auto status = make(on_hull_, which, few); !status.ok()) return status;
+        RETURN_IF_ERROR(make(on_hull_, which, few));
         left_out = limit_of((*few)[i]);
         off = forced || EffectPlanner::fits(left_out, of_row);
       }
@@ -134,7 +130,7 @@ class GasOfField {
           full_.emplace(on_hull_);
           full_->measure(seen_ ? in_sight_.sent_w_sr() : std::vector<double>());
         }
-        if (auto status = make(*full_, which, all); !status.ok()) return status;
+        RETURN_IF_ERROR(make(*full_, which, all));
         most = limit_of((*all)[i]);
         seconds = static_cast<double>((*all)[i].rays) * kRaySeconds;
         add_on_hull((*all)[i], row);
@@ -150,7 +146,7 @@ class GasOfField {
                                               : EffectReason::kForced,
                                   most);
       hull.time_s = seconds;
-      if (!hull_off) hull.share_w_sr = row.on_hull.value;
+      if (!hull_off) hull.fraction_w_sr = row.on_hull.value;
       RowBounds::Bound plume = limit_of(row), lines{false, 0, row.lines_w_sr, row.lines_w_sr};
       const bool product = request_.effects.without(Effect::kHotLineCorrelation) && !without_;
       if (without_) {
@@ -170,7 +166,7 @@ class GasOfField {
           hull,
           entry_of(Effect::kHotLineCorrelation, product || without_,
                    product || without_ ? EffectReason::kForced : EffectReason::kNotAsked, lines)};
-      if (!without_) row.ledger.front().share_w_sr = row.source.in_band.value;
+      if (!without_) row.ledger.front().fraction_w_sr = row.source.in_band.value;
     }
     return seen;
   }
@@ -201,9 +197,7 @@ class GasOfField {
   static absl::Status make(const GasMeasurement& gas, std::size_t which,
                            std::optional<std::vector<GasRow>>& rows) {
     if (rows) return absl::OkStatus();
-    auto made = gas.rows(which);
-    if (!made.ok()) return made.status();
-    rows = *std::move(made);
+    ASSIGN_OR_RETURN(rows, gas.rows(which));
     return absl::OkStatus();
   }
   // Of gas that no reflected ray has met: as hot and black as it may be.
@@ -240,8 +234,7 @@ absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
       if (std::find(fields.begin(), fields.end(), field) == fields.end()) fields.push_back(field);
   std::vector<std::optional<GasRow>> out;
   if (fields.empty()) return out;
-  const auto wavelengths = GasWavelengths::make(scene.axis.node_um());
-  if (!wavelengths.ok()) return wavelengths.status();
+  ASSIGN_OR_RETURN(const auto wavelengths, GasWavelengths::make(scene.axis.node_um()));
   const std::size_t bands = request.selected_band.size();
   out.resize(request.selected_condition.size() * bands);
   const ViewSources sources({.condition = request.condition,
@@ -254,13 +247,12 @@ absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
     std::vector<std::size_t> having;
     for (std::size_t i = 0; i < request.selected_condition.size(); ++i)
       if (request.condition[request.selected_condition[i]].gas == field) having.push_back(i);
-    GasOfField gas(scene, request, plan, *view, sources, *wavelengths, pictures, field, having);
-    if (auto status = gas.trace(); !status.ok()) return status;
+    GasOfField gas(scene, request, plan, *view, sources, wavelengths, pictures, field, having);
+    RETURN_IF_ERROR(gas.trace());
     for (std::size_t which = 0; which < having.size(); ++which) {
       const std::size_t first = having[which] * bands;
-      auto rows = gas.rows(which);
-      if (!rows.ok()) return rows.status();
-      for (std::size_t b = 0; b < bands; ++b) out[first + b] = std::move((*rows)[b]);
+      ASSIGN_OR_RETURN(auto rows, gas.rows(which));
+      for (std::size_t b = 0; b < bands; ++b) out[first + b] = std::move(rows[b]);
     }
   }
   return out;

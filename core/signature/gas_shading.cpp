@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/ordered_dot.h"
+#include "core/base/status_macros.h"
 #include "core/signature/gas_measurement.h"
 
 namespace irsig {
@@ -25,9 +26,7 @@ absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) cons
         "hot gas behind imported air: its lines are not known, and band means do not multiply");
   std::optional<AirBeforeColumns> air;
   if (environment.air != nullptr) {
-    auto made = AirBeforeColumns::make(*environment.air, wavelengths_);
-    if (!made.ok()) return made.status();
-    air = *std::move(made);
+    ASSIGN_OR_RETURN(air, AirBeforeColumns::make(*environment.air, wavelengths_));
   }
   const auto at_sensor = [&](const std::vector<HotColumn>& columns,
                              const std::vector<ColumnLight>& here) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/pass.h"
 #include "core/signature/shading.h"
@@ -75,10 +76,10 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
 
   std::optional<ViewSurroundings> surroundings;
   if (request.environment == nullptr || request.environment != measured.request.environment) {
-    auto made = ViewSurroundings::make(request, scene.target, measured.request.viewpoint.range_m,
-                                       scene.axis.node_um(), &measured.view.environments.behind);
-    if (!made.ok()) return made.status();
-    surroundings.emplace(*std::move(made));
+    ASSIGN_OR_RETURN(auto made, ViewSurroundings::make(
+                                    request, scene.target, measured.request.viewpoint.range_m,
+                                    scene.axis.node_um(), &measured.view.environments.behind));
+    surroundings.emplace(std::move(made));
   }
   std::vector<RowChange> out;
   std::vector<std::vector<double>> values;
@@ -87,13 +88,12 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
     ViewEnvironment moved_air;
     const ViewEnvironment* environment = &measured.view.environments.condition[c];
     if (surroundings) {
-      auto seen = surroundings->see_like(measured.view.environments, c, measured.plan.effects);
-      if (!seen.ok()) return seen.status();
-      moved_air = *std::move(seen);
+      ASSIGN_OR_RETURN(
+          moved_air, surroundings->see_like(measured.view.environments, c, measured.plan.effects));
       environment = &moved_air;
       if (environment->around.count() != sources.geometry().directions.count() ||
-          environment->behind_apparent.size() !=
-              measured.view.environments.condition[c].behind_apparent.size())
+          environment->background_apparent.size() !=
+              measured.view.environments.condition[c].background_apparent.size())
         return absl::InternalError("a moved air has other directions than the view");
     }
     std::vector<LitSun> suns;

@@ -10,6 +10,7 @@
 #include "core/accuracy/pilot_samples.h"
 #include "core/base/constants.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/signature/aim_at_bright.h"
 #include "core/signature/effect_bounds.h"
 #include "core/signature/in_sight.h"
@@ -69,7 +70,7 @@ void carry_out(const EffectPlanner& planner, const ViewRequest& request, const T
   effects.joined_lines = planner.on_anywhere(Effect::kJoinedLines);
   if (!effects.parts || (trust_convexity && target.convex))
     effects.max_reflections = std::min(effects.max_reflections, 1u);
-  effects.no_second_hit = trust_convexity && target.convex;
+  effects.skip_self_intersection = trust_convexity && target.convex;
   effects.sun.resize(request.condition.size());
   for (std::size_t c = 0; c < effects.sun.size(); ++c)
     effects.sun[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
@@ -81,8 +82,8 @@ void carry_out(const EffectPlanner& planner, const ViewRequest& request, const T
 }
 
 // Of the silhouette, surely seen from behind.
-double backface_share_at_least(const Pass& pilot) {
-  const double share = pilot.backface_share();
+double backface_fraction_at_least(const Pass& pilot) {
+  const double share = pilot.backface_fraction();
   const auto hits =
       static_cast<double>(pilot.counts().silhouette_backface_hits + pilot.counts().target_paths);
   return hits > 0 ? std::max(0.0, share - 4 * std::sqrt(share * (1 - share) / hits)) : 0;
@@ -275,22 +276,21 @@ absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
   const std::vector<std::uint32_t> conditions = all_of(request.condition.size());
   if (request.environment == nullptr || plan.effects.max_reflections == 0 ||
       !(plan.effects.sky || plan.effects.lower))
-    return surroundings.see(conditions, plan.effects);
+    return surroundings.evaluate(conditions, plan.effects);
   const bool forced_off = !plan.effects.joined_lines;
   if (!forced_off && !fewer_lines_may_fit(rows, bands, planner))
-    return surroundings.see(conditions, plan.effects);
+    return surroundings.evaluate(conditions, plan.effects);
   plan.effects.joined_lines = false;
-  auto seen = surroundings.see(conditions, plan.effects);
-  if (!seen.ok()) return seen.status();
+  ASSIGN_OR_RETURN(auto seen, surroundings.evaluate(conditions, plan.effects));
   const bool left_out =
       planner.leave_out(Effect::kJoinedLines, fewer_lines_bounds(rows, bands, [&](std::size_t c) {
-                          return seen->condition[c].joined_lines_bound;
+                          return seen.condition[c].joined_lines_bound;
                         }));
   plan.omitted = planner.omitted();
   plan.ledger = planner.ledger();
   if (left_out || forced_off) return seen;
   plan.effects.joined_lines = true;
-  return surroundings.see(conditions, plan.effects);
+  return surroundings.evaluate(conditions, plan.effects);
 }
 
 // The user may leave out what he likes, but not without an error that can be stated.
@@ -343,7 +343,7 @@ std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request) 
 
 absl::Status check_request(const PreparedScene& scene, const ViewRequest& request) {
   const Viewpoint& viewpoint = request.viewpoint;
-  if (auto status = check_outside(scene.target, viewpoint); !status.ok()) return status;
+  RETURN_IF_ERROR(check_outside(scene.target, viewpoint));
   for (const ConditionSpec& c : request.condition)
     if (c.part_temperature_k.size() != scene.target.part.size())
       return absl::InvalidArgumentError("a condition does not state one temperature for each part");
@@ -377,7 +377,7 @@ absl::Status check_request(const PreparedScene& scene, const ViewRequest& reques
 }
 
 absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest& request) {
-  if (auto status = check_request(scene, request); !status.ok()) return status;
+  RETURN_IF_ERROR(check_request(scene, request));
   const AccuracySpec& accuracy = request.accuracy;
   const bool goal = accuracy.relative_error > 0;
   const bool automatic = request.effects.mode == EffectChoice::Mode::kAuto && goal;
@@ -387,18 +387,18 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   std::shared_ptr<const AimedView> aimed;
   if (goal || accuracy.target_paths > 0 || forced_off)
     aimed = std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint));
-  std::shared_ptr<const UnseenLight> unseen;
+  std::shared_ptr<const UndersampledSources> unseen;
   if (aimed != nullptr)
-    unseen = std::make_shared<const UnseenLight>(scene.target, scene.places,
-                                                 scene.carried_material(), aimed->frame);
+    unseen = std::make_shared<const UndersampledSources>(scene.target, scene.places,
+                                                         scene.carried_material(), aimed->frame);
   const std::uint64_t seed = view_seed(scene, request);
-  auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
-                                             scene.axis.node_um());
-  if (!surroundings.ok()) return surroundings.status();
+  ASSIGN_OR_RETURN(auto surroundings,
+                   ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
+                                          scene.axis.node_um()));
 
   ViewPlan plan = plan_with_everything(request);
   plan.samples_per_replicate = accuracy.samples_per_replicate;
-  if (goal) plan.absolute_floor_w_m2_sr = absolute_floors(scene, request, *surroundings);
+  if (goal) plan.absolute_floor_w_m2_sr = absolute_floors(scene, request, surroundings);
 
   // What is left out follows from a pilot of the emission alone, unless nothing could be.
   const std::uint64_t emission_size = emission_samples(accuracy.relative_error);
@@ -410,26 +410,25 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   const bool decided =
       forced_off ||
       (automatic && worth_a_pilot(effect_bounds(scene, request,
-                                                best_case(scene, request, plan, *surroundings,
+                                                best_case(scene, request, plan, surroundings,
                                                           emission_size * accuracy.replicates),
-                                                nullptr, *surroundings),
+                                                nullptr, surroundings),
                                   bands, request));
   if (decided) {
     ViewPlan emission_plan = plan;
     emission_plan.effects = without_reflections;
     emission_view = std::make_shared<const PreparedView>(
-        PreparedView{aimed, surroundings->without_light(), without_reflections, unseen});
+        PreparedView{aimed, surroundings.without_light(), without_reflections, unseen});
     emission.emplace(scene, request, emission_plan, emission_view, all, seed);
     emission->run(emission_size, kEmissionStage, Pass::Kind::kPilot);
     plan.pilot_rays += emission->counts().rays;
-    rows = effect_bounds(scene, request, limits_of(*emission), unseen.get(), *surroundings);
+    rows = effect_bounds(scene, request, limits_of(*emission), unseen.get(), surroundings);
   }
   if (request.max_reflections == 0) take_out_reflections(rows);
   EffectPlanner planner(rows, bands, request.effects);
   if (decided) planner.decide();
   carry_out(planner, request, scene.target, automatic, plan);
-  if (forced_off)
-    if (auto status = check_forced(rows, planner, bands); !status.ok()) return status;
+  if (forced_off) RETURN_IF_ERROR(check_forced(rows, planner, bands));
 
   const auto prepared = [&](ViewEnvironments environments) {
     return std::make_shared<const PreparedView>(
@@ -438,9 +437,8 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   if (!goal && accuracy.target_paths <= 0) {
     if (!forced_off) return MadePlan{std::move(plan), nullptr};
     // With it the bound of the lines, if they are left out.
-    auto seen = see_planned(request, rows, bands, *surroundings, planner, plan);
-    if (!seen.ok()) return seen.status();
-    auto view = prepared(*std::move(seen));
+    ASSIGN_OR_RETURN(auto seen, see_planned(request, rows, bands, surroundings, planner, plan));
+    auto view = prepared(std::move(seen));
     return MadePlan{std::move(plan), std::move(view)};
   }
   std::shared_ptr<const PreparedView> view;
@@ -448,10 +446,9 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   if (emission && automatic && plan.effects.max_reflections == 0 && request.max_reflections > 0) {
     // The pilot of the emission was the pilot of all there is.
     emission->leave_out(plan.omitted);
-    auto seen = surroundings->see(all.condition, plan.effects);
-    if (!seen.ok()) return seen.status();
-    view = prepared(*std::move(seen));
-    if (backface_share_at_least(*emission) > request.accepted_backface_share) {
+    ASSIGN_OR_RETURN(auto seen, surroundings.evaluate(all.condition, plan.effects));
+    view = prepared(std::move(seen));
+    if (backface_fraction_at_least(*emission) > request.accepted_backface_fraction) {
       plan.samples_per_replicate = emission_size;
       return MadePlan{std::move(plan), std::move(view)};
     }
@@ -460,24 +457,24 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     wanted = for_goal(scene, request, emission_plan, *emission_view, *emission, all, emission_size,
                       plan.pilot_rays);
   } else {
-    auto seen = decided ? see_planned(request, rows, bands, *surroundings, planner, plan)
-                        : surroundings->see(all.condition, plan.effects);
-    if (!seen.ok()) return seen.status();
-    view = prepared(*std::move(seen));
+    ASSIGN_OR_RETURN(auto seen, decided
+                                    ? see_planned(request, rows, bands, surroundings, planner, plan)
+                                    : surroundings.evaluate(all.condition, plan.effects));
+    view = prepared(std::move(seen));
     Pass pilot(scene, request, plan, view, all, seed);
     if (!goal) {
-      if (auto status = count_target_paths(pilot, accuracy, plan); !status.ok()) return status;
+      RETURN_IF_ERROR(count_target_paths(pilot, accuracy, plan));
       return MadePlan{std::move(plan), std::move(view)};
     }
     pilot.run(kFirstPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
     plan.pilot_rays += pilot.counts().rays;
     if (automatic && !decided) {
       // The bounds are for the ledger, and for what late reflections may take.
-      rows = effect_bounds(scene, request, limits_of(pilot), unseen.get(), *surroundings);
+      rows = effect_bounds(scene, request, limits_of(pilot), unseen.get(), surroundings);
       planner = EffectPlanner(rows, bands, request.effects);
       plan.ledger = planner.ledger();
     }
-    if (backface_share_at_least(pilot) > request.accepted_backface_share) {
+    if (backface_fraction_at_least(pilot) > request.accepted_backface_fraction) {
       plan.samples_per_replicate = kFirstPilotSamples;
       return MadePlan{std::move(plan), std::move(view)};
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
 #include "core/signature/gas_rows.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/pass.h"
@@ -41,14 +42,14 @@ void add_path(const ViewEnvironment& e, const BandOnAxis& band, double backgroun
     // Path radiance is common to the target and what stands behind it; what either sends through
     // the air is not. Where next to nothing comes through, nothing of it is known.
     constexpr double kOpaque = 1e-6;
-    const double behind_w_sr_um =
+    const double background_w_sr_um =
         transmittance > kOpaque
             ? r.projected_area_m2.value * std::max(0.0, r.background_spectral.value[k] - radiance) /
                   transmittance
             : 0;
     for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
       if (e.model_error_transmittance.empty()) continue;
-      difference_lost_w_sr += grid.band_weight[i] * (r.spectral.value[k] - behind_w_sr_um) *
+      difference_lost_w_sr += grid.band_weight[i] * (r.spectral.value[k] - background_w_sr_um) *
                               e.model_error_transmittance[offset + i];
     }
     r.path_transmittance_spectral.push_back(transmittance);
@@ -78,19 +79,19 @@ void add_shares(SignatureResult& r) {
     };
     switch (e.effect) {
       case Effect::kSelfEmission:
-        e.share_w_sr = cause(Cause::kEmitted);
+        e.fraction_w_sr = cause(Cause::kEmitted);
         break;
       case Effect::kDirectSun:
-        e.share_w_sr = cause(Cause::kSunReflected);
+        e.fraction_w_sr = cause(Cause::kSunReflected);
         break;
       case Effect::kSkyReflected:
-        e.share_w_sr = cause(Cause::kSkyReflected);
+        e.fraction_w_sr = cause(Cause::kSkyReflected);
         break;
       case Effect::kLowerReflected:
-        e.share_w_sr = cause(Cause::kSeaReflected);
+        e.fraction_w_sr = cause(Cause::kSeaReflected);
         break;
       case Effect::kInterReflection:
-        e.share_w_sr = cause(Cause::kPartsReflected);
+        e.fraction_w_sr = cause(Cause::kPartsReflected);
         break;
       default:
         break;
@@ -99,13 +100,13 @@ void add_shares(SignatureResult& r) {
 }
 
 // From counts of rays and the table's figures for the air; of the whole view.
-void estimate_times(const PathCounts& counts, double reflected_share, bool atmosphere,
+void estimate_times(const PathCounts& counts, double reflected_fraction, bool atmosphere,
                     std::vector<LedgerEntry>& ledger) {
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
   // Rays that reflections send out, where none was allowed to: as many as the first vertex would.
   const bool none = counts.reflected_rays == 0;
   const double reflected =
-      none ? 2 * std::min(1.0, 2 * reflected_share) * number(counts.target_paths)
+      none ? 2 * std::min(1.0, 2 * reflected_fraction) * number(counts.target_paths)
            : number(counts.reflected_rays);
   const double vertices = number(counts.target_paths) + reflected;
   for (LedgerEntry& e : ledger) {
@@ -164,8 +165,8 @@ void add_gas(const GasRow& gas, SignatureResult& r) {
   r.apparent_plume_bound_w_sr = gas.apparent.bound_w_sr;
   r.contrast_plume_bound_w_sr = gas.contrast.bound_w_sr;
   r.plume_model_error_w_sr = gas.model_error_w_sr;
-  r.plume_on_hull_w_sr = gas.on_hull;
-  r.apparent_plume_on_hull_w_sr = gas.apparent_on_hull;
+  r.plume_reflected_w_sr = gas.on_hull;
+  r.apparent_plume_reflected_w_sr = gas.apparent_on_hull;
   r.effect.insert(r.effect.end(), gas.ledger.begin(), gas.ledger.end());
   r.plume_voxel_error_w_sr = gas.voxel_error_w_sr;
   r.plume_area_m2 = gas.area_m2;
@@ -229,15 +230,15 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
     add_gas(gas->apparent, gas->omitted.apparent, apparent);
     add_gas(gas->contrast, gas->omitted.contrast, contrast);
   }
-  r.depth_bound_w_sr = contrast.of(BoundOf::kDepth);
+  r.target_depth_bound_w_sr = contrast.of(BoundOf::kDepth);
   r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);
   r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
-  r.basis_bound_w_sr = source.of(BoundOf::kBasis);
-  r.unseen_bound_w_sr = source.of(BoundOf::kUnseen);
-  r.unseen_stderr_w_sr = source.unseen_stderr;
-  r.apparent_unseen_stderr_w_sr = apparent.unseen_stderr;
-  r.contrast_unseen_stderr_w_sr = contrast.unseen_stderr;
-  r.sky_bound_w_sr = source.of(BoundOf::kSky);
+  r.spectral_basis_bound_w_sr = source.of(BoundOf::kBasis);
+  r.undersampling_bound_w_sr = source.of(BoundOf::kUnseen);
+  r.undersampling_stderr_w_sr = source.unseen_stderr;
+  r.apparent_undersampling_stderr_w_sr = apparent.unseen_stderr;
+  r.contrast_undersampling_stderr_w_sr = contrast.unseen_stderr;
+  r.direction_interpolation_bound_w_sr = source.of(BoundOf::kSky);
   r.omitted_bound_w_sr = source.of(BoundOf::kOmitted);
   r.apparent_omitted_bound_w_sr = apparent.of(BoundOf::kOmitted);
   r.contrast_omitted_bound_w_sr = contrast.of(BoundOf::kOmitted);
@@ -250,7 +251,7 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   if (r.projected_area_m2.value > 0)
     r.apparent_temperature_k = apparent_temperature_k(
         scene.band[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);
-  r.backface_share = pass.backface_share();
+  r.backface_fraction = pass.backface_fraction();
   if (request.accuracy.relative_error <= 0)
     r.stop_reason = StopReason::kFixedSamples;
   else if (r.numerical_error_w_sr <= request.accuracy.relative_error * std::abs(source.value) ||
@@ -309,29 +310,26 @@ absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(
   if (known != nullptr && known->effects.same_light(plan.effects) &&
       known->aimed->bright == plan.bright)
     return known;
-  auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
-                                             scene.axis.node_um());
-  if (!surroundings.ok()) return surroundings.status();
-  auto seen = surroundings->see(request.selected_condition, plan.effects);
-  if (!seen.ok()) return seen.status();
+  ASSIGN_OR_RETURN(auto surroundings,
+                   ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
+                                          scene.axis.node_um()));
+  ASSIGN_OR_RETURN(auto seen, surroundings.see(request.selected_condition, plan.effects));
   return std::make_shared<const PreparedView>(
       PreparedView{std::make_shared<const AimedView>(
                        make_aimed_view(scene.target, request.viewpoint, plan.bright)),
-                   *std::move(seen), plan.effects});
+                   std::move(seen), plan.effects});
 }
 
 absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRequest& request,
                                         const ViewPlan& plan,
                                         std::shared_ptr<const PreparedView> prepared,
                                         std::vector<PathWeights>* paths) {
-  if (auto status = check_request(scene, request); !status.ok()) return status;
-  auto view = prepared_for(scene, request, plan, std::move(prepared));
-  if (!view.ok()) return view.status();
-  const PictureFrame pictures = picture_frame(scene.target, (*view)->aimed->frame, request);
-  const auto gas = gas_rows(scene, request, plan, *view, pictures);
-  if (!gas.ok()) return gas.status();
+  RETURN_IF_ERROR(check_request(scene, request));
+  ASSIGN_OR_RETURN(auto view, prepared_for(scene, request, plan, std::move(prepared)));
+  const PictureFrame pictures = picture_frame(scene.target, view->aimed->frame, request);
+  ASSIGN_OR_RETURN(const auto gas, gas_rows(scene, request, plan, view, pictures));
   const std::uint64_t seed = view_seed(scene, request);
-  Pass pass(scene, request, plan, *std::move(view),
+  Pass pass(scene, request, plan, std::move(view),
             {request.selected_condition, request.selected_band}, seed);
   pass.run(plan.samples_per_replicate, kStoredStage, Pass::Kind::kStored, pictures, paths);
 
@@ -346,14 +344,14 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   out.guarded_nonfinite = pass.counts().guarded_nonfinite;
   out.guarded_negative = pass.counts().guarded_negative;
   out.unknown_seen = pass.unknown_seen();
-  out.guarded_path_limit = pass.counts().truncated_paths;
+  out.truncated_paths = pass.counts().truncated_paths;
   out.seed = seed;
   for (std::size_t row = 0; row < pass.rows(); ++row)
-    out.row.push_back(row_of(pass, row, scene, request, plan,
-                             gas->empty() || !(*gas)[row] ? nullptr : &*(*gas)[row]));
-  for (const std::optional<GasRow>& of_row : *gas)
+    out.row.push_back(
+        row_of(pass, row, scene, request, plan, gas.empty() || !gas[row] ? nullptr : &*gas[row]));
+  for (const std::optional<GasRow>& of_row : gas)
     if (of_row) out.rays = std::max(out.rays, pass.counts().rays + plan.pilot_rays + of_row->rays);
-  add_pictures(pass, pictures, *gas, request, out);
+  add_pictures(pass, pictures, gas, request, out);
   return out;
 }
 

@@ -29,20 +29,20 @@ std::array<std::array<double, 2>, 4> place_corners(const MeanPlace& place) {
 
 // Returns what the air changes at the corners of a mean place.
 //   end  [3] of target_ends()
-std::vector<LightAround::AirChange> changes_at(std::span<const LightAround::AirChange> end,
-                                               const MeanPlace& place) {
-  std::vector<LightAround::AirChange> out;
+std::vector<IncidentRadiance::AirChange> changes_at(
+    std::span<const IncidentRadiance::AirChange> end, const MeanPlace& place) {
+  std::vector<IncidentRadiance::AirChange> out;
   for (const auto& [near, high] : place_corners(place)) {
-    const auto between = [&](std::vector<double> LightAround::AirChange::*of) {
+    const auto between = [&](std::vector<double> IncidentRadiance::AirChange::*of) {
       const std::vector<double>&top = end[0].*of, &below = end[1].*of, &far = end[2].*of;
       std::vector<double> sum(far);
       for (std::size_t i = 0; i < sum.size(); ++i)
         sum[i] += near * (below[i] - far[i]) + high * (top[i] - below[i]);
       return sum;
     };
-    out.push_back({between(&LightAround::AirChange::transmittance),
-                   between(&LightAround::AirChange::path_thermal),
-                   between(&LightAround::AirChange::path_solar)});
+    out.push_back({between(&IncidentRadiance::AirChange::transmittance),
+                   between(&IncidentRadiance::AirChange::path_thermal),
+                   between(&IncidentRadiance::AirChange::path_solar)});
   }
   return out;
 }
@@ -66,7 +66,7 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
                plan.effects, {view_, &view_->environments}, scene.axis.node_um()) {
   unseen_ = view_->unseen;
   if (unseen_ == nullptr)
-    unseen_ = std::make_shared<const UnseenLight>(
+    unseen_ = std::make_shared<const UndersampledSources>(
         scene.target, scene.places, scene.carried_material(), view_->aimed->frame);
   const AimedView& aimed = *view_->aimed;
   turned_ = turned_areas(scene.target, -1.0 * aimed.frame.forward);
@@ -109,21 +109,21 @@ PathSettings path_settings(const AccuracySpec& accuracy, const EffectSet& effect
                            std::uint64_t seed, std::uint64_t samples) {
   PathSettings settings;
   settings.max_reflections = effects.max_reflections;
-  settings.no_second_hit = effects.no_second_hit;
-  settings.hot_lights = !effects.no_second_hit;
+  settings.skip_self_intersection = effects.skip_self_intersection;
+  settings.hot_lights = !effects.skip_self_intersection;
   settings.seed = mix64(seed);
   settings.samples = samples;
   settings.replicates = accuracy.replicates;
   // Where the error is to be small, reflections set it. Variance x CPU time of the mid-wave row of
-  // a sunlit frigate with hot parts, relative to a persistence and a split of 1:
-  //     persistence, split    1, 2    2, 2    4, 2    4, 1   16, 1
+  // a sunlit frigate with hot parts, relative to a roulette_survival_scale and a split of 1:
+  //     roulette_survival_scale, split    1, 2    2, 2    4, 2    4, 1   16, 1
   //     hull                  0.71    0.49    0.46    0.51    0.45
   //     diffuse, rho = 0.8    0.91    0.66    0.53    0.96    0.96
   //     hull_paper            0.87    0.61    0.63    0.80    0.80
   // (4, 2) gains nothing more where the pilots are most of the work. Where the number of paths is
   // asked for, each stays one path.
   const bool asked = accuracy.relative_error > 0;
-  settings.persistence = asked ? 2 : 1;
+  settings.roulette_survival_scale = asked ? 2 : 1;
   settings.split = asked ? 2 : 1;
   return settings;
 }
@@ -156,7 +156,7 @@ void Pass::run_stratum(std::uint32_t stratum, std::uint64_t samples, std::uint64
 void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
   const std::size_t parts = scene_.target.part.size();
   beyond_m2_ = {};
-  front_area_m2_ = behind_area_m2_ = 0;
+  front_area_m2_ = background_area_m2_ = 0;
   statistics_.clear();
   last_ = ReplicateStatistics(rows());
   beyond_ = ReplicateStatistics(plan_.effects.max_reflections + 1);
@@ -166,7 +166,7 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
     for (std::size_t k = 0; k < 3; ++k) beyond_m2_[k] += inverse_replicates * w.beyond_m2[k];
     beyond_.add(w.beyond_order_m2);
     front_area_m2_ += inverse_replicates * w.projected_area_m2;
-    behind_area_m2_ += inverse_replicates * w.behind_area_m2;
+    background_area_m2_ += inverse_replicates * w.background_area_m2;
     if (!w.last.empty()) {
       SummedWeights of_last;
       for (std::size_t row = 0; row < rows(); ++row) {
@@ -312,8 +312,8 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean,
   std::vector<double> most(n);
   const std::size_t columns = mean.columns;
   const double* of_nodes = mean.row(layout.first_sky());
-  const LightAround& around = light.around();
-  const std::vector<LightAround::AirChange> of_reflected =
+  const IncidentRadiance& around = light.around();
+  const std::vector<IncidentRadiance::AirChange> of_reflected =
       changes_at(e.end_change, places.reflected());
   double sum = basis == nullptr
                    ? around.changed(of_reflected, band.first_node, band.grid.band_weight,
@@ -372,15 +372,17 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean,
 // What stands behind the silhouette, in the directions in which it does.
 void Pass::find_background_errors(std::size_t row, std::span<const SummedWeights> sums) {
   const ViewEnvironment& e = light(row).environment();
-  if (e.behind_interpolation.empty()) return;
+  if (e.background_interpolation.empty()) return;
   std::size_t node = 0;
   for (const SourceId id : sources_.layout().behind()) {
     // Nothing of the target's materials is in these weights: they are the same at each node.
     double area_m2 = 0;
     for (const SummedWeights& s : sums) area_m2 += s.row(id)[0];
     area_m2 /= accuracy_.replicates;
-    background_bound_w_sr_[row] += area_m2 * in_band(e.behind_interpolation[node], axis_band(row));
-    background_model_w_sr_[row] += area_m2 * in_band(e.behind_model_error[node], axis_band(row));
+    background_bound_w_sr_[row] +=
+        area_m2 * in_band(e.background_interpolation[node], axis_band(row));
+    background_model_w_sr_[row] +=
+        area_m2 * in_band(e.background_model_error[node], axis_band(row));
     ++node;
   }
 }
@@ -429,11 +431,11 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
   const ReplicateStatistics& s = statistics_[row];
   Measured all;  // what the three have in common
   const double apparent_w_sr = s.estimate(kApparentQuantity).value,
-               behind_w_sr =
+               background_w_sr =
                    apparent_w_sr - s.estimate(contrast_quantity(scene_.target.part.size())).value;
   all.of(BoundOf::kQuadrature) =
       quadrature_relative_[row] *
-      std::max(std::abs(s.estimate(0).value), std::abs(apparent_w_sr) + std::abs(behind_w_sr));
+      std::max(std::abs(s.estimate(0).value), std::abs(apparent_w_sr) + std::abs(background_w_sr));
   // Of outlines, and of what is behind them.
   double outline_m2 = 0;
   for (std::size_t part = 0; part < turned_.size(); ++part) {
@@ -444,7 +446,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
           rounding_m2 / m2 * std::abs(s.estimate(part_quantity(part)).value);
   }
   if (const double seen_m2 = s.estimate(kAreaQuantity).value; seen_m2 > 0)
-    all.of(BoundOf::kQuadrature) += outline_m2 / seen_m2 * std::abs(behind_w_sr);
+    all.of(BoundOf::kQuadrature) += outline_m2 / seen_m2 * std::abs(background_w_sr);
   // Of materials' tables between the corners that cut the quadrature: emission and reflection may
   // change by twice what is left out, reflectances of optical constants by four times.
   all.of(BoundOf::kQuadrature) +=
@@ -550,8 +552,8 @@ double Pass::goal_w_sr(std::size_t row) const {
   return std::max({relative_goal_w_sr(row), absolute_floor_w_sr(row), of_nothing});
 }
 
-double Pass::backface_share() const {
-  return behind_area_m2_ > 0 ? behind_area_m2_ / (front_area_m2_ + behind_area_m2_) : 0;
+double Pass::backface_fraction() const {
+  return background_area_m2_ > 0 ? background_area_m2_ / (front_area_m2_ + background_area_m2_) : 0;
 }
 
 double Pass::error_wanted(std::size_t row) const {

@@ -85,7 +85,7 @@ class Pass {
   [[nodiscard]] MeasuredRow measured(std::size_t row) const;
 
   // Of the silhouette: what primary rays met from behind on one-sided facets, which send nothing.
-  [[nodiscard]] double backface_share() const;
+  [[nodiscard]] double backface_fraction() const;
   // What accuracy.relative_error is of a row's value. [W/sr]
   [[nodiscard]] double relative_goal_w_sr(std::size_t row) const;
   // One sigma of the models of what stands behind the target. Not of pilots. [W/sr]
@@ -195,8 +195,9 @@ class Pass {
   Rows rows_;
   std::uint64_t seed_;
   ViewSources sources_;
-  std::shared_ptr<const UnseenLight> unseen_;
-  std::vector<UnseenLight::Stratum> unseen_of_;  // [stratum], if it is aimed at what is bright
+  std::shared_ptr<const UndersampledSources> unseen_;
+  std::vector<UndersampledSources::Stratum>
+      unseen_of_;                                // [stratum], if it is aimed at what is bright
   std::vector<std::vector<bool>> parts_of_;      // [stratum][part], likewise: which are in it
   std::vector<std::vector<SeaGlint>> glitter_;   // [sun of the geometry]
   std::vector<double> quadrature_relative_;      // [row]
@@ -212,7 +213,7 @@ class Pass {
   std::vector<double> temperature_w_sr_, temperature_apparent_w_sr_;
   std::vector<double> background_bound_w_sr_, background_model_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
-  double front_area_m2_ = 0, behind_area_m2_ = 0;  // of the silhouette, means over replicates
+  double front_area_m2_ = 0, background_area_m2_ = 0;  // of the silhouette, means over replicates
   ReplicateStatistics beyond_;                     // [order]
   std::vector<EnergyLedger> energy_;               // [band]
   std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]

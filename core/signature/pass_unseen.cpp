@@ -26,7 +26,7 @@ Pass::InBandLight::Radiance Pass::find_glitter_w_m2_sr(std::size_t row, const Li
   }
   InBandLight::Radiance most;
   for (const SeaGlint& glint : glitter_[sun.index]) {
-    const std::size_t node = glint_share(glint.cos_incidence).node;
+    const std::size_t node = glint_fraction(glint.cos_incidence).node;
     const auto per_sr = static_cast<double>(glint.per_sr);
     for (const std::size_t k : {node, node + 1})
       most = {std::max(most.here, per_sr * of_node[k].here),
@@ -66,7 +66,7 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
   // Of grey materials the table has these very numbers.
   const SourceTable& table = in_band_[row];
   const bool known = scene_.path_basis() == nullptr;
-  LightAround::Integrals around;
+  IncidentRadiance::Integrals around;
   if (!known) around = light.around().integrals(band.first_node, band.grid.band_weight, nullptr, 1);
   const auto of = [&](SourceId id) {
     if (known)
@@ -130,12 +130,12 @@ Pass::Unseen Pass::unseen(std::size_t row, std::uint64_t samples) const {
   contrast += square(2 * emitted_contrast);
   if (plan_.effects.max_reflections > 0) {
     // Whatever may be reflected: parts, sky, sea, glitter. Then suns.
-    const bool parts = plan_.effects.parts && !plan_.effects.no_second_hit;
+    const bool parts = plan_.effects.parts && !plan_.effects.skip_self_intersection;
     const double around = std::max(parts ? known.part.here : 0, known.around.here),
                  around_seen = std::max(parts ? known.part.seen : 0, known.around.seen);
-    const auto add = [&](const RareLight& rare, bool estimate, double radiance,
+    const auto add = [&](const SmallBrightSources& rare, bool estimate, double radiance,
                          double radiance_seen) {
-      RareLight::Allowance a = rare.allowance(most_m2);
+      SmallBrightSources::Allowance a = rare.allowance(most_m2);
       if (estimate) {
         a.stderr_ = numerical_error(0, a.stderr_, a.bound);
         a.bound = 0;
@@ -147,7 +147,7 @@ Pass::Unseen Pass::unseen(std::size_t row, std::uint64_t samples) const {
     };
     add(unseen_->reflected(), false, around, around_seen);
     for (const LitSun& sun : light.suns()) {
-      const UnseenLight::Sun& rare = unseen_->of(sources_.geometry().sun[sun.index]);
+      const UndersampledSources::Sun& rare = unseen_->of(sources_.geometry().sun[sun.index]);
       add(unseen_->reflected(), false, glitter_w_m2_sr(row, sun, false),
           glitter_w_m2_sr(row, sun, true));
       if (!sun.direct) continue;
@@ -169,7 +169,7 @@ Pass::UnseenInStratum Pass::unseen_in(std::size_t row, std::uint32_t stratum,
   const InBandLight& known = in_band_light_[row];
   const std::size_t parts = known.each.size();
   const double m2 = sample_m2(stratum, samples);
-  const UnseenLight::Stratum& of = unseen_of_[stratum];
+  const UndersampledSources::Stratum& of = unseen_of_[stratum];
   UnseenInStratum out;
   for (std::size_t p = 0; p < parts; ++p) {
     if (!parts_of_[stratum][p]) continue;
@@ -179,9 +179,9 @@ Pass::UnseenInStratum Pass::unseen_in(std::size_t row, std::uint32_t stratum,
                    std::max(out.emitted.contrast, 2 * m2 * std::max(one.seen, known.behind))};
   }
   if (plan_.effects.max_reflections == 0) return out;
-  const auto add = [&](const RareLight& rare, bool estimate, double radiance,
+  const auto add = [&](const SmallBrightSources& rare, bool estimate, double radiance,
                        double radiance_seen) {
-    RareLight::Allowance a = rare.allowance(m2);
+    SmallBrightSources::Allowance a = rare.allowance(m2);
     if (estimate) {
       a.stderr_ = numerical_error(0, a.stderr_, a.bound);
       a.bound = 0;
@@ -192,9 +192,9 @@ Pass::UnseenInStratum Pass::unseen_in(std::size_t row, std::uint32_t stratum,
            std::hypot(sum.contrast, a.stderr_ * radiance_seen)};
   };
   add(of.reflected, false, known.around.here, known.around.seen);
-  if (plan_.effects.parts && !plan_.effects.no_second_hit) {
+  if (plan_.effects.parts && !plan_.effects.skip_self_intersection) {
     const std::vector<InBandLight::Radiance>& sent = sent_[row];
-    for (const UnseenLight::Stratum::Parts& group : of.parts) {
+    for (const UndersampledSources::Stratum::Parts& group : of.parts) {
       InBandLight::Radiance brightest;
       for (std::size_t p = 0; p < parts; ++p)
         if (group.seen[p])
@@ -235,7 +235,7 @@ std::vector<Pass::Brightness> Pass::brightness() const {
   const std::size_t suns = sources_.geometry().sun.size();
   // Of each sun and each set of parts: the most of any row, per error that is wanted.
   std::vector<double> of_sun(suns, 0.0), of_parts(unseen_->parts_above().size(), 0.0);
-  const bool by_parts = plan_.effects.parts && !plan_.effects.no_second_hit;
+  const bool by_parts = plan_.effects.parts && !plan_.effects.skip_self_intersection;
   for (std::size_t row = 0; row < rows(); ++row) {
     const double wanted = error_wanted(row);
     if (!(wanted > 0)) continue;
@@ -253,12 +253,12 @@ std::vector<Pass::Brightness> Pass::brightness() const {
   std::vector<Brightness> out;
   const auto see = [&](const SunDirection* sun, double scale) {
     // Light that matters less than this is bounded anyway.
-    const std::vector<UnseenLight::Facet> facets =
+    const std::vector<UndersampledSources::Facet> facets =
         unseen_->facets(sun, scale > 0 ? kBoundedOfFacets / scale : 0);
     if (out.empty())
-      for (const UnseenLight::Facet& f : facets) out.push_back({f.facet, f.seen_m2, 0});
+      for (const UndersampledSources::Facet& f : facets) out.push_back({f.facet, f.seen_m2, 0});
     for (std::size_t i = 0; i < facets.size(); ++i) {
-      const UnseenLight::Facet& f = facets[i];
+      const UndersampledSources::Facet& f = facets[i];
       out[i].per_m2 = std::max({out[i].per_m2, scale * f.first,
                                 plan_.effects.max_reflections > 1 ? scale * f.later : 0,
                                 f.reflected * of_parts[f.parts]});

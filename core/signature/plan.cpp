@@ -16,8 +16,8 @@ std::string to_string(const ViewPlan& plan) {
       "%s, "
       "parts %s\njoined_lines %s\n",
       plan.samples_per_replicate, plan.limited ? " (limited)" : "", plan.pilot_rays,
-      e.max_reflections, e.no_second_hit ? ", none meets the target again" : "", word(e.sky),
-      word(e.lower), word(e.parts), word(e.joined_lines));
+      e.max_reflections, e.skip_self_intersection ? ", none meets the target again" : "",
+      word(e.sky), word(e.lower), word(e.parts), word(e.joined_lines));
   if (!plan.bright.none()) {
     absl::StrAppendFormat(&out, "aimed at what is bright, past others %s; shares of strata:",
                           word(plan.bright.past_others));

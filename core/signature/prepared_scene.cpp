@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 #include "core/materials/spectra.h"
 #include "core/signature/scene_hash.h"
 #include "core/spectral/solar.h"
@@ -67,14 +68,13 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
     std::vector<double> carried_um;
     for (const std::uint32_t i : out.basis.carried) carried_um.push_back(node_um[i]);
     for (const MaterialSpec& m : spec.material) {
-      auto prepared = Material::prepare(m, carried_um, sorted.front(), sorted.back());
-      if (!prepared.ok()) return prepared.status();
-      out.carried.push_back(*std::move(prepared));
+      ASSIGN_OR_RETURN(auto prepared,
+                       Material::prepare(m, carried_um, sorted.front(), sorted.back()));
+      out.carried.push_back(std::move(prepared));
     }
   }
-  auto target = make_target(spec.mesh, spec.part, spec.isa, spec.tracer);
-  if (!target.ok()) return target.status();
-  out.target = *std::move(target);
+  ASSIGN_OR_RETURN(auto target, make_target(spec.mesh, spec.part, spec.isa, spec.tracer));
+  out.target = std::move(target);
   out.places = std::make_shared<const PartPlaces>(out.target);
   hash.add(out.target.vertex);
   for (const std::uint32_t corner : out.target.triangle)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/status_macros.h"
 #include "core/environment/line_horizon.h"
 #include "core/plume/plume_silhouette.h"
 #include "core/signature/seen_places.h"
@@ -26,7 +27,7 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   for (const Environment::Line::End& end : ends) {
     const AirPath& there =
         out.end.emplace_back(air_path(air, condition.air_temperature_k, end.range_m, node_um));
-    LightAround::AirChange& change = out.end_change.emplace_back();
+    IncidentRadiance::AirChange& change = out.end_change.emplace_back();
     change.path_solar.assign(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       change.transmittance.push_back(there.transmittance[i] - path.transmittance[i]);
@@ -42,14 +43,14 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
     lower[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], out.sun[i],
                                          condition.sun_cos_zenith);
   }
-  const auto behind_air = [&](const std::vector<double>& radiance) {
+  const auto background_air = [&](const std::vector<double>& radiance) {
     std::vector<double> seen(n);
     for (std::size_t i = 0; i < n; ++i) seen[i] = radiance[i] * path.transmittance[i];
     return seen;
   };
-  out.sun_apparent = behind_air(out.sun);
-  out.behind_apparent = {behind_air(sky), behind_air(lower)};
-  out.around = LightAround::of_spectra({sky, lower}, out.behind_apparent);
+  out.sun_apparent = background_air(out.sun);
+  out.background_apparent = {background_air(sky), background_air(lower)};
+  out.around = IncidentRadiance::of_spectra({sky, lower}, out.background_apparent);
   out.transmittance = std::move(path.transmittance);
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   return out;
@@ -82,7 +83,7 @@ ViewSurroundings::ViewSurroundings(const ViewRequest& request, double range_m,
 absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& request,
                                                         const Target& target, double range_m,
                                                         const std::vector<double>& node_um,
-                                                        const BehindNodes* behind) {
+                                                        const BackgroundDirections* behind) {
   ViewSurroundings out(request, range_m, node_um);
   Viewpoint v = request.viewpoint;
   v.range_m = range_m;
@@ -98,7 +99,7 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
     const LineHorizon horizon(straight, lowest_m, {range_m, v.aspect_elevation_deg, towards, {}},
                               0);
     out.horizon_ = horizon.horizon();
-    out.behind_ = BehindNodes({horizon.z(), horizon.z()});
+    out.behind_ = BackgroundDirections({horizon.z(), horizon.z()});
     return out;
   }
   Environment::Line line = request.environment->line(v);
@@ -111,17 +112,16 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                        kGrazing,
                quarter = std::numbers::pi / 2;
   line.end = out.end_;
-  line.behind = behind != nullptr
-                    ? *behind
-                    : BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
-                                            std::sin(std::min(elevation + reach, quarter)),
-                                            request.environment->horizons_z(line),
-                                            std::atan2(-towards.y, -towards.x));
+  line.behind = behind != nullptr ? *behind
+                                  : BackgroundDirections::spanning(
+                                        std::sin(std::max(elevation - reach, -quarter)),
+                                        std::sin(std::min(elevation + reach, quarter)),
+                                        request.environment->horizons_z(line),
+                                        std::atan2(-towards.y, -towards.x));
   out.behind_ = line.behind;
   out.horizon_ = request.environment->horizon(line);
-  auto look = request.environment->look(line);
-  if (!look.ok()) return look.status();
-  out.look_.emplace(*std::move(look));
+  ASSIGN_OR_RETURN(auto look, request.environment->sight_line(line));
+  out.look_.emplace(std::move(look));
   return out;
 }
 
@@ -158,14 +158,14 @@ ViewEnvironments ViewSurroundings::without_light() {
     e.transmittance = b.transmittance;
     e.path_radiance = b.path_radiance;
     e.sun = e.sun_apparent = dark;
-    e.behind_apparent = {dark, dark};
-    e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
+    e.background_apparent = {dark, dark};
+    e.around = IncidentRadiance::of_spectra(e.background_apparent, e.background_apparent);
   }
   return out;
 }
 
-absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint32_t> conditions,
-                                                       const EffectSet& effects) {
+absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
+    std::span<const std::uint32_t> conditions, const EffectSet& effects) {
   ViewEnvironments out;
   out.condition.resize(request_->condition.size());
   out.behind = behind_;
@@ -188,9 +188,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
   if (reflected) out.directions = request_->environment->nodes(with_azimuths);
   for (const std::uint32_t c : conditions) {
-    auto seen = look_->see(c, wanted, with_azimuths);
-    if (!seen.ok()) return seen.status();
-    out.condition[c] = *std::move(seen);
+    ASSIGN_OR_RETURN(out.condition[c], look_->see(c, wanted, with_azimuths));
   }
   return out;
 }
@@ -212,12 +210,10 @@ absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, c
                                                    double range_m,
                                                    std::span<const std::uint32_t> conditions,
                                                    const std::vector<double>& node_um) {
-  auto surroundings = ViewSurroundings::make(request, target, range_m, node_um);
-  if (!surroundings.ok()) return surroundings.status();
+  ASSIGN_OR_RETURN(auto surroundings, ViewSurroundings::make(request, target, range_m, node_um));
   // Directions also where a request allows no reflections: profiles see the background by them.
-  return surroundings->see(
-      conditions,
-      EffectSet::everything(request.condition.size(), std::max(request.max_reflections, 1u)));
+  return surroundings.see(conditions, EffectSet::everything(request.condition.size(),
+                                                            std::max(request.max_reflections, 1u)));
 }
 
 }  // namespace irsig

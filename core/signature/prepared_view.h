@@ -20,7 +20,7 @@ struct PreparedView {
   std::shared_ptr<const AimedView> aimed;
   ViewEnvironments environments;
   EffectSet effects;                                    // for which the environments were made
-  std::shared_ptr<const UnseenLight> unseen = nullptr;  // null: whoever needs it makes it
+  std::shared_ptr<const UndersampledSources> unseen = nullptr;  // null: whoever needs it makes it
 };
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
@@ -28,18 +28,17 @@ class ViewSurroundings {
  public:
   // behind: where the background is wanted; null: where these conditions need it. The request and
   // the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
-  [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(const ViewRequest& request,
-                                                             const Target& target, double range_m,
-                                                             const std::vector<double>& node_um,
-                                                             const BehindNodes* behind = nullptr);
+  [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(
+      const ViewRequest& request, const Target& target, double range_m,
+      const std::vector<double>& node_um, const BackgroundDirections* behind = nullptr);
 
   // The most that light can be, before any sky is computed.
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
   // Emission and the line's air alone: what a pilot without reflections needs.
   [[nodiscard]] ViewEnvironments without_light();
   // What these effects want, of these conditions.
-  [[nodiscard]] absl::StatusOr<ViewEnvironments> see(std::span<const std::uint32_t> conditions,
-                                                     const EffectSet& effects);
+  [[nodiscard]] absl::StatusOr<ViewEnvironments> evaluate(std::span<const std::uint32_t> conditions,
+                                                          const EffectSet& effects);
   // One condition, in the directions of another view's light.
   [[nodiscard]] absl::StatusOr<ViewEnvironment> see_like(const ViewEnvironments& other,
                                                          std::uint32_t condition,
@@ -52,9 +51,9 @@ class ViewSurroundings {
   double range_m_;
   const std::vector<double>* node_um_;
   std::vector<Environment::Line::End> end_;
-  BehindNodes behind_;
+  BackgroundDirections behind_;
   std::optional<Environment::Horizon> horizon_;
-  std::optional<Environment::Look> look_;
+  std::optional<Environment::SightLine> look_;
   std::vector<std::optional<LightBounds>> plain_bounds_;  // [condition], without an atmosphere
 };
 

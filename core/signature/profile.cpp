@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/pilot_samples.h"
 #include "core/base/sobol.h"
+#include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/prepared_view.h"
 #include "core/sources/view_sources.h"
@@ -329,17 +330,16 @@ double quadrature_bound(const PreparedScene& scene, const ConditionSpec& conditi
 absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
                                                const ViewRequest& request,
                                                const ProfileSpec& profile) {
-  if (absl::Status status = check(request, profile); !status.ok()) return status;
+  RETURN_IF_ERROR(check(request, profile));
   const std::size_t orders = profile.reflections.size();
   std::vector<std::uint32_t> conditions(request.condition.size());
   std::iota(conditions.begin(), conditions.end(), 0u);
   ProfileResult out;
   for (std::uint32_t p = 0; p < profile.point.size(); ++p) {
     const PointMeasurement point(scene, request, profile, profile.point[p]);
-    auto seen =
-        view_environments(request, scene.target, point.range_m(), conditions, scene.axis.node_um());
-    if (!seen.ok()) return seen.status();
-    const auto environments = std::make_shared<const ViewEnvironments>(*std::move(seen));
+    ASSIGN_OR_RETURN(auto seen, view_environments(request, scene.target, point.range_m(),
+                                                  conditions, scene.axis.node_um()));
+    const auto environments = std::make_shared<const ViewEnvironments>(std::move(seen));
     std::uint64_t samples;
     if (profile.samples > 0) {
       const double wanted = std::ceil(profile.samples / request.accuracy.replicates / 16) * 16;

@@ -42,7 +42,7 @@ struct ViewRequest {
   EffectChoice effects;
   // A view of which a pilot sees more of the silhouette from behind gets no more samples: nobody
   // waits for what is refused.
-  double accepted_backface_share = 1;
+  double accepted_backface_fraction = 1;
   std::uint32_t max_reflections = 3;
   std::uint64_t seed = 1;
   std::uint32_t thumbnail_px = 0;

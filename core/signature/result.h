@@ -46,7 +46,7 @@ enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSampl
 // it sees. balance: their sum, 1 within its error. cut_off: after the last reflection; of spectral
 // materials at least that.
 struct EnergyLedger {
-  Estimate absorbed, escaped_to_sky, escaped_to_lower, cut_off, balance;
+  Estimate absorbed, escaped_to_sky, escaped_to_surface, cut_off, balance;
 };
 
 struct SignatureResult {
@@ -92,10 +92,10 @@ struct ViewResult {
   std::uint32_t replicates = 0;
   std::uint64_t samples_per_replicate = 0;
   // Guarded events: numbers that should not occur, left out of the result. Not so
-  // guarded_path_limit, whose name is that of the stored column: ordinary paths that were still
+  // truncated_paths, whose name is that of the stored column: ordinary paths that were still
   // alive after the last reflection.
   std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_negative = 0;
-  std::uint64_t guarded_path_limit = 0;
+  std::uint64_t truncated_paths = 0;
   std::optional<UnknownSeen> unknown_seen;     // then the rows say nothing
   std::uint64_t silhouette_backface_hits = 0;  // of guarded_backface_hits: by primary rays
   std::uint64_t seed =

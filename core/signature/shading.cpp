@@ -89,7 +89,7 @@ template <typename Source, typename Apparent>
 void add_around(const ConditionSources& light, const LitWeights& weights,
                 const SpectralBasis* basis, const BandOnAxis& band, bool sky, const Source& source,
                 const Apparent& apparent) {
-  const LightAround& around = light.around();
+  const IncidentRadiance& around = light.around();
   const SourceId first = light.layout().first_sky();
   if (basis != nullptr && basis->identity()) {
     // Every wavelength has weights of its own.
@@ -107,7 +107,7 @@ void add_around(const ConditionSources& light, const LitWeights& weights,
   }
   const std::size_t columns = basis == nullptr ? 1 : basis->columns();
   const BandGrid& grid = band.grid;
-  std::vector<LightAround::Weights> of_replicate;
+  std::vector<IncidentRadiance::Weights> of_replicate;
   for (std::size_t k = 0; k < columns; ++k) {
     of_replicate.clear();
     for (std::size_t r = 0; r < weights.replicates(); ++r)
@@ -185,7 +185,7 @@ namespace {
 // The table's rows of what is around the target.
 void put_around(const ConditionSources& light, const SpectralBasis* basis, std::size_t first_node,
                 std::span<const double> weight, SourceTable& table) {
-  const LightAround& around = light.around();
+  const IncidentRadiance& around = light.around();
   const SourceRange range = light.layout().around();
   const std::size_t columns = table.columns, at = range.first * columns;
   const auto from = [&](std::vector<double>& v) {
@@ -204,7 +204,7 @@ void put_around(const ConditionSources& light, const SpectralBasis* basis, std::
     }
     return;
   }
-  LightAround::Integrals in = around.integrals(
+  IncidentRadiance::Integrals in = around.integrals(
       first_node, weight, basis == nullptr ? nullptr : basis->expand.data() + first_node * columns,
       columns);
   std::copy(in.source.begin(), in.source.end(), from(table.source));

@@ -2,27 +2,25 @@
 
 #include <utility>
 
+#include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/measure_view.h"
 
 namespace irsig {
 
 absl::StatusOr<std::unique_ptr<Simulator>> Simulator::create(const SceneSpec& spec) {
-  auto scene = PreparedScene::make(spec);
-  if (!scene.ok()) return scene.status();
-  return std::unique_ptr<Simulator>(new Simulator(*std::move(scene)));
+  ASSIGN_OR_RETURN(auto scene, PreparedScene::make(spec));
+  return std::unique_ptr<Simulator>(new Simulator(std::move(scene)));
 }
 
 absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const {
-  const auto planned = prepare(request);
-  if (!planned.ok()) return planned.status();
-  return measure(request, *planned);
+  ASSIGN_OR_RETURN(const auto planned, prepare(request));
+  return measure(request, planned);
 }
 
 absl::StatusOr<PlannedView> Simulator::prepare(const ViewRequest& request) const {
-  auto made = make_plan(scene_, request);
-  if (!made.ok()) return made.status();
-  return PlannedView{std::move(made->plan), std::move(made->prepared)};
+  ASSIGN_OR_RETURN(auto made, make_plan(scene_, request));
+  return PlannedView{std::move(made.plan), std::move(made.prepared)};
 }
 
 absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
@@ -33,25 +31,23 @@ absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
 absl::StatusOr<Simulator::MeasuredWithMoves> Simulator::measure(
     const ViewRequest& request, const PlannedView& planned,
     std::span<const MovedView> moved) const {
-  auto prepared = prepared_for(scene_, request, planned.plan, planned.prepared);
-  if (!prepared.ok()) return prepared.status();
+  ASSIGN_OR_RETURN(auto prepared, prepared_for(scene_, request, planned.plan, planned.prepared));
   std::vector<PathWeights> paths;
-  auto view =
-      measure_view(scene_, request, planned.plan, *prepared, moved.empty() ? nullptr : &paths);
-  if (!view.ok()) return view.status();
-  MeasuredWithMoves out{*std::move(view), {}};
+  ASSIGN_OR_RETURN(auto view, measure_view(scene_, request, planned.plan, prepared,
+                                           moved.empty() ? nullptr : &paths));
+  MeasuredWithMoves out{std::move(view), {}};
   for (const MovedView& each : moved) {
-    auto change = row_changes({scene_, request, planned.plan, **prepared, out.view, paths}, each);
-    if (!change.ok()) return change.status();
-    out.change.push_back(*std::move(change));
+    ASSIGN_OR_RETURN(
+        auto change,
+        row_changes({scene_, request, planned.plan, *prepared, out.view, paths}, each));
+    out.change.push_back(std::move(change));
   }
   return out;
 }
 
 absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
-  auto planned = prepare(request);
-  if (!planned.ok()) return planned.status();
-  return std::move(planned->plan);
+  ASSIGN_OR_RETURN(auto planned, prepare(request));
+  return std::move(planned.plan);
 }
 
 }  // namespace irsig

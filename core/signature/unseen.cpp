@@ -67,7 +67,7 @@ double dhr_between(const Material& material, const Cosines& cosines, double larg
 }  // namespace
 
 // One facet of the target as double precision has it, or several that face one way.
-struct UnseenLight::Patch {
+struct UndersampledSources::Patch {
   Vec<Body> middle{}, normal, to_sensor{};
   double area_m2, reach_m;  // from the middle to the farthest corner
   bool two_sided;
@@ -100,7 +100,7 @@ double angle_between(Vec<Body> a, Vec<Body> b) {
 
 }  // namespace
 
-std::vector<UnseenLight::Patch> UnseenLight::gathered(
+std::vector<UndersampledSources::Patch> UndersampledSources::gathered(
     const std::function<std::uint32_t(const Patch&)>& kind) const {
   std::unordered_map<FacingKey, std::uint32_t, FacingHash> known;
   std::vector<Patch> out;
@@ -142,7 +142,7 @@ std::vector<UnseenLight::Patch> UnseenLight::gathered(
   return out;
 }
 
-struct UnseenLight::Lit {
+struct UndersampledSources::Lit {
   double first = 0, first_m2 = 0;  // shown to the sensor, over this area
   double to_anyone = 0, thrown = 0, irradiance = 0;
   double cos_i = 0;
@@ -160,7 +160,7 @@ struct UnseenLight::Lit {
   }
 };
 
-void RareLight::add(double radiance, double seen_m2) {
+void SmallBrightSources::add(double radiance, double seen_m2) {
   if (!(radiance > 0 && seen_m2 > 0)) return;
   int octave = 0;
   const double mantissa =
@@ -170,17 +170,17 @@ void RareLight::add(double radiance, double seen_m2) {
   here.sum += radiance * seen_m2;
 }
 
-double RareLight::sum() const {
+double SmallBrightSources::sum() const {
   double sum = 0;
   for (const auto& [key, here] : places_) sum += here.sum;
   return sum;
 }
 
-double RareLight::brightest() const {
+double SmallBrightSources::brightest() const {
   return places_.empty() ? 0 : places_.begin()->second.brightest;
 }
 
-RareLight::Allowance RareLight::allowance(double sample_m2) const {
+SmallBrightSources::Allowance SmallBrightSources::allowance(double sample_m2) const {
   Allowance best;
   double least = std::numeric_limits<double>::infinity(), bound = 0;
   const auto consider = [&](double missed) {
@@ -215,8 +215,10 @@ std::vector<SeaGlint> brightest_glitter(const SunDirection& sun) {
   return out;
 }
 
-UnseenLight::UnseenLight(const Target& target, std::shared_ptr<const PartPlaces> places,
-                         const std::vector<Material>& materials, const ViewFrame& frame)
+UndersampledSources::UndersampledSources(const Target& target,
+                                         std::shared_ptr<const PartPlaces> places,
+                                         const std::vector<Material>& materials,
+                                         const ViewFrame& frame)
     : target_(target),
       places_(std::move(places)),
       materials_(materials),
@@ -278,9 +280,9 @@ UnseenLight::UnseenLight(const Target& target, std::shared_ptr<const PartPlaces>
   gathered_mean_ = 1 / (1 - std::min(largest_mean_dhr, 0.99));
 }
 
-UnseenLight::~UnseenLight() = default;
+UndersampledSources::~UndersampledSources() = default;
 
-const UnseenLight::Sun& UnseenLight::of(const SunDirection& sun) const {
+const UndersampledSources::Sun& UndersampledSources::of(const SunDirection& sun) const {
   SunDirection alone = sun;
   alone.sea_wind_m_s = alone.horizon_z = 0;
   const std::lock_guard lock(mutex_);
@@ -291,8 +293,8 @@ const UnseenLight::Sun& UnseenLight::of(const SunDirection& sun) const {
 
 // Both sides of a sheet may be seen, or lit, within the spreads of the directions.
 template <typename Visit>
-void UnseenLight::for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
-                               Visit&& visit) const {
+void UndersampledSources::for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
+                                       Visit&& visit) const {
   count_work(Work::kPatches, patches.size());
   const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
   const Spread disk_spread = spread_of(sun.angular_radius_rad);
@@ -335,7 +337,7 @@ void UnseenLight::for_each_lit(const SunDirection& sun, const std::vector<Patch>
   }
 }
 
-UnseenLight::Sun UnseenLight::make(const SunDirection& sun) const {
+UndersampledSources::Sun UndersampledSources::make(const SunDirection& sun) const {
   Sun out;
   // Of a lamp each facet has its own direction.
   const bool by_facet = sun.distance_m > 0;
@@ -369,7 +371,7 @@ double shown_per_sr(const Material& material, double shows) {
 
 }  // namespace
 
-std::vector<UnseenLight::Stratum> UnseenLight::by_stratum(
+std::vector<UndersampledSources::Stratum> UndersampledSources::by_stratum(
     const AimedView& view, std::span<const SunDirection> suns) const {
   const Above& above = this->above();
   std::vector<Stratum> out(view.stratum.size());
@@ -417,7 +419,7 @@ std::vector<UnseenLight::Stratum> UnseenLight::by_stratum(
   return out;
 }
 
-std::vector<double> UnseenLight::with_reflected(const std::vector<double>& emitted) const {
+std::vector<double> UndersampledSources::with_reflected(const std::vector<double>& emitted) const {
   const Above& above = this->above();
   std::vector<double> out = emitted;
   // Emission and what is reflected of radiance R: at most B + DHR R, and at most the larger of
@@ -441,8 +443,8 @@ std::vector<double> UnseenLight::with_reflected(const std::vector<double>& emitt
   return std::vector<double>(emitted.size(), brightest);
 }
 
-std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
-                                                    double least_m2_per_sr) const {
+std::vector<UndersampledSources::Facet> UndersampledSources::facets(const SunDirection* sun,
+                                                                    double least_m2_per_sr) const {
   const Above& above = this->above();
   std::vector<Facet> out;
   std::vector<std::size_t> at(patch_.size(), SIZE_MAX);
@@ -500,7 +502,7 @@ std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
   return out;
 }
 
-const UnseenLight::Above& UnseenLight::above() const {
+const UndersampledSources::Above& UndersampledSources::above() const {
   const std::lock_guard lock(mutex_);
   if (above_ != nullptr) return *above_;
   auto made = std::make_unique<Above>();

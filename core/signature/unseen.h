@@ -20,7 +20,7 @@ namespace irsig {
 
 // Places that may shine more brightly than what is around them, and that samples may fail to meet:
 // each at most this bright, and seen over at most this area. What is in the way is not looked at.
-class RareLight {
+class SmallBrightSources {
  public:
   void add(double radiance, double seen_m2);
 
@@ -46,23 +46,23 @@ class RareLight {
 // What of a view could be bright without being met, from geometry and materials alone: no ray, no
 // temperature. Per unit irradiance of a sun [1/sr], and for light that comes from anywhere as a
 // share of its radiance. Any number of threads may ask; the target and the materials outlive it.
-class UnseenLight {
+class UndersampledSources {
  public:
   // places: of the target.
-  UnseenLight(const Target& target, std::shared_ptr<const PartPlaces> places,
-              const std::vector<Material>& materials, const ViewFrame& frame);
-  ~UnseenLight();
+  UndersampledSources(const Target& target, std::shared_ptr<const PartPlaces> places,
+                      const std::vector<Material>& materials, const ViewFrame& frame);
+  ~UndersampledSources();
 
   struct Sun {
     // Mirrored by what the sensor sees: each facet's largest brdf x cos_i over the sun's disk, for
     // all directions in which its corners see sensor and sun (Material::cos_brdf_limit_per_sr; at
     // most its largest DHR x the disk's radiance).
-    RareLight first;
+    SmallBrightSources first;
     // Thrown onto other facets before: at most as bright as any lit facet is to anyone; all of the
     // light that it throws, shown by the facet that shows most (1 / pi, or the peak of its lobe, x
     // DHR) and gathered by facets that throw it at each other: an estimate, no bound, where light
     // falls on gloss at grazing angles.
-    RareLight later;
+    SmallBrightSources later;
     // The largest radiance of any lit facet, to whoever looks, light from other facets included; at
     // most the disk's.
     double brightest_per_sr = 0;
@@ -73,11 +73,11 @@ class UnseenLight {
   // The same for the facets of one stratum of a view each, and light from other parts for facets
   // that have those above their plane: what they reflect of it is less where no hot part is.
   struct Stratum {
-    std::vector<RareLight> first, later;  // [sun]
-    RareLight reflected;                  // of sky, sea, glitter
+    std::vector<SmallBrightSources> first, later;  // [sun]
+    SmallBrightSources reflected;                  // of sky, sea, glitter
     struct Parts {
       std::vector<bool> seen;  // [part]
-      RareLight reflected;
+      SmallBrightSources reflected;
     };
     std::vector<Parts> parts;
   };
@@ -102,7 +102,7 @@ class UnseenLight {
   [[nodiscard]] const std::vector<std::vector<bool>>& parts_above() const { return above().sets; }
 
   // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
-  [[nodiscard]] const RareLight& reflected() const { return reflected_; }
+  [[nodiscard]] const SmallBrightSources& reflected() const { return reflected_; }
   // What an irradiance from anywhere becomes at most, seen after one reflection: the sum of each
   // facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on, whose brdf may
   // be very large, are left to their projected area x DHR [m2], per radiance. And the largest brdf
@@ -139,7 +139,7 @@ class UnseenLight {
   std::vector<double> dhr_, mean_dhr_;
   double largest_dhr_ = 0, gathered_ = 1, gathered_mean_ = 1;
   double shown_per_sr_ = 0, passed_on_ = 0;
-  RareLight reflected_;
+  SmallBrightSources reflected_;
   double shown_m2_per_sr_ = 0, edge_on_m2_ = 0, any_per_sr_ = 0;
   mutable std::mutex mutex_;
   mutable std::vector<Patch> gathered_patch_;  // made with the first sun

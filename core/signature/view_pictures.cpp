@@ -146,7 +146,7 @@ void show_sources(const SourceTable& table, const ConditionSources& light,
       plan.source[place * plan.padded + image] = static_cast<float>(row[0]);
   };
   const auto put_emitter = [&](std::uint32_t emitter, SourceId id, SourceId first_light) {
-    const ConditionSources::EmitterShare share = light.share_of(emitter);
+    const ConditionSources::EmitterShare share = light.fraction_of(emitter);
     std::fill(row.begin(), row.end(), 0.0);
     for (std::uint32_t n = 0; n < share.count; ++n)
       for (std::size_t c = 0; c < row.size(); ++c)

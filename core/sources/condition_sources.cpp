@@ -125,12 +125,12 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
       return lit < sun_.size() ? light(glint_[lit][at.glint], glint_apparent_[lit][at.glint])
                                : dark;
     case Kind::kBehind:
-      return light(none_, environment_->behind_apparent[at.index]);
+      return light(none_, environment_->background_apparent[at.index]);
   }
   return dark;
 }
 
-ConditionSources::EmitterShare ConditionSources::share_of(std::uint32_t emitter) const {
+ConditionSources::EmitterShare ConditionSources::fraction_of(std::uint32_t emitter) const {
   if (!by_element()) return {emitter};
   if (!emitter_ || std::isnan(emitter_->kelvin[emitter])) return {emitter};
   const BlackbodyNodes::Share share =
@@ -150,7 +150,7 @@ SourceWeights ConditionSources::lit(const SourceWeights& of_paths) const {
     of_paths.for_each(first, paths.all_emitted(), [&](SourceId id, const double* row) {
       if (std::all_of(row, row + columns, [](double w) { return w == 0; })) return;
       const bool reflected = index_of(id) >= paths.emitters();
-      const EmitterShare share = share_of(index_of(id) - (reflected ? paths.emitters() : 0));
+      const EmitterShare share = fraction_of(index_of(id) - (reflected ? paths.emitters() : 0));
       for (std::uint32_t k = 0; k < share.count; ++k)
         add(first, reflected ? light.reflected(share.first + k) : light.seen(share.first + k),
             share.weight[k], row);

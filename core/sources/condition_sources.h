@@ -60,7 +60,7 @@ class ConditionSources {
     return {light_[index_of(id)].apparent, none_.size()};
   }
   // Of the direction nodes, in the layout's order.
-  [[nodiscard]] const LightAround& around() const { return around_; }
+  [[nodiscard]] const IncidentRadiance& around() const { return around_; }
 
   [[nodiscard]] const SourceLayout& layout() const { return layout_.light; }
   // Whether weights of paths must be brought to lights before they meet them: by lit().
@@ -71,7 +71,7 @@ class ConditionSources {
     std::uint32_t first = 0, count = 1;
     std::array<double, 4> weight{1};
   };
-  [[nodiscard]] EmitterShare share_of(std::uint32_t emitter) const;
+  [[nodiscard]] EmitterShare fraction_of(std::uint32_t emitter) const;
   // An emitter that paths have met and whose temperature is not known.
   [[nodiscard]] std::optional<std::uint32_t> unknown_emitter(const SourceWeights& of_paths,
                                                              std::size_t parts) const;
@@ -124,7 +124,7 @@ class ConditionSources {
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
   Spectrum none_;
-  LightAround around_;
+  IncidentRadiance around_;
   std::vector<Light> light_;  // [source]
   const ViewEnvironment* environment_;
 };

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/environment/behind_nodes.h"
+#include "core/environment/background_directions.h"
 #include "core/environment/direction_nodes.h"
 #include "core/geo/frames.h"
 
@@ -54,9 +54,9 @@ using Boundary = std::variant<NoBoundary, Sea, Ground>;
 // Hot gas as rays of a view meet it. A ray is traced once and shaded under any condition:
 // what it meets is kept in measures, which are added up over rays, and what the gas takes of the
 // light behind it as shares of what a few classes of gas take.
-class GasOnRays {
+class RayMedium {
  public:
-  virtual ~GasOnRays() = default;
+  virtual ~RayMedium() = default;
   [[nodiscard]] virtual std::uint32_t measures() const = 0;
   [[nodiscard]] virtual std::uint32_t classes() const = 0;
 
@@ -75,11 +75,11 @@ class GasOnRays {
 struct ClearMedium {};
 // Between target and sensor, or behind the target: of primary rays.
 struct HotGasMedium {
-  std::shared_ptr<const GasOnRays> rays;
+  std::shared_ptr<const RayMedium> rays;
 };
 // Around the target: of reflected rays and those that are aimed at lights.
 struct HotGasAround {
-  std::shared_ptr<const GasOnRays> rays;
+  std::shared_ptr<const RayMedium> rays;
 };
 using Medium = std::variant<ClearMedium, HotGasMedium, HotGasAround>;
 
@@ -108,7 +108,7 @@ struct SourceGeometry {
   // Where the radiance of sky and of what lies below the horizon is known, around the target; and
   // along the lines of sight beyond it (absent: the contrast is not wanted).
   DirectionNodes directions;
-  std::optional<BehindNodes> behind;
+  std::optional<BackgroundDirections> behind;
   // Primary rays that fall more steeply than this (z of the unit vector) and meet no target end
   // below the horizon; all others below the horizontal.
   double horizon_z = 0;

@@ -13,7 +13,7 @@ SourceLayout SourceLayout::with_emitters(std::uint32_t emitters, const SourceGeo
   out.emitters_ = emitters;
   out.suns_ = static_cast<std::uint32_t>(geometry.sun.size());
   out.glint_nodes_ = geometry.glitters() ? static_cast<std::uint32_t>(kGlintCosines.size()) : 0;
-  out.behind_nodes_ = geometry.behind ? geometry.behind->count() : 0;
+  out.background_directions_ = geometry.behind ? geometry.behind->count() : 0;
   out.sky_ = 2 * emitters;
   out.lower_ = out.sky_ + geometry.directions.sky();
   out.sun_ = out.lower_ + geometry.directions.lower();

@@ -70,7 +70,7 @@ class SourceLayout {
 
   [[nodiscard]] std::uint32_t emitters() const { return emitters_; }
   [[nodiscard]] std::uint32_t suns() const { return suns_; }
-  [[nodiscard]] std::uint32_t count() const { return behind_ + behind_nodes_; }
+  [[nodiscard]] std::uint32_t count() const { return behind_ + background_directions_; }
 
   [[nodiscard]] SourceId seen(std::uint32_t emitter) const { return SourceId{emitter}; }
   [[nodiscard]] SourceId reflected(std::uint32_t emitter) const {
@@ -104,7 +104,7 @@ class SourceLayout {
       std::span<const std::uint32_t> suns) const;
 
  private:
-  std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, behind_nodes_ = 0;
+  std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, background_directions_ = 0;
   // Where each kind begins.
   std::uint32_t sky_ = 0, lower_ = 0, sun_ = 0, glint_ = 0, behind_ = 0;
 };

@@ -14,7 +14,7 @@ namespace irsig {
 // What the conditions of a request do to one view, and the directions to which it refers.
 struct ViewEnvironments {
   DirectionNodes directions;
-  BehindNodes behind;
+  BackgroundDirections behind;
   // Where the sea or ground ends for the sensor; without either, the horizontal.
   std::optional<Environment::Horizon> horizon;
   std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for

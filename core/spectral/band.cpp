@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {
@@ -187,7 +188,7 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
         band, absl::StrCat("step ", band.step_um, " um is too wide for a band that begins at ", low,
                            " um: the first bin would reach 0"));
   }
-  if (absl::Status status = check_response(band); !status.ok()) return status;
+  RETURN_IF_ERROR(check_response(band));
 
   const auto n = static_cast<std::size_t>(steps);
   const double half = 0.5 * grid.step_um;

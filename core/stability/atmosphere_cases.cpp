@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/atmosphere.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/planck.h"
 #include "core/stability/groups.h"
 
@@ -87,13 +88,12 @@ double impossible(const PathRadiance& path, double hottest) {
 // ---- cases
 
 absl::StatusOr<Finding> air_optical_depth(Effort) {
-  const auto air = grey_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, grey_air());
   Worst worst(4e-15);
-  const double temperature_k = air_at(air->profile(), 0).temperature_k;
-  const AbsorberAmounts metre = air->amounts(level_path(0, 1));
+  const double temperature_k = air_at(air.profile(), 0).temperature_k;
+  const AbsorberAmounts metre = air.amounts(level_path(0, 1));
   for (double range_m = 1e-7; range_m < 2e9; range_m *= 10) {
-    const PathRadiance path = air->radiance(level_path(0, range_m));
+    const PathRadiance path = air.radiance(level_path(0, range_m));
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       const double absorbed = range_m * metre.grey(GreyAbsorber::kNitrogen)[b],
                    scattered = range_m * metre.grey(GreyAbsorber::kMolecularScattering)[b];
@@ -112,10 +112,9 @@ absl::StatusOr<Finding> air_optical_depth(Effort) {
 }
 
 absl::StatusOr<Finding> every_path(Effort effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(1e-14);
-  const double hottest = hottest_k(air->profile());
+  const double hottest = hottest_k(air.profile());
   const std::vector<double> zeniths = {0,         1e-9, 60,  89.9,       90 - 1e-9, 90,
                                        90 + 1e-9, 90.1, 120, 180 - 1e-9, 180};
   const std::vector<double> heights =
@@ -125,8 +124,8 @@ absl::StatusOr<Finding> every_path(Effort effort) {
   for (const double height_m : heights) {
     for (const double zenith_deg : zeniths) {
       for (const double range_m : {0.0, 1e-9, 1.0, 2e4, kFar}) {
-        const LightPath path = look(air->profile(), height_m, zenith_deg, range_m);
-        worst.see(impossible(air->radiance(path), hottest), [&] {
+        const LightPath path = look(air.profile(), height_m, zenith_deg, range_m);
+        worst.see(impossible(air.radiance(path), hottest), [&] {
           return absl::StrCat(height_m, " m, zenith ", zenith_deg, " deg, ", range_m, " m");
         });
       }
@@ -136,8 +135,7 @@ absl::StatusOr<Finding> every_path(Effort effort) {
 }
 
 absl::StatusOr<Finding> around_the_horizon(Effort effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(2e-4);
   // From 1 km the sea's horizon stands at 91 deg: all these rays end in space, or in air.
   const int steps = effort == Effort::kFull ? 200 : 40;
@@ -146,7 +144,7 @@ absl::StatusOr<Finding> around_the_horizon(Effort effort) {
     for (int i = 0; i <= steps; ++i) {
       const double zenith_deg = 89.9 + 0.2 * i / steps;
       const AirSpectrum t =
-          transmittance(air->amounts(look(air->profile(), 1000, zenith_deg, range_m)));
+          transmittance(air.amounts(look(air.profile(), 1000, zenith_deg, range_m)));
       // Farther down the air is denser: no transmittance may rise.
       double rise = 0;
       for (std::size_t b = 0; b < kAirBandCount && !before.empty(); ++b) {
@@ -162,15 +160,14 @@ absl::StatusOr<Finding> around_the_horizon(Effort effort) {
 absl::StatusOr<Finding> over_the_horizon(Effort) {
   Worst worst(1e-10);
   const AirProfile& air = afgl_profile(AfglProfile::kUsStandard1976);
-  const auto target = look_between(air, 10, 20, 20e3, false);
-  if (!target.ok()) return target.status();
+  ASSIGN_OR_RETURN(const auto target, look_between(air, 10, 20, 20e3, false));
   // Law of cosines, in a form that does not cancel.
   const double r1 = kEarthRadiusM + 10;
   const double sine = (10.0 * (2 * kEarthRadiusM + 30) - 20e3 * 20e3) / (2 * r1 * 20e3);
-  worst.see(std::abs(90 - target->node.front().zenith_deg - std::asin(sine) / kRadPerDeg), [&] {
-    return absl::StrCat("the sensor stands at ", 90 - target->node.front().zenith_deg, " deg");
+  worst.see(std::abs(90 - target.node.front().zenith_deg - std::asin(sine) / kRadPerDeg), [&] {
+    return absl::StrCat("the sensor stands at ", 90 - target.node.front().zenith_deg, " deg");
   });
-  worst.require(std::abs(90 - target->node.front().zenith_deg + 0.0613) < 1e-4,
+  worst.require(std::abs(90 - target.node.front().zenith_deg + 0.0613) < 1e-4,
                 [] { return "-0.06 deg"; });
   // Both horizons together, straight: 27.25 km.
   const double reach_m =
@@ -188,33 +185,32 @@ absl::StatusOr<Finding> over_the_horizon(Effort) {
 }
 
 absl::StatusOr<Finding> tangents(Effort) {
-  const auto air = clean_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, clean_air());
   Worst worst(4e-4);
   for (const double height_m : {10e3, 90e3, 300e3}) {
     for (const double tangent_m : {1.0, 100.0, 5e3, 9e3}) {
       const double zenith_deg =
           180 - std::asin((kEarthRadiusM + tangent_m) / (kEarthRadiusM + height_m)) / kRadPerDeg;
       const auto where = [&] { return absl::StrCat(tangent_m, " m from ", height_m, " m"); };
-      const LightPath whole = look(air->profile(), height_m, zenith_deg, kFar, false);
+      const LightPath whole = look(air.profile(), height_m, zenith_deg, kFar, false);
       worst.require(whole.end == PathEnd::kSpace, where);
       // Twice the half that rises from the tangent point, less the part above the observer.
-      const LightPath half = look(air->profile(), tangent_m, 90, kFar, false);
-      const AbsorberAmounts rising = air->amounts(half);
+      const LightPath half = look(air.profile(), tangent_m, 90, kFar, false);
+      const AbsorberAmounts rising = air.amounts(half);
       if (height_m >= 120e3) {
         worst.see(
-            largest_difference(transmittance(air->amounts(whole)), transmittance(rising + rising)),
+            largest_difference(transmittance(air.amounts(whole)), transmittance(rising + rising)),
             where);
       } else {
-        const LightPath above = look(air->profile(), height_m, 180 - zenith_deg, kFar, false);
-        worst.see(largest_difference(transmittance(air->amounts(whole) + air->amounts(above)),
+        const LightPath above = look(air.profile(), height_m, 180 - zenith_deg, kFar, false);
+        worst.see(largest_difference(transmittance(air.amounts(whole) + air.amounts(above)),
                                      transmittance(rising + rising)),
                   where);
       }
       // A metre lower than the surface is no path to space.
       const double lower_deg =
           180 - std::asin((kEarthRadiusM - 1) / (kEarthRadiusM + height_m)) / kRadPerDeg;
-      worst.require(look(air->profile(), height_m, lower_deg, kFar, false).end == PathEnd::kSurface,
+      worst.require(look(air.profile(), height_m, lower_deg, kFar, false).end == PathEnd::kSurface,
                     where);
     }
   }
@@ -222,24 +218,21 @@ absl::StatusOr<Finding> tangents(Effort) {
 }
 
 absl::StatusOr<Finding> neighbours(Effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(1e-9);
   for (const double height_m : {0.0, 1e-3, 10.0, 1999.9, 11e3, 119e3}) {
     for (const double range_m : {1.0, 1e-3, 1e-6}) {
-      const auto path = look_between(air->profile(), height_m, height_m, range_m);
-      if (!path.ok()) return path.status();
-      const PathRadiance ours = air->radiance(*path);
-      const AirSpectrum level = transmittance(air->amounts(level_path(height_m, range_m)));
+      ASSIGN_OR_RETURN(const auto path, look_between(air.profile(), height_m, height_m, range_m));
+      const PathRadiance ours = air.radiance(path);
+      const AirSpectrum level = transmittance(air.amounts(level_path(height_m, range_m)));
       // The chord of 1 m hangs 2e-8 m below the level.
       worst.see(largest_difference(ours.transmittance, level),
                 [&] { return absl::StrCat(range_m, " m apart at ", height_m, " m"); });
-      worst.see(impossible(ours, hottest_k(air->profile())),
+      worst.see(impossible(ours, hottest_k(air.profile())),
                 [&] { return absl::StrCat(range_m, " m apart at ", height_m, " m"); });
     }
-    const auto same = look_between(air->profile(), height_m, height_m, 0);
-    if (!same.ok()) return same.status();
-    for (const double t : air->radiance(*same).transmittance) {
+    ASSIGN_OR_RETURN(const auto same, look_between(air.profile(), height_m, height_m, 0));
+    for (const double t : air.radiance(same).transmittance) {
       worst.require(t == 1, [&] { return absl::StrCat("no range at ", height_m, " m"); });
     }
   }
@@ -247,8 +240,7 @@ absl::StatusOr<Finding> neighbours(Effort) {
 }
 
 absl::StatusOr<Finding> reversal(Effort effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(1e-3);
   const int lines = effort == Effort::kFull ? 200 : 30;
   for (int i = 0; i < lines; ++i) {
@@ -257,39 +249,38 @@ absl::StatusOr<Finding> reversal(Effort effort) {
     const double low_m = std::pow(10.0, 4 * uniform(1, k)) - 1,
                  high_m = std::pow(10.0, 5 * uniform(2, k)) - 1;
     const double range_m = std::abs(high_m - low_m) + std::pow(10.0, 4.3 * uniform(3, k));
-    const auto up = look_between(air->profile(), low_m, high_m, range_m),
-               down = look_between(air->profile(), high_m, low_m, range_m);
+    const auto up = look_between(air.profile(), low_m, high_m, range_m),
+               down = look_between(air.profile(), high_m, low_m, range_m);
     const auto where = [&] {
       return absl::StrCat(low_m, " m to ", high_m, " m over ", range_m, " m");
     };
     worst.require(up.ok() == down.ok(), where);
     if (!up.ok() || !down.ok()) continue;
     worst.see(
-        largest_difference(transmittance(air->amounts(*up)), transmittance(air->amounts(*down))),
+        largest_difference(transmittance(air.amounts(*up)), transmittance(air.amounts(*down))),
         where);
   }
   return worst.finding();
 }
 
 absl::StatusOr<Finding> pieces(Effort effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(2e-4);
   const int lines = effort == Effort::kFull ? 200 : 30;
   for (int i = 0; i < lines; ++i) {
     const auto k = static_cast<std::uint64_t>(i);
     const double height_m = std::pow(10.0, 4.7 * uniform(4, k)) - 1;
     const double zenith_deg = 180 * uniform(5, k);
-    const LightPath far = look(air->profile(), height_m, zenith_deg, 1e5);
+    const LightPath far = look(air.profile(), height_m, zenith_deg, 1e5);
     const double range_m = std::min(1e5, far.length_m);
     if (range_m < 1e-3) continue;
     const double cut_m = range_m * uniform(6, k);
-    const LightPath whole = look(air->profile(), height_m, zenith_deg, range_m),
-                    first = look(air->profile(), height_m, zenith_deg, cut_m);
+    const LightPath whole = look(air.profile(), height_m, zenith_deg, range_m),
+                    first = look(air.profile(), height_m, zenith_deg, cut_m);
     const LightPath::Node end = first.node.back();
-    const LightPath second = look(air->profile(), end.height_m, end.zenith_deg, range_m - cut_m);
-    worst.see(largest_difference(transmittance(air->amounts(whole)),
-                                 transmittance(air->amounts(first) + air->amounts(second))),
+    const LightPath second = look(air.profile(), end.height_m, end.zenith_deg, range_m - cut_m);
+    worst.see(largest_difference(transmittance(air.amounts(whole)),
+                                 transmittance(air.amounts(first) + air.amounts(second))),
               [&] {
                 return absl::StrCat(height_m, " m, zenith ", zenith_deg, " deg, ", range_m,
                                     " m, cut at ", cut_m, " m");
@@ -299,14 +290,13 @@ absl::StatusOr<Finding> pieces(Effort effort) {
 }
 
 absl::StatusOr<Finding> range_is_monotone(Effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(2e-4);
   for (const double zenith_deg : {0.0, 85.0, 90.0, 90.02, 110.0}) {
     AirSpectrum before(kAirBandCount, 1.0);
     for (double range_m = 1e-3; range_m < 2e6; range_m *= 3) {
       const AirSpectrum t =
-          transmittance(air->amounts(look(air->profile(), 50, zenith_deg, range_m)));
+          transmittance(air.amounts(look(air.profile(), 50, zenith_deg, range_m)));
       double rise = 0;
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         if (!(t[b] - before[b] <= rise)) rise = t[b] - before[b];
@@ -324,12 +314,11 @@ absl::StatusOr<Finding> weather(Effort) {
     AirSpectrum drier;
     for (const double humidity : {0.0, 1e-6, 1.0, 50.0, 99.0, 100.0}) {
       const auto where = [&] { return absl::StrCat(temperature_k, " K, ", humidity, " %"); };
-      const auto bent = bend_to_surface(afgl_profile(AfglProfile::kUsStandard1976),
-                                        {temperature_k, humidity, 101325});
-      if (!bent.ok()) return bent.status();
-      const auto air = Atmosphere::make({*bent, {}});
+      ASSIGN_OR_RETURN(const auto bent, bend_to_surface(afgl_profile(AfglProfile::kUsStandard1976),
+                                                        {temperature_k, humidity, 101325}));
+      const auto air = Atmosphere::make({bent, {}});
       if (!air.ok()) return air.status();
-      worst.see(impossible(air->sky_radiance(0, 85), hottest_k(*bent)), where);
+      worst.see(impossible(air->sky_radiance(0, 85), hottest_k(bent)), where);
       const AbsorberAmounts surface = air->amounts(level_path(0, 5000));
       const AirSpectrum water = transmittance(surface, Gas::kH2o);
       AirSpectrum t(kAirBandCount);
@@ -353,24 +342,23 @@ constexpr std::array kThick = {AerosolKind::kAdvectionFog, AerosolKind::kRadiati
 absl::StatusOr<Finding> fog(Effort) {
   Worst worst(1e-12);
   for (const AerosolKind kind : kThick) {
-    const auto air = air_of(AfglProfile::kUsStandard1976, kind, 200);
-    if (!air.ok()) return air.status();
-    const double temperature_k = air_at(air->profile(), 10).temperature_k;
+    ASSIGN_OR_RETURN(const auto air, air_of(AfglProfile::kUsStandard1976, kind, 200));
+    const double temperature_k = air_at(air.profile(), 10).temperature_k;
     PathLight light;
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       light.surroundings_w_m2_sr_um.push_back(
           planck_radiance_w_m2_sr_um(air_band_lambda_um(b), temperature_k));
     }
     for (const double range_m : {1.0, 200.0, 1e4, 1e5, 1e7}) {
-      const PathRadiance path = air->radiance(level_path(10, range_m), light);
-      worst.see(impossible(path, hottest_k(air->profile())), [&] {
+      const PathRadiance path = air.radiance(level_path(10, range_m), light);
+      worst.see(impossible(path, hottest_k(air.profile())), [&] {
         return absl::StrCat("aerosol ", static_cast<int>(kind), ", ", range_m, " m");
       });
       worst.require(range_m < 1e3 || path.beyond_single_scattering(),
                     [] { return "scattering deeper than 0.3 is not flagged"; });
       // Of the light that ends on the way at least the particles' share is emitted, and all of it
       // is emitted or comes from around: 1 - T of a blackbody among blackbodies.
-      const AbsorberAmounts held = air->amounts(level_path(10, range_m));
+      const AbsorberAmounts held = air.amounts(level_path(10, range_m));
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         const auto where = [&] {
           return absl::StrCat("aerosol ", static_cast<int>(kind), ", ", range_m, " m, band ", b);
@@ -402,11 +390,11 @@ absl::StatusOr<Finding> visibility(Effort) {
   };
   for (const AerosolKind kind : kThick) {
     for (const double visibility_km : {0.2, 0.5, 1.0}) {
-      const auto less = air_of(AfglProfile::kUsStandard1976, kind, 1e3 * visibility_km),
-                 more = air_of(AfglProfile::kUsStandard1976, kind, 2e3 * visibility_km);
-      if (!less.ok()) return less.status();
+      ASSIGN_OR_RETURN(const auto less,
+                       air_of(AfglProfile::kUsStandard1976, kind, 1e3 * visibility_km),
+                       more = air_of(AfglProfile::kUsStandard1976, kind, 2e3 * visibility_km));
       if (!more.ok()) return more.status();
-      const AirSpectrum thick = depth(*less), thin = depth(*more);
+      const AirSpectrum thick = depth(less), thin = depth(*more);
       // Koschmieder: 3.912 / visibility is the aerosol's extinction and 0.01159 / km of clean air.
       const double expected =
           (3.912 / visibility_km - 0.01159) / (3.912 / (2 * visibility_km) - 0.01159);
@@ -426,18 +414,18 @@ absl::StatusOr<Finding> inversion(Effort) {
       "height_m,pressure_pa,temperature_k,relative_humidity_percent\n"
       "0,101325,276,95\n100,100100,280,80\n300,97700,288,50\n310,97580,288,50\n1000,89800,283,50\n"
       "3000,70000,270,30\n";
-  const auto profile =
-      parse_profile_csv(kSounding, "inversion", afgl_profile(AfglProfile::kMidlatitudeWinter));
-  if (!profile.ok()) return profile.status();
-  const auto air = Atmosphere::make({*profile, {}});
+  ASSIGN_OR_RETURN(
+      const auto profile,
+      parse_profile_csv(kSounding, "inversion", afgl_profile(AfglProfile::kMidlatitudeWinter)));
+  const auto air = Atmosphere::make({profile, {}});
   if (!air.ok()) return air.status();
   Worst worst(1e-12);
   for (const double zenith_deg : {0.0, 60.0, 89.0, 90.0}) {
     for (const double range_m : {50.0, 400.0, 3000.0}) {
-      const LightPath path = look(*profile, 0, zenith_deg, range_m);
+      const LightPath path = look(profile, 0, zenith_deg, range_m);
       double low_k = 400, high_k = 0;
       for (const LightPath::Node& node : path.node) {
-        const double t = air_at(*profile, node.height_m).temperature_k;
+        const double t = air_at(profile, node.height_m).temperature_k;
         low_k = std::min(low_k, t);
         high_k = std::max(high_k, t);
       }
@@ -460,27 +448,26 @@ absl::StatusOr<Finding> inversion(Effort) {
 }
 
 absl::StatusOr<Finding> space(Effort) {
-  const auto air = hazy_air();
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air, hazy_air());
   Worst worst(1e-12);
   for (const double zenith_deg : {0.0, 60.0, 85.0, 90.0}) {
-    const LightPath open = look(air->profile(), 10, zenith_deg, kFar);
+    const LightPath open = look(air.profile(), 10, zenith_deg, kFar);
     worst.require(open.end == PathEnd::kSpace && std::isinf(open.length_m), [&] {
       return absl::StrCat("zenith ", zenith_deg, " deg does not end in space");
     });
-    const LightPath limited = look(air->profile(), 10, zenith_deg, 1e8);
+    const LightPath limited = look(air.profile(), 10, zenith_deg, 1e8);
     worst.see(
-        largest_difference(transmittance(air->amounts(open)), transmittance(air->amounts(limited))),
+        largest_difference(transmittance(air.amounts(open)), transmittance(air.amounts(limited))),
         [&] { return absl::StrCat("zenith ", zenith_deg, " deg over 1e8 m"); });
   }
   // Above the air a path is that from its edge.
-  const double top_m = air->profile().level.back().height_m;
-  const AirSpectrum edge = transmittance(air->amounts(look(air->profile(), top_m, 180, kFar)));
+  const double top_m = air.profile().level.back().height_m;
+  const AirSpectrum edge = transmittance(air.amounts(look(air.profile(), top_m, 180, kFar)));
   for (const double height_m : {2e5, 5e5, 36e6}) {
     worst.see(largest_difference(
-                  edge, transmittance(air->amounts(look(air->profile(), height_m, 180, kFar)))),
+                  edge, transmittance(air.amounts(look(air.profile(), height_m, 180, kFar)))),
               [&] { return absl::StrCat("nadir from ", height_m, " m"); });
-    const PathRadiance nothing = air->radiance(look(air->profile(), height_m, 45, kFar));
+    const PathRadiance nothing = air.radiance(look(air.profile(), height_m, 45, kFar));
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       worst.require(nothing.transmittance[b] == 1 && nothing.total_w_m2_sr_um[b] == 0,
                     [&] { return absl::StrCat("away from the Earth at ", height_m, " m"); });
@@ -490,15 +477,15 @@ absl::StatusOr<Finding> space(Effort) {
 }
 
 absl::StatusOr<Finding> polar_night(Effort) {
-  const auto air = air_of(AfglProfile::kSubarcticWinter, AerosolKind::kMaritime, 23e3);
-  if (!air.ok()) return air.status();
+  ASSIGN_OR_RETURN(const auto air,
+                   air_of(AfglProfile::kSubarcticWinter, AerosolKind::kMaritime, 23e3));
   Worst worst(0);
   const auto where = [](double zenith_deg) {
     return [=] { return absl::StrCat("sun at ", zenith_deg, " deg"); };
   };
   AirSpectrum higher;
   for (const double zenith_deg : {0.0, 60.0, 85.0, 89.0, 90.0, 90.3, 91.0, 95.0, 113.0, 180.0}) {
-    const AirSpectrum sun = air->sun_irradiance_w_m2_um(0, SunPlace{zenith_deg, 0});
+    const AirSpectrum sun = air.sun_irradiance_w_m2_um(0, SunPlace{zenith_deg, 0});
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       worst.require(std::isfinite(sun[b]) && sun[b] >= 0, where(zenith_deg));
       // Refraction lifts the sun by 0.6 deg at most.
@@ -508,7 +495,7 @@ absl::StatusOr<Finding> polar_night(Effort) {
     higher = sun;
     PathLight light;
     light.sun = SunPlace{zenith_deg, 0};
-    const PathRadiance level = air->radiance(level_path(10, 5000), light);
+    const PathRadiance level = air.radiance(level_path(10, 5000), light);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       worst.require(std::isfinite(level.total_w_m2_sr_um[b]), where(zenith_deg));
       if (zenith_deg >= 95) worst.require(level.scattered_w_m2_sr_um[b] == 0, where(zenith_deg));

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/arithmetic_fingerprint.h"
+#include "core/base/status_macros.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
 #include "core/stability/ray_shots.h"
@@ -27,11 +28,9 @@ std::vector<TracerIsa> instruction_sets() {
 
 // A ship with a glossy hull, a hot part and the sun: everything that a path can do.
 absl::StatusOr<SceneSpec> ship(std::uint64_t triangles) {
-  auto mesh = generate_mesh({"frigate", triangles});
-  if (!mesh.ok()) return mesh.status();
-  auto hull = builtin_material("hull");
-  if (!hull.ok()) return hull.status();
-  SceneSpec scene = one_body(*std::move(mesh), *std::move(hull));
+  ASSIGN_OR_RETURN(auto mesh, generate_mesh({"frigate", triangles}));
+  ASSIGN_OR_RETURN(auto hull, builtin_material("hull"));
+  SceneSpec scene = one_body(std::move(mesh), std::move(hull));
   scene.part = {
       {"ship", {"hull", "deck", "superstructure", "funnel", "mast", "turret"}, 0, false, false},
       {"hot", {"*_*"}, 0, false, true}};
@@ -81,27 +80,22 @@ double differing(const std::vector<double>& a, const std::vector<double>& b) {
 // The same request again, on a scene that is built again, and on 1 to 4 threads at the same time.
 absl::StatusOr<Finding> same_bits(Effort effort) {
   Worst worst(0);
-  const auto scene = ship(20000);
-  if (!scene.ok()) return scene.status();
-  const auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
-  const ViewRequest r = sunlit(**simulator, effort == Effort::kFull ? 8192 : 512);
-  const auto first = (*simulator)->simulate(r);
-  if (!first.ok()) return first.status();
-  const std::vector<double> expected = numbers(*first);
+  ASSIGN_OR_RETURN(const auto scene, ship(20000));
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
+  const ViewRequest r = sunlit(*simulator, effort == Effort::kFull ? 8192 : 512);
+  ASSIGN_OR_RETURN(const auto first, simulator->simulate(r));
+  const std::vector<double> expected = numbers(first);
 
-  const auto rebuilt = Simulator::create(*scene);
-  if (!rebuilt.ok()) return rebuilt.status();
-  const auto again = (*rebuilt)->simulate(r);
-  if (!again.ok()) return again.status();
-  worst.see(differing(numbers(*again), expected), [] { return "built again"; });
+  ASSIGN_OR_RETURN(const auto rebuilt, Simulator::create(scene));
+  ASSIGN_OR_RETURN(const auto again, rebuilt->simulate(r));
+  worst.see(differing(numbers(again), expected), [] { return "built again"; });
 
   for (const std::size_t threads : {1, 2, 4}) {
     std::vector<double> difference(threads, INFINITY);
     std::vector<std::thread> running;
     for (std::size_t i = 0; i < threads; ++i)
       running.emplace_back([&, i] {
-        const auto view = (*simulator)->simulate(r);
+        const auto view = simulator->simulate(r);
         if (view.ok()) difference[i] = differing(numbers(*view), expected);
       });
     for (std::thread& t : running) t.join();
@@ -119,14 +113,12 @@ absl::StatusOr<Finding> instruction_set_views(Effort effort) {
   std::vector<ViewResult> views;
   std::string names;
   for (const TracerIsa isa : instruction_sets()) {
-    auto scene = ship(20000);
-    if (!scene.ok()) return scene.status();
-    scene->isa = isa;
-    const auto simulator = Simulator::create(*scene);
-    if (!simulator.ok()) return simulator.status();
-    auto view = (*simulator)->simulate(sunlit(**simulator, effort == Effort::kFull ? 32768 : 2048));
-    if (!view.ok()) return view.status();
-    views.push_back(*std::move(view));
+    ASSIGN_OR_RETURN(auto scene, ship(20000));
+    scene.isa = isa;
+    ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
+    ASSIGN_OR_RETURN(
+        auto view, simulator->simulate(sunlit(*simulator, effort == Effort::kFull ? 32768 : 2048)));
+    views.push_back(std::move(view));
     absl::StrAppend(&names, names.empty() ? "" : ", ", isa_name(isa));
   }
   worst.require(true, [&] { return names; });
@@ -145,13 +137,12 @@ absl::StatusOr<Finding> instruction_set_views(Effort effort) {
 
 absl::StatusOr<Finding> instruction_set_rays(Effort effort) {
   Worst worst(0.5);
-  auto mesh = generate_mesh({"frigate", 20000});
-  if (!mesh.ok()) return mesh.status();
+  ASSIGN_OR_RETURN(auto mesh, generate_mesh({"frigate", 20000}));
   const std::uint64_t rays = effort == Effort::kFull ? 4'000'000 : 200'000;
   std::vector<Shot> first;
   std::string names;
   for (const TracerIsa isa : instruction_sets()) {
-    const auto target = make_target(*mesh, {{"body", {"*"}, 0, false, false}}, isa);
+    const auto target = make_target(mesh, {{"body", {"*"}, 0, false, false}}, isa);
     if (!target.ok()) return target.status();
     absl::StrAppend(&names, names.empty() ? "" : ", ", isa_name(isa));
     const bool is_first = first.empty();
@@ -222,8 +213,7 @@ std::uint64_t coherent_hits(const Tracer& tracer, double radius_m, int run) {
 // process that the system kills when it loops. The tracer as it is used, and Embree alone.
 absl::StatusOr<Finding> no_endless_traversal(Effort effort) {
   Worst worst(0);
-  auto mesh = generate_mesh({"frigate", 50000});
-  if (!mesh.ok()) return mesh.status();
+  ASSIGN_OR_RETURN(auto mesh, generate_mesh({"frigate", 50000}));
   const int runs = effort == Effort::kFull ? 12 : 2;
   for (const TracerIsa isa : instruction_sets())
     for (int run = 0; run < runs; ++run) {
@@ -231,7 +221,7 @@ absl::StatusOr<Finding> no_endless_traversal(Effort effort) {
       if (child < 0) return absl::InternalError("fork failed");
       if (child == 0) {
         limit_cpu_s(20);
-        const auto target = make_target(*mesh, {{"body", {"*"}, 0, false, false}}, isa);
+        const auto target = make_target(mesh, {{"body", {"*"}, 0, false, false}}, isa);
         if (!target.ok()) _exit(2);
         const auto alone = Tracer::build(target->vertex, target->triangle, isa,
                                          {.robust = true, .guard = TracerGuard::kNone});

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/scene/mesh_measure.h"
 #include "core/scene/watertight_check.h"
 #include "core/spectral/planck.h"
@@ -26,16 +27,14 @@ struct Closed {
 
 absl::StatusOr<std::vector<Closed>> closed_bodies() {
   std::vector<Closed> out;
-  auto sphere = generate_mesh({"sphere", 20000});
-  if (!sphere.ok()) return sphere.status();
-  out.push_back({"sphere", *std::move(sphere), {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}});
+  ASSIGN_OR_RETURN(auto sphere, generate_mesh({"sphere", 20000}));
+  out.push_back({"sphere", std::move(sphere), {-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}});
   // Walls 13 mm wide and 50 m long (1 : 4000), fans of 500 needles.
   out.push_back({"needle drum", needle_drum(500, 1, 50), {-22, -0.6, -0.6}, {22, 0.6, 0.6}});
   // Strips 40 um wide and 20 m long (1 : 500000).
   out.push_back({"needle slab", needle_slab(500, 20, 0.02), {-9, -0.009, -0.45}, {9, 0.009, 0.45}});
-  auto frigate = generate_mesh({"frigate", 20000});
-  if (!frigate.ok()) return frigate.status();
-  out.push_back({"frigate", *std::move(frigate), {-40, -3, -4}, {40, 3, -1}});
+  ASSIGN_OR_RETURN(auto frigate, generate_mesh({"frigate", 20000}));
+  out.push_back({"frigate", std::move(frigate), {-40, -3, -4}, {40, 3, -1}});
   for (const Closed& body : out) {
     const MeshMeasure m = measure(body.mesh);
     if (m.open_edges > 0 || !(m.volume_m3 > 0))
@@ -59,35 +58,33 @@ template <typename Aim>
 absl::StatusOr<Finding> lost_rays(std::uint64_t rays_of_each, Aim&& aim) {
   Worst worst(0);
   std::uint64_t rays = 0;
-  auto bodies = closed_bodies();
-  if (!bodies.ok()) return bodies.status();
-  for (const Closed& body : *bodies)
+  ASSIGN_OR_RETURN(auto bodies, closed_bodies());
+  for (const Closed& body : bodies)
     for (const double offset : kOffsetsM) {
-      const auto target = target_of(moved(body.mesh, far_away(offset)));
-      if (!target.ok()) return target.status();
-      const Vec<Body> low = body.low + far_away(offset) - target->centre;
+      ASSIGN_OR_RETURN(const auto target, target_of(moved(body.mesh, far_away(offset))));
+      const Vec<Body> low = body.low + far_away(offset) - target.centre;
       const MeshMeasure m = measure(body.mesh);
       // Half a start offset of a body of this size, wherever it stands.
       const double near_m = 0x1p-21 * length(m.box_max - m.box_min);
       std::uint64_t lost = 0, misplaced = 0;
       for (std::size_t v = 0; v < body.mesh.vertex.size(); ++v) {
-        const float* x = target->vertex.data() + 3 * v;
-        const Vec<Body> kept = Vec<Body>{x[0], x[1], x[2]} + target->centre - far_away(offset);
+        const float* x = target.vertex.data() + 3 * v;
+        const Vec<Body> kept = Vec<Body>{x[0], x[1], x[2]} + target.centre - far_away(offset);
         misplaced += length(kept - body.mesh.vertex[v]) < near_m ? 0 : 1;
       }
       shoot(
-          *target->tracer, rays_of_each, false,
+          *target.tracer, rays_of_each, false,
           [&](std::uint64_t i, Shot& shot) {
             const Vec<Body> span = body.high - body.low;
             shot.origin = to_float3(low + Vec<Body>{uniform(1, 3 * i) * span.x,
                                                     uniform(1, 3 * i + 1) * span.y,
                                                     uniform(1, 3 * i + 2) * span.z});
-            shot.direction = aim(*target, i, shot.origin);
+            shot.direction = aim(target, i, shot.origin);
           },
           [&](std::uint64_t, const Shot& shot) {
             if (!shot.hit)
               ++lost;
-            else if (!(distance_from_plane_m(*target, shot.triangle, shot.point()) < near_m))
+            else if (!(distance_from_plane_m(target, shot.triangle, shot.point()) < near_m))
               ++misplaced;
           });
       rays += rays_of_each;
@@ -161,20 +158,18 @@ absl::StatusOr<Finding> exact_arithmetic(Effort effort) {
     for (const double offset : kOffsetsM) {
       // The hardest of them alone; making the judge costs most of the time.
       if (effort == Effort::kShort && offset < 6e6) continue;
-      const auto mesh = import_from_offset(m.mesh, offset);
-      if (!mesh.ok()) return mesh.status();
+      ASSIGN_OR_RETURN(const auto mesh, import_from_offset(m.mesh, offset));
       for (const AimedAt aimed : {AimedAt::kRandom, AimedAt::kEdges, AimedAt::kVertices}) {
         WatertightCheck check;
         check.aimed_at = aimed;
         check.rays = effort == Effort::kFull ? 1'000'000 / 28 : 1000;
-        const auto counts = check_watertight(*mesh, check);
-        if (!counts.ok()) return counts.status();
-        rays += counts->rays;
-        worst.see(static_cast<double>(counts->failures()), [&] {
+        ASSIGN_OR_RETURN(const auto counts, check_watertight(mesh, check));
+        rays += counts.rays;
+        worst.see(static_cast<double>(counts.failures()), [&] {
           return absl::StrCat(m.name, " at ", offset, " m, aim ", static_cast<int>(aimed), ": ",
-                              counts->lost, " lost, ", counts->invented, " invented, ",
-                              counts->shadow_lost, " shadows lost, ", counts->shadow_invented,
-                              " invented of ", counts->rays, "; ", counts->first_failure);
+                              counts.lost, " lost, ", counts.invented, " invented, ",
+                              counts.shadow_lost, " shadows lost, ", counts.shadow_invented,
+                              " invented of ", counts.rays, "; ", counts.first_failure);
         });
       }
     }
@@ -196,14 +191,13 @@ absl::StatusOr<Finding> grazing_needles(Effort effort) {
       const auto place = [&](Vec<Body> v) { return turned ? askew(v) : v; };
       Mesh slab = needle_slab(kNeedles, 20, 2);
       for (Vec<Body>& v : slab.vertex) v = place(v);
-      const auto target = target_of(moved(slab, far_away(offset)));
-      if (!target.ok()) return target.status();
+      ASSIGN_OR_RETURN(const auto target, target_of(moved(slab, far_away(offset))));
       const Vec<Body> up = place({0, 0, -1}),
-                      centre = target->centre - far_away(offset);  // where the box says it is
+                      centre = target.centre - far_away(offset);  // where the box says it is
       for (const double theta_deg : {89.9, 89.99, 89.9999}) {
         std::uint64_t lost = 0, through = 0, off = 0;
         shoot(
-            *target->tracer, rays, false,
+            *target.tracer, rays, false,
             [&](std::uint64_t i, Shot& shot) {
               // Along, across and askew to the needles.
               const double phi = (static_cast<double>(i % 3) * 45 + uniform(5, 3 * i)) * kRadPerDeg,
@@ -224,10 +218,10 @@ absl::StatusOr<Finding> grazing_needles(Effort effort) {
               } else {
                 const Float3 p = shot.point();
                 const double height = dot(Vec<Body>{p.x, p.y, p.z} + centre, up) - 0.5;
-                off += std::abs(height) < 0.5 * target->offset_m() ? 0 : 1;
+                off += std::abs(height) < 0.5 * target.offset_m() ? 0 : 1;
               }
             },
-            static_cast<float>(target->offset_m()));
+            static_cast<float>(target.offset_m()));
         worst.see(static_cast<double>(lost + through + off), [&] {
           return absl::StrCat(theta_deg, " deg, offset ", offset, " m",
                               turned ? ", turned: " : ": ", lost, " lost, ", through,
@@ -241,19 +235,17 @@ absl::StatusOr<Finding> grazing_needles(Effort effort) {
 // A mesh in Earth-centred metres, written and read again as text: facets of 2 mm keep their shape.
 absl::StatusOr<Finding> text_at_earth_radius(Effort) {
   Worst worst(1e-6);
-  auto sphere = generate_mesh({"sphere", 20000, 0.25});
-  if (!sphere.ok()) return sphere.status();
-  const MeshMeasure near = measure(*sphere);
+  ASSIGN_OR_RETURN(auto sphere, generate_mesh({"sphere", 20000, 0.25}));
+  const MeshMeasure near = measure(sphere);
   for (const double offset : kOffsetsM) {
-    const std::string text = write_obj(moved(*sphere, far_away(offset)));
+    const std::string text = write_obj(moved(sphere, far_away(offset)));
     MeshImport how;
     how.file_name = "far.obj";
     how.reference = "bbox_center";
-    const auto read = import_mesh(text, how);
-    if (!read.ok()) return read.status();
-    const MeshMeasure far = measure(*read);
+    ASSIGN_OR_RETURN(const auto read, import_mesh(text, how));
+    const MeshMeasure far = measure(read);
     const auto where = [&] { return absl::StrCat("offset ", offset, " m"); };
-    worst.require(far.open_edges == 0 && read->degenerate_triangles == 0, where);
+    worst.require(far.open_edges == 0 && read.degenerate_triangles == 0, where);
     worst.see(std::abs(far.area_m2 / near.area_m2 - 1), where);
     worst.see(std::abs(far.volume_m3 / near.volume_m3 - 1), where);
   }
@@ -282,16 +274,15 @@ std::string binary_stl(const Mesh& mesh) {
 
 absl::StatusOr<Finding> float_formats_refused(Effort) {
   Worst worst(0);
-  auto box = generate_mesh({"box", 12});
-  if (!box.ok()) return box.status();
+  ASSIGN_OR_RETURN(auto box, generate_mesh({"box", 12}));
   MeshImport how;
   how.file_name = "far.stl";
   how.reference = "bbox_center";
-  const auto near = import_mesh(binary_stl(*box), how);
+  const auto near = import_mesh(binary_stl(box), how);
   worst.require(near.ok() && std::abs(measure(*near).volume_m3 - 1) < 1e-6,
                 [] { return "at the origin the file is good, and must be read"; });
   for (const double offset : {1e5, 6.4e6}) {
-    const auto far = import_mesh(binary_stl(moved(*box, far_away(offset))), how);
+    const auto far = import_mesh(binary_stl(moved(box, far_away(offset))), how);
     worst.require(!far.ok() || std::abs(measure(*far).volume_m3 - 1) < 0.05,
                   [&] { return absl::StrCat("offset ", offset, " m: read, and distorted"); });
     if (offset > 1e6)
@@ -305,21 +296,19 @@ absl::StatusOr<Finding> self_intersection(Effort effort) {
   Worst worst(0);
   for (const double radius : {1e-3, 1.0, 1e3, 1e5})
     for (const double offset : {0.0, 5 * radius}) {
-      auto sphere = generate_mesh({"sphere", 5000, radius});
-      if (!sphere.ok()) return sphere.status();
-      const auto simulator =
-          Simulator::create(one_body(moved(*sphere, far_away(offset)), grey_paint(0.5)));
-      if (!simulator.ok()) return simulator.status();
-      ViewRequest r = dark_view(**simulator, 30, 20, 50 * radius, {300});
+      ASSIGN_OR_RETURN(auto sphere, generate_mesh({"sphere", 5000, radius}));
+      ASSIGN_OR_RETURN(
+          const auto simulator,
+          Simulator::create(one_body(moved(sphere, far_away(offset)), grey_paint(0.5))));
+      ViewRequest r = dark_view(*simulator, 30, 20, 50 * radius, {300});
       r.max_reflections = 3;
       r.condition[0].surroundings = {SurroundingsKind::kNone, 300, 0, 0, 1, 10};
       r.accuracy.samples_per_replicate = effort == Effort::kFull ? 65536 : 2048;
-      const auto view = (*simulator)->simulate(r);
-      if (!view.ok()) return view.status();
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
       const double again =
-          view->row[0].cause_w_sr[static_cast<std::size_t>(Cause::kPartsReflected)].value;
-      worst.see(again / view->row[0].intensity_w_sr.value +
-                    static_cast<double>(view->guarded_backface_hits),
+          view.row[0].cause_w_sr[static_cast<std::size_t>(Cause::kPartsReflected)].value;
+      worst.see(again / view.row[0].intensity_w_sr.value +
+                    static_cast<double>(view.guarded_backface_hits),
                 [&] { return absl::StrCat("radius ", radius, " m, offset ", offset, " m"); });
     }
   return worst.finding();
@@ -331,11 +320,10 @@ absl::StatusOr<ViewResult> look_at(const Mesh& mesh, bool two_sided, double rang
                                    std::uint64_t samples, double azimuth_deg = 0) {
   SceneSpec scene = one_body(mesh, grey_paint(0.5));
   scene.part[0].two_sided = two_sided;
-  const auto simulator = Simulator::create(scene);
-  if (!simulator.ok()) return simulator.status();
-  ViewRequest r = dark_view(**simulator, azimuth_deg, 0, range_m, {300});
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
+  ViewRequest r = dark_view(*simulator, azimuth_deg, 0, range_m, {300});
   r.accuracy.samples_per_replicate = samples;
-  return (*simulator)->simulate(r);
+  return simulator->simulate(r);
 }
 
 // How far the plate's intensity is from emissivity x area x Planck, in standard errors.
@@ -367,11 +355,10 @@ absl::StatusOr<Finding> duplicates(Effort effort) {
        false, 20},
   };
   for (const auto& v : variants) {
-    const auto view = look_at(v.mesh, v.two_sided, 1e5, samples, v.azimuth_deg);
-    if (!view.ok()) return view.status();
-    worst.see(plate_t(*view, std::cos(20 * kRadPerDeg)), [&] {
-      return absl::StrCat(v.name, ": ", view->row[0].projected_area_m2.value, " m2, ",
-                          view->guarded_backface_hits, " of ", view->target_paths,
+    ASSIGN_OR_RETURN(const auto view, look_at(v.mesh, v.two_sided, 1e5, samples, v.azimuth_deg));
+    worst.see(plate_t(view, std::cos(20 * kRadPerDeg)), [&] {
+      return absl::StrCat(v.name, ": ", view.row[0].projected_area_m2.value, " m2, ",
+                          view.guarded_backface_hits, " of ", view.target_paths,
                           " met from behind");
     });
   }
@@ -407,13 +394,12 @@ absl::StatusOr<Finding> inverted_facets(Effort) {
   Mesh mesh = plate(1, 1, 10);
   for (std::size_t i = 0; i < mesh.triangle.size() / 2; ++i)
     std::swap(mesh.triangle[i][1], mesh.triangle[i][2]);
-  const auto view = look_at(mesh, false, 1e5, 2048);
-  if (!view.ok()) return view.status();
+  ASSIGN_OR_RETURN(const auto view, look_at(mesh, false, 1e5, 2048));
   const double half = 0.25 * planck_band_radiance_w_m2_sr(8, 12, 300);
-  worst.see(t_of(view->row[0].intensity_w_sr, half, kMaskMargin * half),
+  worst.see(t_of(view.row[0].intensity_w_sr, half, kMaskMargin * half),
             [] { return "half the plate"; });
-  const auto taken = static_cast<double>(view->guarded_backface_hits),
-             all = taken + static_cast<double>(view->target_paths);
+  const auto taken = static_cast<double>(view.guarded_backface_hits),
+             all = taken + static_cast<double>(view.target_paths);
   worst.require(std::abs(taken / all - 0.5) < 0.01,
                 [&] { return absl::StrCat(taken, " of ", all, " rays counted, expected half"); });
   return worst.finding();
@@ -423,15 +409,14 @@ absl::StatusOr<Finding> inverted_facets(Effort) {
 absl::StatusOr<Finding> range_1e5_m(Effort effort) {
   Worst worst(student_t_bound(31, 6));
   for (const double range : {2.0, 1e2, 1e3, 1e4, 1e5, 1e6}) {
-    const auto view =
-        look_at(plate(1, 1, 10), false, range, effort == Effort::kFull ? 65536 : 2048);
-    if (!view.ok()) return view.status();
+    ASSIGN_OR_RETURN(const auto view, look_at(plate(1, 1, 10), false, range,
+                                              effort == Effort::kFull ? 65536 : 2048));
     // Solid angle of a rectangle seen from its axis.
     const double a = 0.5 / range;
     const double solid_angle = 4 * std::asin(a * a / (1 + a * a));
     const double expected =
         0.5 * planck_band_radiance_w_m2_sr(8, 12, 300) * solid_angle * range * range;
-    worst.see(t_of(view->row[0].intensity_w_sr, expected, kMaskMargin * expected),
+    worst.see(t_of(view.row[0].intensity_w_sr, expected, kMaskMargin * expected),
               [&] { return absl::StrCat("range ", range, " m"); });
   }
   return worst.finding();

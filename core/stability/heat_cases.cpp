@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
 #include "core/thermal/heat_solver.h"
@@ -79,14 +80,12 @@ absl::StatusOr<Finding> thick_wall(double tolerance_k,
   Worst worst(1);
   for (const auto& [step_s, count] : steps) {
     const std::vector<double> knot_s = every(step_s, count);
-    const auto t = walls({kPaint, kConcrete}, InnerSide::kAdiabatic, kTakesHeat, 290, knot_s,
-                         tolerance_k, {.absorbed_w_m2 = 500});
-    if (!t.ok()) return t.status();
+    ASSIGN_OR_RETURN(const auto t, walls({kPaint, kConcrete}, InnerSide::kAdiabatic, kTakesHeat,
+                                         290, knot_s, tolerance_k, {.absorbed_w_m2 = 500}));
     for (std::size_t k = 1; k < knot_s.size(); ++k) {
       const double expected = half_space_k(290, 500, kConcrete, kPaint, knot_s[k]);
-      worst.see(std::abs((*t)[2 * (k - 1)] - expected) / tolerance_k, [&] {
-        return absl::StrCat("after ", knot_s[k], " s: ", (*t)[2 * (k - 1)], " K, expected ",
-                            expected);
+      worst.see(std::abs(t[2 * (k - 1)] - expected) / tolerance_k, [&] {
+        return absl::StrCat("after ", knot_s[k], " s: ", t[2 * (k - 1)], " K, expected ", expected);
       });
     }
   }
@@ -150,14 +149,13 @@ absl::StatusOr<Finding> glowing_plates(Effort) {
   const double stored = plate.thickness_m * plate.density_kg_m3 * plate.specific_heat_j_kg_k;
   for (const double start_k : {400.0, 1500.0}) {
     const std::vector<double> knot_s = every(30, 20);
-    const auto t =
-        walls({plate}, InnerSide::kAdiabatic, {1, kForcedOnly}, start_k, knot_s, kToleranceK, {});
-    if (!t.ok()) return t.status();
+    ASSIGN_OR_RETURN(const auto t, walls({plate}, InnerSide::kAdiabatic, {1, kForcedOnly}, start_k,
+                                         knot_s, kToleranceK, {}));
     for (std::size_t k = 1; k < knot_s.size(); ++k) {
       const double expected = std::pow(
           std::pow(start_k, -3) + 3 * kStefanBoltzmannWM2K4 * knot_s[k] / stored, -1.0 / 3);
-      worst.see(std::abs((*t)[2 * (k - 1)] - expected) / kToleranceK, [&] {
-        return absl::StrCat(start_k, " K after ", knot_s[k], " s: ", (*t)[2 * (k - 1)],
+      worst.see(std::abs(t[2 * (k - 1)] - expected) / kToleranceK, [&] {
+        return absl::StrCat(start_k, " K after ", knot_s[k], " s: ", t[2 * (k - 1)],
                             " K, expected ", expected);
       });
     }
@@ -194,17 +192,14 @@ SceneHeatRequest still_air(double air_k, std::size_t hours) {
 
 absl::StatusOr<Finding> closed_box(Effort) {
   Worst worst(1e-3);
-  const auto mesh = generate_mesh({"box", 192, 0, 2, 1, 1});
-  if (!mesh.ok()) return mesh.status();
-  const auto target = scene(inside_out(*mesh), {"box"});
-  if (!target.ok()) return target.status();
+  ASSIGN_OR_RETURN(const auto mesh, generate_mesh({"box", 192, 0, 2, 1, 1}));
+  ASSIGN_OR_RETURN(const auto target, scene(inside_out(mesh), {"box"}));
   for (const double emissivity : {0.05, 0.95}) {
     SceneHeatRequest r = still_air(300, 240);
     r.part = {{0.5, emissivity, 0u, 0}};
     r.exchange_tolerance_k = 1e-3;
-    const auto result = solve_scene_heat(*target, r);
-    if (!result.ok()) return result.status();
-    for (const auto& at : result->kelvin)
+    ASSIGN_OR_RETURN(const auto result, solve_scene_heat(target, r));
+    for (const auto& at : result.kelvin)
       for (const float kelvin : at)
         worst.see(std::abs(static_cast<double>(kelvin) - 300),
                   [&] { return absl::StrCat("emissivity ", emissivity, ": ", kelvin, " K"); });
@@ -217,16 +212,15 @@ absl::StatusOr<Finding> closed_box(Effort) {
 absl::StatusOr<Finding> bright_enclosure(Effort) {
   constexpr double kEmissivity = 0.05, kHotK = 400, kBehindK = 300, kPasses = 10;
   Worst worst(5e-4);
-  auto inner = generate_mesh({"sphere", 400, 1, 0, 0, 0}),
-       outer = generate_mesh({"sphere", 400, 2, 0, 0, 0});
-  if (!inner.ok()) return inner.status();
+  ASSIGN_OR_RETURN(auto inner, generate_mesh({"sphere", 400, 1, 0, 0, 0}),
+                   outer = generate_mesh({"sphere", 400, 2, 0, 0, 0}));
   if (!outer.ok()) return outer.status();
-  inner->group = {"inner"};
-  inner->triangle_group.assign(inner->triangle.size(), 0);
+  inner.group = {"inner"};
+  inner.triangle_group.assign(inner.triangle.size(), 0);
   outer->group = {"outer"};
   outer->triangle_group.assign(outer->triangle.size(), 0);
-  const auto target = scene(joined(*inner, inside_out(*outer), ""), {"inner", "outer"});
-  if (!target.ok()) return target.status();
+  ASSIGN_OR_RETURN(const auto target,
+                   scene(joined(inner, inside_out(*outer), ""), {"inner", "outer"}));
   SceneHeatRequest r = still_air(kBehindK, 24);
   r.build_up[0].layers = {{1e-3, 1e-3 * kPasses, 1000, 1000}};
   r.build_up[0].inner_side = InnerSide::kFixedTemperature;
@@ -234,21 +228,20 @@ absl::StatusOr<Finding> bright_enclosure(Effort) {
   r.part = {{0.5, kEmissivity, std::nullopt, kHotK}, {0.5, kEmissivity, 0u, 0}};
   r.tolerance_k = 1e-4;
   r.exchange_tolerance_k = 1e-4;
-  const auto result = solve_scene_heat(*target, r);
-  if (!result.ok()) return result.status();
-  const ThermalFaces faces = make_thermal_faces(*target);
+  ASSIGN_OR_RETURN(const auto result, solve_scene_heat(target, r));
+  const ThermalFaces faces = make_thermal_faces(target);
   double passed_w = 0, mean_k4 = 0;
-  for (std::size_t f = 0; f < target->facet.size(); ++f) {
-    if (target->facet[f].part != 1) continue;
-    const auto t = static_cast<double>(result->kelvin[2][f]);
-    const Convection c = tarp_natural(-static_cast<double>(target->facet[f].nz));
+  for (std::size_t f = 0; f < target.facet.size(); ++f) {
+    if (target.facet[f].part != 1) continue;
+    const auto t = static_cast<double>(result.kelvin[2][f]);
+    const Convection c = tarp_natural(-static_cast<double>(target.facet[f].nz));
     const double above = t - kBehindK,
                  h = (above > 0 ? c.natural_warm : c.natural_cold) * std::cbrt(std::abs(above));
     const double area = faces.area_m2[f];
     passed_w += area * (kPasses + h) * above;
-    mean_k4 += area / target->part_area_m2[1] * std::pow(t, 4);
+    mean_k4 += area / target.part_area_m2[1] * std::pow(t, 4);
   }
-  const double a1 = target->part_area_m2[0], a2 = target->part_area_m2[1];
+  const double a1 = target.part_area_m2[0], a2 = target.part_area_m2[1];
   const double expected = kStefanBoltzmannWM2K4 * (std::pow(kHotK, 4) - mean_k4) /
                           (1 / (kEmissivity * a1) + (1 / kEmissivity - 1) / a2);
   worst.see(std::abs(passed_w / expected - 1),
@@ -260,10 +253,8 @@ absl::StatusOr<Finding> bright_enclosure(Effort) {
 // than the coldest or warmer than the warmest of what it exchanges heat with.
 absl::StatusOr<Finding> polar_days(Effort) {
   Worst worst(0.02);
-  const auto mesh = generate_mesh({"box", 48, 0, 0, 0, 0});
-  if (!mesh.ok()) return mesh.status();
-  const auto target = scene(*mesh, {"box"});
-  if (!target.ok()) return target.status();
+  ASSIGN_OR_RETURN(const auto mesh, generate_mesh({"box", 48, 0, 0, 0, 0}));
+  ASSIGN_OR_RETURN(const auto target, scene(mesh, {"box"}));
   struct Case {
     const char* name;
     double latitude_deg;
@@ -274,18 +265,17 @@ absl::StatusOr<Finding> polar_days(Effort) {
        {Case{"polar night", 80, 12, 21, false, true}, Case{"polar day", 80, 6, 21, true, false},
         Case{"sun on the horizon", 90, 3, 20, true, true}}) {
     const double midnight_s = solar_midnight_unix_s(2025, c.month, c.day, 0);
-    const auto course = day_course({255, 260, 14, 250, 101300, 3, 90, 0}, midnight_s);
-    if (!course.ok()) return course.status();
-    const auto light =
-        CourseRadiation::make(*course, {c.latitude_deg, 0, 0}, {0.1, 0.08, 0.3, 0.5});
-    if (!light.ok()) return light.status();
+    ASSIGN_OR_RETURN(const auto course,
+                     day_course({255, 260, 14, 250, 101300, 3, 90, 0}, midnight_s));
+    ASSIGN_OR_RETURN(const auto light,
+                     CourseRadiation::make(course, {c.latitude_deg, 0, 0}, {0.1, 0.08, 0.3, 0.5}));
     SceneHeatRequest r = still_air(255, 24);
     r.knot_s = every(1800, 48);
     r.weather.clear();
     double warmest_k = 255, coldest_k = 255;
     for (double& knot_s : r.knot_s) {
       knot_s += midnight_s;
-      const Radiation at = light->at(knot_s);
+      const Radiation at = light.at(knot_s);
       const double sun_w_m2 = at.direct_normal_w_m2, sky_w_m2 = at.diffuse_horizontal_w_m2;
       const auto where = [&] {
         return absl::StrCat(c.name, ", ", (knot_s - midnight_s) / 3600, " h: sun ", sun_w_m2,
@@ -295,12 +285,12 @@ absl::StatusOr<Finding> polar_days(Effort) {
       worst.require(std::isfinite(sky_w_m2) && sky_w_m2 >= 0 && sky_w_m2 < 1361 * 1.035, where);
       worst.require(c.up || (sun_w_m2 == 0 && sky_w_m2 == 0), where);
       worst.require(c.down || sun_w_m2 > 0, where);
-      const double air_k = weather_at(*course, knot_s).air_k;
+      const double air_k = weather_at(course, knot_s).air_k;
       const HeatRadiation both{sun_w_m2, sky_w_m2, at.sky_w_m2};
       r.weather.push_back({air_k,
                            3,
                            {0, 1, 0},
-                           body_from_enu(light->sun_at(knot_s).direction, 0),
+                           body_from_enu(light.sun_at(knot_s).direction, 0),
                            0.0047,
                            both,
                            both});
@@ -315,9 +305,8 @@ absl::StatusOr<Finding> polar_days(Effort) {
     for (std::size_t k = 0; k <= 48; k += 2) r.output_knot.push_back(k);
     r.part = {{0.9, 0.9, 0u, 0}};
     r.beneath = {.surface_z_m = 5, .temperature_k = 258, .emissivity = 1, .solar_albedo = 0.5};
-    const auto result = solve_scene_heat(*target, r);
-    if (!result.ok()) return result.status();
-    for (const auto& at : result->kelvin)
+    ASSIGN_OR_RETURN(const auto result, solve_scene_heat(target, r));
+    for (const auto& at : result.kelvin)
       for (const float kelvin : at) {
         const auto t = static_cast<double>(kelvin);
         worst.see(std::max({0.0, t - warmest_k, coldest_k - t}), [&] {

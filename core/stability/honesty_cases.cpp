@@ -3,10 +3,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
-#include "core/stability/rare_light.h"
 #include "core/stability/reference_view.h"
+#include "core/stability/small_bright_sources.h"
 
 namespace irsig {
 namespace {
@@ -18,19 +19,16 @@ namespace {
 // The largest error of a row, in its own numerical errors and the reference's standard error.
 absl::Status judge(const SceneSpec& scene, const ViewRequest& request, std::uint64_t samples,
                    const std::string& what, Worst& worst) {
-  const auto simulator = Simulator::create(scene);
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   ViewRequest asked = request;
   asked.selected_band.clear();
   for (std::uint32_t b = 0; b < scene.band.size(); ++b) asked.selected_band.push_back(b);
   asked.selected_condition = {0};
-  const auto view = (*simulator)->simulate(asked);
-  if (!view.ok()) return view.status();
-  const auto reference = ReferenceView::make(scene, asked, 0);
-  if (!reference.ok()) return reference.status();
-  const ReferenceView::Result truth = reference->run(samples, 7);
-  for (std::size_t b = 0; b < view->row.size(); ++b) {
-    const SignatureResult& row = view->row[b];
+  ASSIGN_OR_RETURN(const auto view, simulator->simulate(asked));
+  ASSIGN_OR_RETURN(const auto reference, ReferenceView::make(scene, asked, 0));
+  const ReferenceView::Result truth = reference.run(samples, 7);
+  for (std::size_t b = 0; b < view.row.size(); ++b) {
+    const SignatureResult& row = view.row[b];
     const ReferenceView::Row& is = truth.row[b];
     struct Value {
       const char* name;
@@ -99,11 +97,10 @@ absl::StatusOr<Finding> grazing_gloss(Effort effort) {
         scene.part = {{"deck", {}, 0, true, false}};
         ViewRequest r = view_of(90 - incidence_deg, 1000, {290});
         put_sun(r.condition[0], sun_at(180, 90 - incidence_deg + off_deg));
-        const absl::Status done =
+        RETURN_IF_ERROR(
             judge(scene, r, effort == Effort::kFull ? 4096 : 512,
                   absl::StrCat("slope ", slope, ", ", incidence_deg, " deg, ", off_deg, " deg off"),
-                  worst);
-        if (!done.ok()) return done;
+                  worst));
       }
   return worst.finding();
 }
@@ -120,10 +117,9 @@ absl::StatusOr<Finding> forward_glint(Effort effort) {
         scene.part = {{"deck", {}, 0, true, false}};
         ViewRequest r = view_of(0.45, range_m, {275});
         put_sun(r.condition[0], sun_at(180 + off_deg, 0.52));
-        const absl::Status done =
-            judge(scene, r, effort == Effort::kFull ? 65536 : 8192,
-                  absl::StrCat("slope ", slope, ", ", range_m, " m, ", off_deg, " deg off"), worst);
-        if (!done.ok()) return done;
+        RETURN_IF_ERROR(judge(
+            scene, r, effort == Effort::kFull ? 65536 : 8192,
+            absl::StrCat("slope ", slope, ", ", range_m, " m, ", off_deg, " deg off"), worst));
       }
   return worst.finding();
 }
@@ -143,10 +139,9 @@ absl::StatusOr<Finding> hot_behind_a_hole(Effort effort) {
     SceneSpec scene = scene_of(mesh, {grey_paint(0.9)});
     scene.part = {{"plate", {"plate", "*/plate"}, 0, true, false},
                   {"hot", {"*/hot"}, 0, true, true}};
-    const absl::Status done =
-        judge(scene, view_of(5, 1000, {290, 1200}), effort == Effort::kFull ? 65536 : 8192,
-              absl::StrCat("hole of ", 2 * half_m, " m"), worst);
-    if (!done.ok()) return done;
+    RETURN_IF_ERROR(judge(scene, view_of(5, 1000, {290, 1200}),
+                          effort == Effort::kFull ? 65536 : 8192,
+                          absl::StrCat("hole of ", 2 * half_m, " m"), worst));
   }
   return worst.finding();
 }
@@ -165,10 +160,8 @@ absl::StatusOr<Finding> small_mirror(Effort effort) {
       scene.part = {{"plate", {"plate"}, 0, true, false}, {"mirror", {"m/mirror"}, 1, true, false}};
       ViewRequest r = view_of(5, 1000, {290, 290});
       put_sun(r.condition[0], sun);
-      const absl::Status done =
-          judge(scene, r, effort == Effort::kFull ? 16384 : 2048,
-                absl::StrCat("slope ", slope, ", ", off_deg, " deg off"), worst);
-      if (!done.ok()) return done;
+      RETURN_IF_ERROR(judge(scene, r, effort == Effort::kFull ? 16384 : 2048,
+                            absl::StrCat("slope ", slope, ", ", off_deg, " deg off"), worst));
     }
   return worst.finding();
 }
@@ -190,21 +183,19 @@ absl::StatusOr<Finding> mirror_pair(Effort effort) {
                     {"second", {"*second"}, 1, true, false}};
       ViewRequest r = view_of(5, 1000, {290, 290, 290});
       put_sun(r.condition[0], sun);
-      const absl::Status done =
-          judge(scene, r, effort == Effort::kFull ? 65536 : 4096,
-                absl::StrCat("slope ", slope, ", mirrors of ", 2 * half_m, " m"), worst);
-      if (!done.ok()) return done;
+      RETURN_IF_ERROR(judge(scene, r, effort == Effort::kFull ? 65536 : 4096,
+                            absl::StrCat("slope ", slope, ", mirrors of ", 2 * half_m, " m"),
+                            worst));
     }
   return worst.finding();
 }
 
 // What is small and bright is aimed at: 1 % is reached, and holds.
-absl::StatusOr<Finding> rare_light(Effort effort) {
+absl::StatusOr<Finding> small_bright_sources(Effort effort) {
   Worst worst(student_t_bound(31, 30));
   for (const auto& [rare, plain] : rare_light_scenes()) {
-    const absl::Status done =
-        judge(rare.scene, rare.request, effort == Effort::kFull ? 65536 : 8192, rare.name, worst);
-    if (!done.ok()) return done;
+    RETURN_IF_ERROR(
+        judge(rare.scene, rare.request, effort == Effort::kFull ? 65536 : 8192, rare.name, worst));
   }
   return worst.finding();
 }
@@ -216,12 +207,10 @@ absl::StatusOr<Finding> rare_light_cost(Effort /*effort*/) {
     double rays[2] = {};
     int k = 0;
     for (const RareLightScene* one : {&rare, &plain}) {
-      const auto simulator = Simulator::create(one->scene);
-      if (!simulator.ok()) return simulator.status();
-      const auto view = (*simulator)->simulate(one->request);
-      if (!view.ok()) return view.status();
-      rays[k++] = static_cast<double>(view->rays);
-      worst.require(view->row[0].stop_reason == StopReason::kTargetReached,
+      ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one->scene));
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(one->request));
+      rays[k++] = static_cast<double>(view.rays);
+      worst.require(view.row[0].stop_reason == StopReason::kTargetReached,
                     [&] { return absl::StrCat(one->name, ": 1 % is not reached"); });
     }
     worst.see(rays[0] / rays[1],
@@ -243,10 +232,8 @@ absl::StatusOr<Finding> raised_sensor(Effort effort) {
       ViewRequest r =
           view_of(std::atan2(up_m, kAlongM) / kRadPerDeg, std::hypot(kAlongM, up_m), {300});
       r.condition[0].surroundings = {SurroundingsKind::kSea, 220, 0, 290, 0.95, 0};
-      const absl::Status done =
-          judge(scene, r, effort == Effort::kFull ? 4096 : 1024,
-                absl::StrCat("sensor ", sensor_m, " m, wall ", height_m, " m"), worst);
-      if (!done.ok()) return done;
+      RETURN_IF_ERROR(judge(scene, r, effort == Effort::kFull ? 4096 : 1024,
+                            absl::StrCat("sensor ", sensor_m, " m, wall ", height_m, " m"), worst));
     }
   return worst.finding();
 }
@@ -268,10 +255,8 @@ absl::StatusOr<Finding> notch(Effort effort) {
       scene.band = {{"MWIR", 3, 5, step_um, {}}};
       ViewRequest r = view_of(5, 1000, {310});
       r.accuracy.relative_error = 0.003;
-      const absl::Status done =
-          judge(scene, r, effort == Effort::kFull ? 262144 : 32768,
-                absl::StrCat("step ", step_um, " um, notch ", width_um, " um"), worst);
-      if (!done.ok()) return done;
+      RETURN_IF_ERROR(judge(scene, r, effort == Effort::kFull ? 262144 : 32768,
+                            absl::StrCat("step ", step_um, " um, notch ", width_um, " um"), worst));
     }
   return worst.finding();
 }
@@ -291,8 +276,8 @@ std::vector<HardCase> honesty_cases() {
        small_mirror},
       {"honesty", "mirror_pair", "sunlight by way of two small mirrors [errors]", reason,
        mirror_pair},
-      {"honesty", "rare_light", "to 1 %: holes, small mirrors, pairs of mirrors [errors]", reason,
-       rare_light},
+      {"honesty", "small_bright_sources", "to 1 %: holes, small mirrors, pairs of mirrors [errors]",
+       reason, small_bright_sources},
       {"honesty", "rare_light_cost", "the same: rays over those of the plate alone",
        "what was asked for", rare_light_cost},
       {"honesty", "raised_sensor", "sensors of 2 to 30 m, walls of 2 and 7 m, 5 km [errors]",

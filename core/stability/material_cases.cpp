@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/replicates.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/materials/material.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
@@ -36,9 +37,8 @@ const absl::StatusOr<std::vector<Prepared>>& all_materials() {
     std::vector<Prepared> out;
     for (const double roughness : kRoughness)
       for (const HardMaterial& kind : every_material(roughness)) {
-        auto material = prepared(kind.spec);
-        if (!material.ok()) return material.status();
-        out.push_back({kind.name, kind.bounded, *std::move(material)});
+        ASSIGN_OR_RETURN(auto material, prepared(kind.spec));
+        out.push_back({kind.name, kind.bounded, std::move(material)});
       }
     return out;
   }();
@@ -88,9 +88,8 @@ absl::StatusOr<Finding> energy(Effort) {
 absl::StatusOr<Finding> flags(Effort) {
   Worst worst(0);
   for (const HardMaterial& kind : gaining_materials()) {
-    const auto material = prepared(kind.spec);
-    if (!material.ok()) return material.status();
-    worst.require(material->creates_energy(), [&] { return kind.name; });
+    ASSIGN_OR_RETURN(const auto material, prepared(kind.spec));
+    worst.require(material.creates_energy(), [&] { return kind.name; });
   }
   return worst.finding();
 }
@@ -201,10 +200,9 @@ absl::StatusOr<Finding> reciprocity(Effort effort) {
 absl::StatusOr<Finding> black_and_white(Effort) {
   Worst worst(0);
   for (const double emissivity : {0.0, 1.0}) {
-    const auto m = prepared(grey_paint(emissivity));
-    if (!m.ok()) return m.status();
+    ASSIGN_OR_RETURN(const auto m, prepared(grey_paint(emissivity)));
     for (const double theta_deg : kThetaDeg) {
-      const auto e = m->emissivity_and_dhr(cosine(theta_deg));
+      const auto e = m.emissivity_and_dhr(cosine(theta_deg));
       worst.see(std::abs(e.emissivity - emissivity) + std::abs(e.dhr_max - (1 - emissivity)),
                 [&] { return absl::StrCat("emissivity ", emissivity, ", ", theta_deg, " deg"); });
     }

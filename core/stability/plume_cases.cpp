@@ -11,12 +11,13 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/plume/gas_light.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/march.h"
 #include "core/plume/plume_field.h"
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 #include "core/spectral/planck.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
@@ -103,8 +104,8 @@ const char* name_of(PlumeInterpolation how) { return how == kLinear ? "linear" :
 absl::StatusOr<Finding> along_faces(Effort) {
   Worst worst(3e-7);
   for (const PlumeInterpolation how : {kConstant, kLinear}) {
-    const auto field = field_of(volume_of({0, 0, 0}, {15, 15, 7}, cubes(1), everywhere), how);
-    if (!field.ok()) return field.status();
+    ASSIGN_OR_RETURN(const auto field,
+                     field_of(volume_of({0, 0, 0}, {15, 15, 7}, cubes(1), everywhere), how));
     // Linear: of centres at 0 and 15 the ramps beyond are half of a voxel's each.
     const double whole = 16 * density(kWarm);
     struct Ray {
@@ -118,7 +119,7 @@ absl::StatusOr<Finding> along_faces(Effort) {
                                {3, 7.5, .5}, {15.5, 7.5, .25}, {16, 3, 0},    {-1, 3, 0}};
     for (const Ray& ray : rays)
       for (const double way : {1.0, -1.0}) {
-        const double got = amount(**field, {way > 0 ? -5.0 : 25.0, ray.y, ray.z}, {way, 0, 0}, 100);
+        const double got = amount(*field, {way > 0 ? -5.0 : 25.0, ray.y, ray.z}, {way, 0, 0}, 100);
         worst.see(std::abs(got / whole - ray.share), [&] {
           return absl::StrCat(name_of(how), ", y ", ray.y, ", z ", ray.z, ", along ", way, ": ",
                               got / whole, " of a row, expected ", ray.share);
@@ -139,8 +140,7 @@ absl::StatusOr<Finding> tile_corner(Effort) {
   for (const int at : {0, 8, 128}) writer.add_uniform({at, at, at}, {600, 0.1F});
   const double root3 = std::sqrt(3.0), n = density(kWarm);
   for (const PlumeInterpolation how : {kConstant, kLinear}) {
-    const auto field = field_of(volume, how);
-    if (!field.ok()) return field.status();
+    ASSIGN_OR_RETURN(const auto field, field_of(volume, how));
     const Vec<Body> diagonal = (1 / root3) * Vec<Body>{1, 1, 1};
     // Linear: the mean of (1 - s)^3 over a ramp is a quarter, of 1 - 3 s (1 - s) between the
     // blocks that touch a half.
@@ -148,7 +148,7 @@ absl::StatusOr<Finding> tile_corner(Effort) {
         how == kConstant ? 24 * root3 * n : (3 * 7 + 4 * 0.25 + 0.5) * root3 * n;
     for (const double way : {1.0, -1.0}) {
       const Vec<Body> to = way * diagonal;
-      const double got = amount(**field, Vec<Body>{60, 60, 60} - 200.0 * to, to);
+      const double got = amount(*field, Vec<Body>{60, 60, 60} - 200.0 * to, to);
       worst.see(std::abs(got / expected - 1), [&] {
         return absl::StrCat(name_of(how), ": ", got, " mol/m2, expected ", expected);
       });
@@ -156,7 +156,7 @@ absl::StatusOr<Finding> tile_corner(Effort) {
     if (how == kLinear) continue;
     // Past the corner that two of them share, through neither.
     const Vec<Body> past = (1 / std::sqrt(2.0)) * Vec<Body>{1, -1, 0};
-    worst.see(amount(**field, Vec<Body>{7.5, 7.5, 7.5} - 9.0 * past, past) / expected,
+    worst.see(amount(*field, Vec<Body>{7.5, 7.5, 7.5} - 9.0 * past, past) / expected,
               [] { return std::string("past the corner of two blocks"); });
   }
   return worst.finding();
@@ -166,15 +166,15 @@ absl::StatusOr<Finding> tile_corner(Effort) {
 absl::StatusOr<Finding> one_voxel(Effort) {
   Worst worst(3e-7);
   for (const PlumeInterpolation how : {kConstant, kLinear}) {
-    const auto field = field_of(volume_of({3, 4, 5}, {3, 4, 5}, cubes(1), everywhere), how);
-    if (!field.ok()) return field.status();
+    ASSIGN_OR_RETURN(const auto field,
+                     field_of(volume_of({3, 4, 5}, {3, 4, 5}, cubes(1), everywhere), how));
     const Vec<Body> middle{3, 4, 5};
     for (const Vec<Body> to : {Vec<Body>{1, 0, 0}, Vec<Body>{0, -1, 0}, Vec<Body>{0, 0, 1}}) {
-      worst.see(std::abs(amount(**field, middle - 10.0 * to, to) / density(kWarm) - 1),
+      worst.see(std::abs(amount(*field, middle - 10.0 * to, to) / density(kWarm) - 1),
                 [&] { return absl::StrCat(name_of(how), ": through its centre"); });
-      worst.see(std::abs(amount(**field, middle, to) / density(kWarm) - 0.5),
+      worst.see(std::abs(amount(*field, middle, to) / density(kWarm) - 0.5),
                 [&] { return absl::StrCat(name_of(how), ": from its centre"); });
-      worst.see(amount(**field, middle + 1.5 * to, to) / density(kWarm),
+      worst.see(amount(*field, middle + 1.5 * to, to) / density(kWarm),
                 [&] { return absl::StrCat(name_of(how), ": away from it"); });
     }
   }
@@ -191,17 +191,15 @@ absl::StatusOr<Finding> far_voxel(Effort) {
     volume.mask.insert(volume.mask.end(), one.mask.begin(), one.mask.end());
     volume.value.insert(volume.value.end(), one.value.begin(), one.value.end());
   }
-  const auto field = field_of(volume, kLinear);
-  if (!field.ok()) return field.status();
+  ASSIGN_OR_RETURN(const auto field, field_of(volume, kLinear));
   MarchCounts counts;
-  const auto segments = march(**field, {{-1, 0, 0}, {1, 0, 0}, 0, 2e6}, {}, &counts);
+  const auto segments = march(*field, {{-1, 0, 0}, {1, 0, 0}, 0, 2e6}, {}, &counts);
   const double expected = 2e-3 * density(kWarm);
   worst.see(std::abs(amount(segments) / expected - 1),
             [&] { return absl::StrCat(amount(segments), " mol/m2, expected ", expected); });
   worst.require(counts.skips + counts.cells < 200,
                 [&] { return absl::StrCat(counts.skips + counts.cells, " steps"); });
-  worst.require((*field)->bytes() < 200'000,
-                [&] { return absl::StrCat((*field)->bytes(), " bytes"); });
+  worst.require(field->bytes() < 200'000, [&] { return absl::StrCat(field->bytes(), " bytes"); });
   return worst.finding();
 }
 
@@ -283,13 +281,13 @@ absl::StatusOr<Finding> any_lattice(Effort) {
       {0.5, 0.1, 0, 3, 0.05, 0.2, 0, -2, 0, 0.03, 1.5, 7},  // sheared
   }};
   for (const auto& m : lattices) {
-    const auto field = field_of(volume_of({-20, -20, -20}, {20, 20, 20}, m, everywhere), kConstant);
-    if (!field.ok()) return field.status();
+    ASSIGN_OR_RETURN(const auto field,
+                     field_of(volume_of({-20, -20, -20}, {20, 20, 20}, m, everywhere), kConstant));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Vec<Body> edge{m[axis], m[4 + axis], m[8 + axis]};
       const Vec<Body> to = (1 / length(edge)) * edge;
       const double expected = 41 * length(edge) * density(kWarm);
-      const double got = amount(**field, Vec<Body>{m[3], m[7], m[11]} - 300.0 * to, to);
+      const double got = amount(*field, Vec<Body>{m[3], m[7], m[11]} - 300.0 * to, to);
       worst.see(std::abs(got / expected - 1), [&] {
         return absl::StrCat("along axis ", axis, " of a lattice of edges ", m[0], " ...: ", got,
                             " mol/m2, expected ", expected);
@@ -315,8 +313,7 @@ absl::StatusOr<Finding> far_from_origin(Effort) {
                   }),
         kLinear);
   };
-  const auto near = made(0), far = made(kShift);
-  if (!near.ok()) return near.status();
+  ASSIGN_OR_RETURN(const auto near, made(0), far = made(kShift));
   if (!far.ok()) return far.status();
   const Vec<Body> middle{20 * kEdge, 20 * kEdge, 20 * kEdge};
   for (std::uint64_t i = 0; i < 200; ++i) {
@@ -326,7 +323,7 @@ absl::StatusOr<Finding> far_from_origin(Effort) {
     for (std::size_t which = 0; which < 2; ++which)
       // Of the far one from 50 km.
       for (const GasSegment& s :
-           march(which == 0 ? **near : **far,
+           march(which == 0 ? *near : **far,
                  {at - (which == 0 ? 20.0 : 5e4) * to, to, 0, which == 0 ? 40 : 1e5}, {})) {
         gas[which] += s.amount[0];
         heat[which] += s.weight * s.temperature_k;
@@ -411,11 +408,9 @@ absl::StatusOr<Column> column_of(const Simulator& simulator, double length_m, do
   for (const BandGrid& grid : simulator.band_grids()) {
     double emitted = 0, taken = 0;
     for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
-      const auto band = gas_band(grid.node_um[i]);
-      if (!band.ok()) return band.status();
-      const auto gas = gas_spectrum(path, {*band, *band + 1});
-      if (!gas.ok()) return gas.status();
-      const double absorbed = grid.band_weight[i] * gas->absorptance[0];
+      ASSIGN_OR_RETURN(const auto band, gas_band(grid.node_um[i]));
+      ASSIGN_OR_RETURN(const auto gas, gas_spectrum(path, {band, band + 1}));
+      const double absorbed = grid.band_weight[i] * gas.absorptance[0];
       emitted += absorbed * planck_radiance_w_m2_sr_um(grid.node_um[i], 700);
       taken += absorbed * planck_radiance_w_m2_sr_um(grid.node_um[i], behind_k);
     }
@@ -432,11 +427,10 @@ absl::StatusOr<Field> slab(double length_m, double width_m, Vec<Body> at) {
   spec.h2o = 0.06;
   spec.soot = 1e-7;
   spec.voxel_m = 0.25;
-  auto made = generate_uniform_plume(spec);
-  if (!made.ok()) return made.status();
-  made->grids.interpolation = kConstant;
-  made->grids.position_m = at;
-  return plume_of(std::move(made->volume), made->grids);
+  ASSIGN_OR_RETURN(auto made, generate_uniform_plume(spec));
+  made.grids.interpolation = kConstant;
+  made.grids.position_m = at;
+  return plume_of(std::move(made.volume), made.grids);
 }
 
 // From ahead, 100 km away.
@@ -449,9 +443,8 @@ absl::StatusOr<ViewResult> view_of_gas(const Simulator& simulator, Field gas,
 }
 
 absl::StatusOr<std::unique_ptr<Simulator>> black_box(double edge_m) {
-  auto mesh = generate_mesh({"box", 12, 0, edge_m, edge_m, edge_m});
-  if (!mesh.ok()) return mesh.status();
-  SceneSpec scene = one_body(*std::move(mesh), grey_paint(1));
+  ASSIGN_OR_RETURN(auto mesh, generate_mesh({"box", 12, 0, edge_m, edge_m, edge_m}));
+  SceneSpec scene = one_body(std::move(mesh), grey_paint(1));
   scene.band = {{"MWIR", 3, 5, 0.25, {}}, {"LWIR", 8, 12, 0.5, {}}};
   scene.spectral_breaks_um = gas_band_edges_um(3, 12);
   return Simulator::create(scene);
@@ -460,17 +453,13 @@ absl::StatusOr<std::unique_ptr<Simulator>> black_box(double edge_m) {
 // Gas around the sensor's line alone: two voxels across, 50 m along it.
 absl::StatusOr<Finding> line_of_sight(Effort) {
   Worst worst(4.5);
-  const auto simulator = black_box(0.01);
-  if (!simulator.ok()) return simulator.status();
-  const auto gas = slab(50, 0.5, {30, 0, 0});
-  if (!gas.ok()) return gas.status();
-  const auto view = view_of_gas(**simulator, *gas, 1024);
-  if (!view.ok()) return view.status();
-  const auto column = column_of(**simulator, 50, 400);
-  if (!column.ok()) return column.status();
-  for (std::size_t b = 0; b < view->row.size(); ++b) {
-    const double expected = 0.25 * column->emitted_w_m2_sr[b];
-    const Estimate& got = view->row[b].plume_w_sr;
+  ASSIGN_OR_RETURN(const auto simulator, black_box(0.01));
+  ASSIGN_OR_RETURN(const auto gas, slab(50, 0.5, {30, 0, 0}));
+  ASSIGN_OR_RETURN(const auto view, view_of_gas(*simulator, gas, 1024));
+  ASSIGN_OR_RETURN(const auto column, column_of(*simulator, 50, 400));
+  for (std::size_t b = 0; b < view.row.size(); ++b) {
+    const double expected = 0.25 * column.emitted_w_m2_sr[b];
+    const Estimate& got = view.row[b].plume_w_sr;
     // 50 m at 1e5 m: its near end looks 5e-4 larger, its far end as much smaller.
     worst.see(t_of(got, expected, 1e-3), [&] {
       return absl::StrCat("band ", b, ": ", got.value, " +- ", got.stderr_, " W/sr, expected ",
@@ -485,25 +474,23 @@ absl::StatusOr<Finding> line_of_sight(Effort) {
 // Gas that reaches into the hull: what is in it is not there; a face of voxels in a face of it.
 absl::StatusOr<Finding> touching_hull(Effort) {
   Worst worst(4.5);
-  const auto simulator = black_box(2);
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto simulator, black_box(2));
   const auto gas = slab(2, 4, {1, 0, 0});  // x from 0 to 2; the hull ends at 1
   if (!gas.ok()) return gas.status();
-  const auto view = view_of_gas(**simulator, *gas, 512);
-  if (!view.ok()) return view.status();
-  const auto beside = column_of(**simulator, 2, 400), before = column_of(**simulator, 1, 400);
-  if (!beside.ok()) return beside.status();
+  ASSIGN_OR_RETURN(const auto view, view_of_gas(*simulator, *gas, 512));
+  ASSIGN_OR_RETURN(const auto beside, column_of(*simulator, 2, 400),
+                   before = column_of(*simulator, 1, 400));
   if (!before.ok()) return before.status();
-  for (std::size_t b = 0; b < view->row.size(); ++b) {
-    const double expected = 12 * beside->emitted_w_m2_sr[b] +
+  for (std::size_t b = 0; b < view.row.size(); ++b) {
+    const double expected = 12 * beside.emitted_w_m2_sr[b] +
                             4 * (before->emitted_w_m2_sr[b] - before->taken_w_m2_sr[b]);
-    const Estimate& got = view->row[b].plume_w_sr;
-    worst.see(t_of(got, expected, 3e-3 + view->row[b].plume_bound_w_sr / expected), [&] {
+    const Estimate& got = view.row[b].plume_w_sr;
+    worst.see(t_of(got, expected, 3e-3 + view.row[b].plume_bound_w_sr / expected), [&] {
       return absl::StrCat("band ", b, ": ", got.value, " +- ", got.stderr_, " W/sr, expected ",
                           expected);
     });
-    worst.require(view->row[b].plume_bound_w_sr + got.stderr_ < 0.01 * expected, [&] {
-      return absl::StrCat("band ", b, ": bound ", view->row[b].plume_bound_w_sr, " W/sr");
+    worst.require(view.row[b].plume_bound_w_sr + got.stderr_ < 0.01 * expected, [&] {
+      return absl::StrCat("band ", b, ": bound ", view.row[b].plume_bound_w_sr, " W/sr");
     });
   }
   return worst.finding();

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/status_macros.h"
 #include "core/materials/sandford_robertson.h"
 #include "core/materials/tabulated_brdf.h"
 
@@ -208,17 +209,13 @@ absl::StatusOr<ReferenceBrdf> ReferenceBrdf::make(const MaterialSpec& spec, doub
   } else if (const auto* sandford = std::get_if<SandfordRobertson>(&spec.model)) {
     if (sandford->emissivity.size() > 1 || sandford->diffuse.size() > 1)
       return absl::UnimplementedError("Sandford-Robertson over wavelength");
-    auto solved = prepare_sandford_robertson(*sandford, at);
-    if (!solved.ok()) return solved.status();
-    out.solved_ = *std::move(solved);
+    ASSIGN_OR_RETURN(out.solved_, prepare_sandford_robertson(*sandford, at));
     lobe(Law::kEllipsoid, sandford->lobe_width, 0.5);
     out.cosine_share_ = 0.4;
     out.uniform_share_ = 0.1;
   } else if (const auto* table = std::get_if<TabulatedBrdf>(&spec.model)) {
     if (table->lambda_um.size() > 1) return absl::UnimplementedError("a table over wavelength");
-    auto solved = prepare_tabulated_brdf(*table, at);
-    if (!solved.ok()) return solved.status();
-    out.solved_ = *std::move(solved);
+    ASSIGN_OR_RETURN(out.solved_, prepare_tabulated_brdf(*table, at));
     // A table's lobe may be as narrow as its grid.
     out.lobe_.push_back({Law::kEllipsoid, 0.2, 0.4});
     out.cosine_share_ = 0.4;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kThin = 0.5;
 // Balance heuristic: the share of drawn directions in light that is aimed at as well. None where it
 // would be below a hundredth: one path in 1e5 would carry it.
-double drawn_share(double by_lobe, double aimed) {
+double drawn_fraction(double by_lobe, double aimed) {
   const double share = by_lobe / (by_lobe + aimed);
   return share < 0.01 ? 0 : share;
 }
@@ -146,7 +146,7 @@ void ReferenceView::Parts::trace(Path& p) const {
       if (!(surface && wi.z > 0) && reflected(wi, at)) {
         const double by_lobe = f.density_per_sr(at), aimed = 1 / sun_solid_angle;
         f.brdf_per_sr(at, p.lambda_um, p.source);
-        const double share = at.cos_i * (1 - drawn_share(by_lobe, aimed)) / aimed;
+        const double share = at.cos_i * (1 - drawn_fraction(by_lobe, aimed)) / aimed;
         double most = 0;
         for (std::size_t i = 0; i < n; ++i) {
           p.source[i] *= p.through[i] * share * p.sunlight[i] / sun_solid_angle;
@@ -175,7 +175,7 @@ void ReferenceView::Parts::trace(Path& p) const {
       if (target != own && cos_l > 0 && d > 1e-9 * size_m && !(surface && y.z > 0) &&
           reflected(wi, at)) {
         const double aimed = hot_density[target] * d * d / cos_l;
-        const double share = at.cos_i * (1 - drawn_share(f.density_per_sr(at), aimed)) / aimed;
+        const double share = at.cos_i * (1 - drawn_fraction(f.density_per_sr(at), aimed)) / aimed;
         f.brdf_per_sr(at, p.lambda_um, p.source);
         const double most = *std::max_element(p.source.begin(), p.source.end());
         if (most > 0) {
@@ -215,7 +215,7 @@ void ReferenceView::Parts::trace(Path& p) const {
       for (std::size_t i = 0; i < n; ++i) p.sum[i] += p.through[i] * beyond[i];
       if (of_sun && !hit.met() && !(surface && wi.z > 0) &&
           dot(wi, condition.sun_direction) > cos_sun) {
-        const double share = drawn_share(drawn.density_per_sr, 1 / sun_solid_angle);
+        const double share = drawn_fraction(drawn.density_per_sr, 1 / sun_solid_angle);
         for (std::size_t i = 0; i < n; ++i)
           p.sum[i] += p.through[i] * share * p.sunlight[i] / sun_solid_angle;
       }
@@ -235,7 +235,7 @@ void ReferenceView::Parts::trace(Path& p) const {
     unaimed = 1;
     if (hot_density[hit.facet] > 0 && hit.facet != own) {
       const double aimed = hot_density[hit.facet] * hit.t * hit.t / cos_o;
-      unaimed = drawn_share(drawn.density_per_sr, aimed);
+      unaimed = drawn_fraction(drawn.density_per_sr, aimed);
     }
     own = hit.facet;
     x = next;

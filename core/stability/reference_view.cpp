@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/planck.h"
 #include "core/stability/reference_view_parts.h"
 
@@ -46,10 +47,9 @@ absl::StatusOr<ReferenceView> ReferenceView::make(const SceneSpec& scene,
     most_um = std::max(most_um, b.lambda_max_um);
   }
   for (const MaterialSpec& m : scene.material) {
-    auto brdf = ReferenceBrdf::make(m, least_um, most_um);
-    if (!brdf.ok()) return brdf.status();
-    p.grey = p.grey && brdf->grey();
-    p.brdf.push_back(*std::move(brdf));
+    ASSIGN_OR_RETURN(auto brdf, ReferenceBrdf::make(m, least_um, most_um));
+    p.grey = p.grey && brdf.grey();
+    p.brdf.push_back(std::move(brdf));
   }
 
   std::vector<Point3> corner;

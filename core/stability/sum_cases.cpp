@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/replicates.h"
+#include "core/base/status_macros.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
 
@@ -34,17 +35,15 @@ absl::StatusOr<Finding> statistics_1e9(Effort effort) {
 // As many equal path weights as a replicate may have: each sum is the plate's area.
 absl::StatusOr<Finding> path_weights(Effort effort) {
   Worst worst(1e-6);
-  const auto simulator = Simulator::create(one_body(plate(1, 1), grey_paint(1)));
-  if (!simulator.ok()) return simulator.status();
-  ViewRequest r = dark_view(**simulator, 0, 0, 1e6, {300});
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(plate(1, 1), grey_paint(1))));
+  ViewRequest r = dark_view(*simulator, 0, 0, 1e6, {300});
   r.accuracy.replicates = effort == Effort::kFull ? 120 : 2;
   r.accuracy.samples_per_replicate = 1u << 23;
-  const auto view = (*simulator)->simulate(r);
-  if (!view.ok()) return view.status();
-  const SignatureResult& row = view->row[0];
-  const double black = black_radiance_w_m2_sr(**simulator, 0, 300);
+  ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+  const SignatureResult& row = view.row[0];
+  const double black = black_radiance_w_m2_sr(*simulator, 0, 300);
   const auto where = [&] {
-    return absl::StrCat(view->target_paths, " paths: ", row.projected_area_m2.value, " m2");
+    return absl::StrCat(view.target_paths, " paths: ", row.projected_area_m2.value, " m2");
   };
   worst.see(std::abs(row.intensity_w_sr.value / (row.projected_area_m2.value * black) - 1), where);
   // The edge of the plate: a net of n points misplaces about n^-3/4 of an area.
@@ -55,22 +54,20 @@ absl::StatusOr<Finding> path_weights(Effort effort) {
 // One pixel that gets every path: the picture's radiance x its area is the intensity.
 absl::StatusOr<Finding> picture(Effort effort) {
   Worst worst(1e-4);
-  const auto simulator = Simulator::create(one_body(plate(1, 1), grey_paint(1)));
-  if (!simulator.ok()) return simulator.status();
-  const double black = black_radiance_w_m2_sr(**simulator, 0, 300);
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(plate(1, 1), grey_paint(1))));
+  const double black = black_radiance_w_m2_sr(*simulator, 0, 300);
   for (const std::uint32_t side_px : {1u, 16u}) {
-    ViewRequest r = dark_view(**simulator, 0, 0, 1e6, {300});
+    ViewRequest r = dark_view(*simulator, 0, 0, 1e6, {300});
     r.thumbnail_px = side_px;
     r.accuracy.replicates = 32;
     r.accuracy.samples_per_replicate = effort == Effort::kFull ? 1u << 22 : 1u << 19;
-    const auto view = (*simulator)->simulate(r);
-    if (!view.ok()) return view.status();
+    ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
     double sum = 0;
-    for (const float pixel : view->row[0].image_w_m2_sr) sum += static_cast<double>(pixel);
-    const double mean = sum / static_cast<double>(view->row[0].image_w_m2_sr.size());
+    for (const float pixel : view.row[0].image_w_m2_sr) sum += static_cast<double>(pixel);
+    const double mean = sum / static_cast<double>(view.row[0].image_w_m2_sr.size());
     worst.see(std::abs(mean / black - 1), [&] {
-      return absl::StrCat(side_px, " x ", side_px, " pixels, ", view->target_paths,
-                          " paths: ", mean, " W/(m2 sr), expected ", black);
+      return absl::StrCat(side_px, " x ", side_px, " pixels, ", view.target_paths, " paths: ", mean,
+                          " W/(m2 sr), expected ", black);
     });
   }
   return worst.finding();

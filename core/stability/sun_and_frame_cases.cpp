@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/geo/line_of_sight.h"
 #include "core/geo/sun.h"
 #include "core/geo/viewpoint.h"
@@ -33,22 +34,21 @@ double mean_sine(double elevation_deg, double radius_deg) {
 // A level white plate under a sun that sets: irradiance of the part of the disk that is up.
 absl::StatusOr<Finding> setting_sun(Effort effort) {
   Worst worst(student_t_bound(31, 10));
-  const auto simulator = Simulator::create(one_body(lying(plate(1, 1)), grey_paint(0.5)));
-  if (!simulator.ok()) return simulator.status();
-  const BandGrid& grid = (*simulator)->band_grids()[0];
+  ASSIGN_OR_RETURN(const auto simulator,
+                   Simulator::create(one_body(lying(plate(1, 1)), grey_paint(0.5))));
+  const BandGrid& grid = simulator->band_grids()[0];
   double irradiance = 0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i)
     irradiance += grid.band_weight[i] * solar_irradiance_w_m2_um(grid.node_um[i]);
   for (const double elevation_deg :
        {90.0, 89.9999, 60.0, 1.0, 0.3, 0.266, 0.1, 0.0, -0.1, -0.2, -0.27, -5.0, -90.0}) {
-    ViewRequest r = dark_view(**simulator, 77, 90, 1e5, {300});
+    ViewRequest r = dark_view(*simulator, 77, 90, 1e5, {300});
     put_sun(r.condition[0], body_from_aspect(33, elevation_deg));
     r.max_reflections = 1;
     r.accuracy.samples_per_replicate = effort == Effort::kFull ? 32768 : 2048;
-    const auto view = (*simulator)->simulate(r);
-    if (!view.ok()) return view.status();
-    const Estimate& sun = view->row[0].cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)];
-    const double expected = view->row[0].projected_area_m2.value * 0.5 / std::numbers::pi *
+    ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+    const Estimate& sun = view.row[0].cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)];
+    const double expected = view.row[0].projected_area_m2.value * 0.5 / std::numbers::pi *
                             irradiance * mean_sine(elevation_deg, 0.266);
     const auto where = [&] {
       return absl::StrCat("elevation ", elevation_deg, " deg: ", sun.value, " +- ", sun.stderr_,
@@ -58,7 +58,7 @@ absl::StatusOr<Finding> setting_sun(Effort effort) {
       worst.require(sun.value == 0, where);
     else  // the disk is drawn on its tangent plane: radius^2 / 2
       worst.see(t_of(sun, expected, 3e-5 * expected), where);
-    worst.require(view->guarded_nonfinite == 0 && view->guarded_negative == 0, where);
+    worst.require(view.guarded_nonfinite == 0 && view.guarded_negative == 0, where);
   }
   return worst.finding();
 }
@@ -67,20 +67,18 @@ absl::StatusOr<Finding> setting_sun(Effort effort) {
 // beside.
 absl::StatusOr<Finding> zenith_view(Effort effort) {
   Worst worst(student_t_bound(31, 12));
-  auto box = generate_mesh({"box", 300});
-  if (!box.ok()) return box.status();
-  const auto simulator = Simulator::create(one_body(*std::move(box), grey_paint(0.7)));
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(auto box, generate_mesh({"box", 300}));
+  ASSIGN_OR_RETURN(const auto simulator,
+                   Simulator::create(one_body(std::move(box), grey_paint(0.7))));
   for (const double elevation_deg : {90.0, 90 - 1e-9, 90 - 1e-4, -90.0})
     for (const double azimuth_deg : {0.0, 123.456, 359.999999}) {
-      ViewRequest r = dark_view(**simulator, azimuth_deg, elevation_deg, 1e6, {300});
+      ViewRequest r = dark_view(*simulator, azimuth_deg, elevation_deg, 1e6, {300});
       r.accuracy.samples_per_replicate = effort == Effort::kFull ? 32768 : 2048;
-      const auto view = (*simulator)->simulate(r);
-      if (!view.ok()) return view.status();
-      const Estimate& e = view->row[0].intensity_w_sr;
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+      const Estimate& e = view.row[0].intensity_w_sr;
       // 2 m x 1 m; at 1e-4 deg the walls add 1e-6, the range of the roof 5e-7. The roof
       // fills the mask.
-      const double expected = 2 * 0.7 * black_radiance_w_m2_sr(**simulator, 0, 300);
+      const double expected = 2 * 0.7 * black_radiance_w_m2_sr(*simulator, 0, 300);
       worst.see(t_of(e, expected, (kMaskMargin + 2e-6) * expected), [&] {
         return absl::StrCat("azimuth ", azimuth_deg, ", elevation ", elevation_deg,
                             " deg: ", e.value, " +- ", e.stderr_, ", expected ", expected);
@@ -106,34 +104,30 @@ absl::StatusOr<Finding> sun_at_poles(Effort) {
       return [&time, what] { return absl::StrCat(what, " at ", format_rfc3339_utc(time)); };
     };
     for (const double latitude_deg : {0.0, 25.0, -67.0, 89.9}) {
-      const auto west = sun(latitude_deg, -180), east = sun(latitude_deg, 180);
-      if (!west.ok()) return west.status();
+      ASSIGN_OR_RETURN(const auto west, sun(latitude_deg, -180), east = sun(latitude_deg, 180));
       if (!east.ok()) return east.status();
-      worst.see(angle_rad(west->direction, east->direction), where("date line"));
-      const auto before = sun(latitude_deg, 180 - 1e-9), after = sun(latitude_deg, -180 + 1e-9);
-      if (!before.ok()) return before.status();
+      worst.see(angle_rad(west.direction, east->direction), where("date line"));
+      ASSIGN_OR_RETURN(const auto before, sun(latitude_deg, 180 - 1e-9),
+                       after = sun(latitude_deg, -180 + 1e-9));
       if (!after.ok()) return after.status();
-      worst.see(angle_rad(before->direction, after->direction), where("a hair beside"));
+      worst.see(angle_rad(before.direction, after->direction), where("a hair beside"));
     }
     for (const double pole : {90.0, -90.0}) {
-      const auto first = sun(pole, 0);
-      if (!first.ok()) return first.status();
+      ASSIGN_OR_RETURN(const auto first, sun(pole, 0));
       for (const double longitude_deg : {-180.0, -77.7, 90.0, 179.0}) {
-        const auto other = sun(pole, longitude_deg);
-        if (!other.ok()) return other.status();
+        ASSIGN_OR_RETURN(const auto other, sun(pole, longitude_deg));
         // Height over the horizon does not depend on a longitude that does not exist ...
-        worst.see(std::abs(other->direction.z - first->direction.z), where("pole"));
+        worst.see(std::abs(other.direction.z - first.direction.z), where("pole"));
         // ... and the direction turns with it.
         const double turn = (pole > 0 ? 1 : -1) * longitude_deg * kRadPerDeg;
         // x east, y north: seen from a meridian further east, the sun stands further west.
-        const Vec<Enu> d = first->direction;
+        const Vec<Enu> d = first.direction;
         const Vec<Enu> turned{std::cos(turn) * d.x + std::sin(turn) * d.y,
                               std::cos(turn) * d.y - std::sin(turn) * d.x, d.z};
-        worst.see(angle_rad(other->direction, turned), where("pole's meridian"));
-        const auto beside = sun(pole > 0 ? 90 - 1e-9 : -90 + 1e-9, longitude_deg);
-        if (!beside.ok()) return beside.status();
-        worst.see(angle_rad(beside->direction, other->direction), where("a hair from the pole"));
-        const SunPosition& s = *other;
+        worst.see(angle_rad(other.direction, turned), where("pole's meridian"));
+        ASSIGN_OR_RETURN(const auto beside, sun(pole > 0 ? 90 - 1e-9 : -90 + 1e-9, longitude_deg));
+        worst.see(angle_rad(beside.direction, other.direction), where("a hair from the pole"));
+        const SunPosition& s = other;
         worst.require(std::isfinite(s.azimuth_deg) && s.azimuth_deg >= 0 && s.azimuth_deg < 360 &&
                           std::abs(length(s.direction) - 1) < 1e-12,
                       where("azimuth"));
@@ -151,9 +145,7 @@ absl::StatusOr<Finding> sun_at_zenith(Effort) {
     double latitude_deg = 0, longitude_deg = 0;
     SunPosition s{};
     for (int step = 0; step < 60; ++step) {
-      const auto sun = sun_position(time, latitude_deg, longitude_deg, 0);
-      if (!sun.ok()) return sun.status();
-      s = *sun;
+      ASSIGN_OR_RETURN(s, sun_position(time, latitude_deg, longitude_deg, 0));
       // Half-way where it is far: the Earth is round.
       const double reach = s.zenith_deg > 10 ? 0.5 : 1;
       const double east = std::atan2(s.direction.x, std::max(s.direction.z, 0.05)),

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/environment/air.h"
 #include "core/scene/mesh_measure.h"
 #include "core/spectral/planck.h"
@@ -65,19 +66,18 @@ absl::StatusOr<Finding> isothermal_enclosure(Effort effort) {
     for (const HardMaterial& kind : every_material(roughness)) {
       // Ward's of 1992 exceeds 1 only beyond 89.9 deg, Duer's everywhere at grazing.
       if (!kind.bounded && !kind.name.starts_with("ward 1992")) continue;
-      const auto simulator = Simulator::create(of_few_wavelengths(wall, kind.spec));
-      if (!simulator.ok()) return simulator.status();
+      ASSIGN_OR_RETURN(const auto simulator,
+                       Simulator::create(of_few_wavelengths(wall, kind.spec)));
       ViewRequest r =
-          dark_view(**simulator, 0, std::asin(height_m / range_m) / kRadPerDeg, range_m, {300});
+          dark_view(*simulator, 0, std::asin(height_m / range_m) / kRadPerDeg, range_m, {300});
       r.condition[0].surroundings = {SurroundingsKind::kSea, 300, 0, 300, 1, 0};
       r.max_reflections = 400;
       r.accuracy.samples_per_replicate = effort == Effort::kFull ? 65536 : 4096;
-      const auto view = (*simulator)->simulate(r);
-      if (!view.ok()) return view.status();
-      if (auto status = sound(*view, kind.name); !status.ok()) return status;
-      const SignatureResult& row = view->row[0];
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+      RETURN_IF_ERROR(sound(view, kind.name));
+      const SignatureResult& row = view.row[0];
       const double expected =
-          in_band(**simulator, 0,
+          in_band(*simulator, 0,
                   [](double lambda_um) { return planck_radiance_w_m2_sr_um(lambda_um, 300); }) *
           row.projected_area_m2.value;
       // Emissivity and DHR tables are each within 5e-5; a path meets the wall about three times.
@@ -99,20 +99,19 @@ absl::StatusOr<Finding> white_furnace(Effort effort) {
   Worst worst(student_t_bound(31, 11 * std::size(kSome) * std::size(kTheta)));
   for (const double roughness : kSome)
     for (const HardMaterial& kind : every_material(roughness)) {
-      const auto simulator = Simulator::create(of_few_wavelengths(lying(plate(1, 1)), kind.spec));
-      if (!simulator.ok()) return simulator.status();
-      const Material& material = (*simulator)->materials()[0];
-      const BandGrid& grid = (*simulator)->band_grids()[0];
+      ASSIGN_OR_RETURN(const auto simulator,
+                       Simulator::create(of_few_wavelengths(lying(plate(1, 1)), kind.spec)));
+      const Material& material = simulator->materials()[0];
+      const BandGrid& grid = simulator->band_grids()[0];
       std::vector<float> emissivity(grid.node_um.size());
       for (const double theta_deg : kTheta) {
-        ViewRequest r = dark_view(**simulator, 30, 90 - theta_deg, 1e5, {0});
+        ViewRequest r = dark_view(*simulator, 30, 90 - theta_deg, 1e5, {0});
         r.condition[0].surroundings = {SurroundingsKind::kNone, -1, 10, 0, 1, 10};
         r.max_reflections = 1;
         r.accuracy.samples_per_replicate = effort == Effort::kFull ? 65536 : 4096;
-        const auto view = (*simulator)->simulate(r);
-        if (!view.ok()) return view.status();
-        if (auto status = sound(*view, kind.name); !status.ok()) return status;
-        const SignatureResult& row = view->row[0];
+        ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+        RETURN_IF_ERROR(sound(view, kind.name));
+        const SignatureResult& row = view.row[0];
         // Some models reflect as the wavelength says, whatever their constants.
         const auto cos_o = static_cast<float>(std::cos(theta_deg * kRadPerDeg));
         material.spectral_emissivity(cos_o, emissivity.data());
@@ -136,21 +135,18 @@ absl::StatusOr<Finding> cavity_0999(Effort effort) {
   Worst worst(student_t_bound(31, 2));
   for (const double half_angle_deg : {5.0, 30.0}) {
     const Mesh wall = spherical_cavity(half_angle_deg, 400, 256);
-    const auto simulator = Simulator::create(one_body(wall, grey_paint(0.001)));
-    if (!simulator.ok()) return simulator.status();
-    ViewRequest r = dark_view(**simulator, 0, 0, 1000, {400});
+    ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(wall, grey_paint(0.001))));
+    ViewRequest r = dark_view(*simulator, 0, 0, 1000, {400});
     // Of 345 reflections in the mean, one path in 1e10 has more.
     r.max_reflections = 8000;
     r.accuracy.samples_per_replicate = effort == Effort::kFull ? 262144 : 16384;
-    const auto view = (*simulator)->simulate(r);
-    if (!view.ok()) return view.status();
-    if (auto status = sound(*view, "cavity"); !status.ok()) return status;
-    const SignatureResult& row = view->row[0];
+    ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+    RETURN_IF_ERROR(sound(view, "cavity"));
+    const SignatureResult& row = view.row[0];
     const double opening = std::numbers::pi * std::pow(std::sin(half_angle_deg * kRadPerDeg), 2);
     const double kept = 1 - opening / measure(wall).area_m2;
     const double expected = row.projected_area_m2.value *
-                            black_radiance_w_m2_sr(**simulator, 0, 400) * 0.001 /
-                            (1 - 0.999 * kept);
+                            black_radiance_w_m2_sr(*simulator, 0, 400) * 0.001 / (1 - 0.999 * kept);
     worst.see(t_of(row.intensity_w_sr, expected, 2e-4 * expected), [&] {
       return absl::StrCat("half angle ", half_angle_deg, " deg",
                           printed(row.intensity_w_sr, expected));
@@ -167,18 +163,16 @@ absl::StatusOr<Finding> truncation(Effort effort) {
   Worst worst(1);
   const double emissivity = 0.1, half_angle_deg = 10;
   const Mesh wall = spherical_cavity(half_angle_deg, 400, 256);
-  const auto simulator = Simulator::create(one_body(wall, grey_paint(emissivity)));
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(wall, grey_paint(emissivity))));
   const double opening = std::numbers::pi * std::pow(std::sin(half_angle_deg * kRadPerDeg), 2);
   const double kept = 1 - opening / measure(wall).area_m2;
-  const double black = black_radiance_w_m2_sr(**simulator, 0, 400);
+  const double black = black_radiance_w_m2_sr(*simulator, 0, 400);
   for (const std::uint32_t reflections : {0u, 1u, 3u, 10u, 30u, 100u, 300u}) {
-    ViewRequest r = dark_view(**simulator, 0, 0, 1000, {400});
+    ViewRequest r = dark_view(*simulator, 0, 0, 1000, {400});
     r.max_reflections = reflections;
     r.accuracy.samples_per_replicate = effort == Effort::kFull ? 4096 : 256;
-    const auto view = (*simulator)->simulate(r);
-    if (!view.ok()) return view.status();
-    const SignatureResult& row = view->row[0];
+    ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+    const SignatureResult& row = view.row[0];
     const double limit =
         row.projected_area_m2.value * black * emissivity / (1 - (1 - emissivity) * kept);
     const double missing = limit - row.intensity_w_sr.value;
@@ -199,17 +193,15 @@ absl::StatusOr<Finding> truncation(Effort effort) {
 absl::StatusOr<Finding> emissivity_0_and_1(Effort) {
   Worst worst(2e-6);
   for (const double emissivity : {0.0, 1.0}) {
-    const auto simulator =
-        Simulator::create(one_body(spherical_cavity(50, 24, 32), grey_paint(emissivity)));
-    if (!simulator.ok()) return simulator.status();
-    ViewRequest r = dark_view(**simulator, 0, 0, 1e4, {300});
+    ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(spherical_cavity(50, 24, 32),
+                                                                      grey_paint(emissivity))));
+    ViewRequest r = dark_view(*simulator, 0, 0, 1e4, {300});
     r.condition[0].surroundings = {SurroundingsKind::kNone, 250, 0, 0, 1, 5};
     r.max_reflections = 50;
-    const auto view = (*simulator)->simulate(r);
-    if (!view.ok()) return view.status();
-    const SignatureResult& row = view->row[0];
+    ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+    const SignatureResult& row = view.row[0];
     const double own = cause(row, Cause::kEmitted), all = row.intensity_w_sr.value,
-                 black = row.projected_area_m2.value * black_radiance_w_m2_sr(**simulator, 0, 300);
+                 black = row.projected_area_m2.value * black_radiance_w_m2_sr(*simulator, 0, 300);
     const auto where = [&] { return absl::StrCat("emissivity ", emissivity); };
     worst.see(std::abs(own - emissivity * black) / black, where);
     if (emissivity == 1) {
@@ -217,7 +209,7 @@ absl::StatusOr<Finding> emissivity_0_and_1(Effort) {
     } else {
       worst.require(own == 0 && cause(row, Cause::kPartsReflected) == 0 && all > 0, where);
     }
-    worst.require(view->guarded_nonfinite == 0, where);
+    worst.require(view.guarded_nonfinite == 0, where);
   }
   return worst.finding();
 }
@@ -231,23 +223,22 @@ absl::StatusOr<Finding> mirror_and_sun(Effort effort) {
       CookTorrance mirror;
       mirror.constants = {{0, 1.2, 5}};
       mirror.roughness = roughness;
-      const auto simulator = Simulator::create(one_body(lying(plate(1, 1)), {"mirror", mirror}));
-      if (!simulator.ok()) return simulator.status();
+      ASSIGN_OR_RETURN(const auto simulator,
+                       Simulator::create(one_body(lying(plate(1, 1)), {"mirror", mirror})));
       for (const double beside_deg : {0.0, 1.0}) {
-        ViewRequest r = dark_view(**simulator, 0, elevation_deg, 1e5, {300});
+        ViewRequest r = dark_view(*simulator, 0, elevation_deg, 1e5, {300});
         put_sun(r.condition[0], body_from_aspect(180, elevation_deg + beside_deg));
         r.max_reflections = 2;
         r.accuracy.samples_per_replicate = effort == Effort::kFull ? 32768 : 2048;
-        const auto view = (*simulator)->simulate(r);
-        if (!view.ok()) return view.status();
-        if (auto status = sound(*view, "mirror"); !status.ok()) return status;
-        const SignatureResult& row = view->row[0];
+        ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+        RETURN_IF_ERROR(sound(view, "mirror"));
+        const SignatureResult& row = view.row[0];
         const Estimate& sun = row.cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)];
         const double rho = std::sin(0.266 * kRadPerDeg);
-        const double disk = sun_irradiance_w_m2(**simulator) / (std::numbers::pi * rho * rho);
+        const double disk = sun_irradiance_w_m2(*simulator) / (std::numbers::pi * rho * rho);
         const double sine = std::sin(elevation_deg * kRadPerDeg);
         const double shown = row.projected_area_m2.value * disk *
-                             (*simulator)->materials()[0].dhr_max(static_cast<float>(sine));
+                             simulator->materials()[0].dhr_max(static_cast<float>(sine));
         const auto where = [&] {
           return absl::StrCat("roughness ", roughness, ", elevation ", elevation_deg, " deg, ",
                               beside_deg, " deg beside", printed(sun, shown));
@@ -271,22 +262,20 @@ absl::StatusOr<Finding> grazing_view(Effort effort) {
   CookTorrance rough;
   rough.constants = {{0, 1.2, 5}};
   for (const MaterialSpec& spec : {grey_paint(0.5), MaterialSpec{"rough", rough}}) {
-    const auto simulator = Simulator::create(one_body(lying(plate(1, 1)), spec));
-    if (!simulator.ok()) return simulator.status();
+    ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(lying(plate(1, 1)), spec)));
     for (const double elevation_deg : {1.0, 1e-2, 1e-4}) {
-      ViewRequest r = dark_view(**simulator, 20, elevation_deg, 1e5, {300});
+      ViewRequest r = dark_view(*simulator, 20, elevation_deg, 1e5, {300});
       r.accuracy.samples_per_replicate = effort == Effort::kFull ? 16384 : 1024;
       put_sun(r.condition[0], body_from_aspect(200, elevation_deg));
       r.max_reflections = 1;
-      const auto view = (*simulator)->simulate(r);
-      if (!view.ok()) return view.status();
-      if (auto status = sound(*view, spec.name); !status.ok()) return status;
-      const SignatureResult& row = view->row[0];
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+      RETURN_IF_ERROR(sound(view, spec.name));
+      const SignatureResult& row = view.row[0];
       const double sine = std::sin(elevation_deg * kRadPerDeg);
       const Estimate& own = row.cause_w_sr[static_cast<std::size_t>(Cause::kEmitted)];
       const double expected = sine *
-                              (*simulator)->materials()[0].emissivity(static_cast<float>(sine)) *
-                              black_radiance_w_m2_sr(**simulator, 0, 300);
+                              simulator->materials()[0].emissivity(static_cast<float>(sine)) *
+                              black_radiance_w_m2_sr(*simulator, 0, 300);
       // The emissivity's table is linear in sqrt(cos); floats of 1 m at 1e-4 deg: 6e-8 / 1.7e-6.
       worst.see(t_of(own, expected, 0.04 * 1e-4 / elevation_deg * expected + 1e-4 * expected), [&] {
         return absl::StrCat(spec.name, " from ", elevation_deg, " deg", printed(own, expected));
@@ -307,15 +296,13 @@ absl::StatusOr<Finding> sub_pixel_hot_spot(Effort effort) {
                grey_paint(0.8));
   scene.mesh.group = {"wall", "spot"};
   scene.part = {{"wall", {"wall"}, 0, false, false}, {"spot", {"spot"}, 0, false, true}};
-  const auto simulator = Simulator::create(scene);
-  if (!simulator.ok()) return simulator.status();
-  ViewRequest r = dark_view(**simulator, 10, 5, 1e5, {300, 1500});
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
+  ViewRequest r = dark_view(*simulator, 10, 5, 1e5, {300, 1500});
   r.accuracy.samples_per_replicate = effort == Effort::kFull ? 16384 : 1024;
-  const auto view = (*simulator)->simulate(r);
-  if (!view.ok()) return view.status();
-  const Estimate& spot = view->row[0].part_w_sr[1];
+  ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+  const Estimate& spot = view.row[0].part_w_sr[1];
   const double cosine = std::cos(10 * kRadPerDeg) * std::cos(5 * kRadPerDeg);
-  const double expected = 0.0025 * cosine * 0.8 * black_radiance_w_m2_sr(**simulator, 0, 1500);
+  const double expected = 0.0025 * cosine * 0.8 * black_radiance_w_m2_sr(*simulator, 0, 1500);
   // Floats at 40 m from the centre are 3.8e-6 m apart: 1.5e-4 of two 5 cm edges; range: 31 m / 1e5.
   worst.see(t_of(spot, expected, 6e-4 * expected), [&] { return printed(spot, expected); });
   worst.require(spot.stderr_ < 0.01 * expected,
@@ -333,26 +320,24 @@ absl::StatusOr<Finding> hidden_hot_spot(Effort effort) {
   scene.mesh.group = {"plate", "hot"};
   scene.material.push_back(grey_paint(1));
   scene.part = {{"plate", {"plate"}, 0, false, false}, {"hot", {"hot"}, 1, false, true}};
-  const auto simulator = Simulator::create(scene);
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   const double x = 0.5 * side / height, root = std::sqrt(1 + x * x);
   // A small facet over the middle of a parallel square.
   const double factor = 4 / (2 * std::numbers::pi) * 2 * (x / root * std::atan(x / root));
   const double elevation_deg = 30;
   const double expected = std::sin(elevation_deg * kRadPerDeg) * 0.4 * edge * edge * factor *
-                          black_radiance_w_m2_sr(**simulator, 0, 1500);
+                          black_radiance_w_m2_sr(*simulator, 0, 1500);
   constexpr std::uint64_t kSeeds = 20;
   for (const bool pilot : {false, true})
     for (std::uint64_t seed = 1; seed <= (pilot || effort == Effort::kFull ? kSeeds : 3); ++seed) {
-      ViewRequest r = dark_view(**simulator, 0, elevation_deg, 1e5, {0, 1500});
+      ViewRequest r = dark_view(*simulator, 0, elevation_deg, 1e5, {0, 1500});
       r.seed = seed;
       r.max_reflections = 3;
       r.accuracy.samples_per_replicate = pilot ? 0 : effort == Effort::kFull ? 16384 : 2048;
       r.accuracy.relative_error = pilot ? 0.02 : 0;
       r.accuracy.max_samples_per_replicate = 1 << 15;
-      const auto view = (*simulator)->simulate(r);
-      if (!view.ok()) return view.status();
-      const SignatureResult& row = view->row[0];
+      ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+      const SignatureResult& row = view.row[0];
       const Estimate& e = row.part_w_sr[0];
       const auto where = [&] {
         return absl::StrCat(pilot ? "to 2 %" : "fixed samples", ", seed ", seed,
@@ -373,23 +358,21 @@ absl::StatusOr<Finding> hidden_hot_spot(Effort effort) {
 // Two rows that differ by 1 mK share their paths: the difference keeps its own relative error.
 absl::StatusOr<Finding> contrast_through_zero(Effort) {
   Worst worst(student_t_bound(31, 3));
-  auto frigate = generate_mesh({"frigate", 20000});
-  if (!frigate.ok()) return frigate.status();
-  const auto simulator = Simulator::create(one_body(*std::move(frigate), grey_paint(0.7)));
-  if (!simulator.ok()) return simulator.status();
-  ViewRequest r = dark_view(**simulator, 40, 10, 5000, {300});
+  ASSIGN_OR_RETURN(auto frigate, generate_mesh({"frigate", 20000}));
+  ASSIGN_OR_RETURN(const auto simulator,
+                   Simulator::create(one_body(std::move(frigate), grey_paint(0.7))));
+  ViewRequest r = dark_view(*simulator, 40, 10, 5000, {300});
   for (const double step : {1e-3, -1e-3, 1e-6}) {
     ConditionSpec other = r.condition[0];
     other.part_temperature_k = {300 + step};
     r.condition.push_back(other);
     r.selected_condition.push_back(static_cast<std::uint32_t>(r.condition.size() - 1));
   }
-  const auto view = (*simulator)->simulate(r);
-  if (!view.ok()) return view.status();
-  const SignatureResult& base = view->row[0];
+  ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
+  const SignatureResult& base = view.row[0];
   for (std::size_t i = 1; i < r.condition.size(); ++i) {
     const double step = r.condition[i].part_temperature_k[0] - 300;
-    const double difference = view->row[i].intensity_w_sr.value - base.intensity_w_sr.value;
+    const double difference = view.row[i].intensity_w_sr.value - base.intensity_w_sr.value;
     const double expected = 0.7 * base.projected_area_m2.value *
                             planck_band_radiance_derivative_w_m2_sr_k(8, 12, 300) * step *
                             (1 + 0.5 * step / 300);  // the next term is of this order
@@ -418,21 +401,19 @@ absl::StatusOr<Finding> guards_count(Effort) {
   absurd.theta_i_deg = absurd.theta_r_deg = {0, 90};
   absurd.phi_deg = {0, 180};
   absurd.brdf_per_sr.assign(8, 1e30f);
-  const auto simulator =
-      Simulator::create(one_body(spherical_cavity(50, 24, 32), {"absurd", absurd}));
-  if (!simulator.ok()) return simulator.status();
-  worst.require((*simulator)->energy_gain(), [] { return "not flagged"; });
-  ViewRequest r = dark_view(**simulator, 0, 0, 1e4, {0});  // of finite weights, 0 K makes nothing
+  ASSIGN_OR_RETURN(const auto simulator,
+                   Simulator::create(one_body(spherical_cavity(50, 24, 32), {"absurd", absurd})));
+  worst.require(simulator->energy_gain(), [] { return "not flagged"; });
+  ViewRequest r = dark_view(*simulator, 0, 0, 1e4, {0});  // of finite weights, 0 K makes nothing
   r.max_reflections = 4;
-  const auto view = (*simulator)->simulate(r);
-  if (!view.ok()) return view.status();
+  ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
   const auto where = [&] {
-    return absl::StrCat(view->guarded_nonfinite, " counted on ", view->target_paths, " paths");
+    return absl::StrCat(view.guarded_nonfinite, " counted on ", view.target_paths, " paths");
   };
   // Every path that meets the wall twice more; two in three do.
-  worst.require(view->guarded_nonfinite > view->target_paths / 4, where);
-  worst.require(view->row[0].intensity_w_sr.value == 0 && view->row[0].numerical_error_w_sr >= 0,
-                [&] { return absl::StrCat("intensity ", view->row[0].intensity_w_sr.value); });
+  worst.require(view.guarded_nonfinite > view.target_paths / 4, where);
+  worst.require(view.row[0].intensity_w_sr.value == 0 && view.row[0].numerical_error_w_sr >= 0,
+                [&] { return absl::StrCat("intensity ", view.row[0].intensity_w_sr.value); });
   Finding out = worst.finding();
   if (out.worst_error == 0) out.where = where();
   return out;

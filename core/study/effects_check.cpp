@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 namespace {
 
@@ -17,11 +19,9 @@ struct Run {
 absl::StatusOr<Run> plan_and_measure(const Simulator& simulator, const ViewRequest& request,
                                      const CpuClock& cpu_s) {
   const double start_s = cpu_s();
-  auto planned = simulator.prepare(request);
-  if (!planned.ok()) return planned.status();
-  auto result = simulator.measure(request, *planned);
-  if (!result.ok()) return result.status();
-  return Run{*std::move(planned), *std::move(result), cpu_s() - start_s};
+  ASSIGN_OR_RETURN(auto planned, simulator.prepare(request));
+  ASSIGN_OR_RETURN(auto result, simulator.measure(request, planned));
+  return Run{std::move(planned), std::move(result), cpu_s() - start_s};
 }
 
 struct RunsOfQuantity {
@@ -97,9 +97,8 @@ absl::StatusOr<std::vector<CheckedRow>> compare_rows(const ViewResult& chosen,
     row.effect.fill(EffectState::kAbsent);
     for (const LedgerEntry& e : r.effect) row.effect[static_cast<std::size_t>(e.effect)] = e.state;
     for (std::size_t q = 0; q < kCompared; ++q) {
-      auto value = compare(r, all.row[i], static_cast<Compared>(q));
-      if (!value.ok()) return value.status();
-      row.value[q] = *value;
+      ASSIGN_OR_RETURN(auto value, compare(r, all.row[i], static_cast<Compared>(q)));
+      row.value[q] = value;
     }
   }
   return out;
@@ -113,9 +112,8 @@ absl::Status add_reference(const Simulator& simulator, ViewRequest request, Plan
                    std::max(options.most_reference_samples, view.chosen_samples));
   request.seed += 1;
   planned.plan.samples_per_replicate = static_cast<std::uint64_t>(std::min(wanted, most));
-  const auto reference = simulator.measure(request, planned);
-  if (!reference.ok()) return reference.status();
-  for (std::size_t i = 0; i < view.row.size(); ++i) take_reference(reference->row[i], view.row[i]);
+  ASSIGN_OR_RETURN(const auto reference, simulator.measure(request, planned));
+  for (std::size_t i = 0; i < view.row.size(); ++i) take_reference(reference.row[i], view.row[i]);
   view.referenced = true;
   return absl::OkStatus();
 }
@@ -154,24 +152,20 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
   CheckedView view;
   view.viewpoint = request.viewpoint;
   if (options.first_view) {
-    const auto chosen = plan_and_measure(simulator, request, cpu_s);
-    if (!chosen.ok()) return chosen.status();
-    const auto all = plan_and_measure(simulator, with_all, cpu_s);
-    if (!all.ok()) return all.status();
-    view.chosen_first_s = chosen->cpu_s;
-    view.all_first_s = all->cpu_s;
+    ASSIGN_OR_RETURN(const auto chosen, plan_and_measure(simulator, request, cpu_s));
+    ASSIGN_OR_RETURN(const auto all, plan_and_measure(simulator, with_all, cpu_s));
+    view.chosen_first_s = chosen.cpu_s;
+    view.all_first_s = all.cpu_s;
   }
   Run chosen, all;
   // In turn, so that a machine that slows down does so for both.
   for (std::uint32_t i = 0; i < std::max(options.timed, 1u); ++i) {
-    auto a = plan_and_measure(simulator, request, cpu_s);
-    if (!a.ok()) return a.status();
-    auto b = plan_and_measure(simulator, with_all, cpu_s);
-    if (!b.ok()) return b.status();
-    view.chosen_s = i == 0 ? a->cpu_s : std::min(view.chosen_s, a->cpu_s);
-    view.all_s = i == 0 ? b->cpu_s : std::min(view.all_s, b->cpu_s);
-    chosen = *std::move(a);
-    all = *std::move(b);
+    ASSIGN_OR_RETURN(auto a, plan_and_measure(simulator, request, cpu_s));
+    ASSIGN_OR_RETURN(auto b, plan_and_measure(simulator, with_all, cpu_s));
+    view.chosen_s = i == 0 ? a.cpu_s : std::min(view.chosen_s, a.cpu_s);
+    view.all_s = i == 0 ? b.cpu_s : std::min(view.all_s, b.cpu_s);
+    chosen = std::move(a);
+    all = std::move(b);
   }
   view.chosen_samples = chosen.planned.plan.samples_per_replicate;
   view.all_samples = all.planned.plan.samples_per_replicate;
@@ -181,16 +175,12 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
     PlannedView planned = all.planned;
     planned.plan.samples_per_replicate = chosen.planned.plan.samples_per_replicate;
     planned.plan.bright = chosen.planned.plan.bright;
-    auto result = simulator.measure(with_all, planned);
-    if (!result.ok()) return result.status();
-    all.result = *std::move(result);
+    ASSIGN_OR_RETURN(auto result, simulator.measure(with_all, planned));
+    all.result = std::move(result);
   }
-  auto rows = compare_rows(chosen.result, all.result);
-  if (!rows.ok()) return rows.status();
-  view.row = *std::move(rows);
+  ASSIGN_OR_RETURN(view.row, compare_rows(chosen.result, all.result));
   if (options.reference_paths > 0) {
-    const absl::Status status = add_reference(simulator, with_all, all.planned, options, view);
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(add_reference(simulator, with_all, all.planned, options, view));
   }
   return view;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_join.h"
+#include "core/base/status_macros.h"
 #include "core/study/matrix_bodies.h"
 #include "core/study/matrix_worlds.h"
 
@@ -30,10 +31,9 @@ absl::StatusOr<MatrixCell> cell_of(const Levels& f) {
   cell.name = absl::StrJoin(cell.level, " ");
   const double height_m = 4;
   const Mesh body = f.cavity ? bay({8, 3, 3}, {6, 2, 2}, {6, 0, 2}) : drum(3, 16);
-  auto material = f.mirror ? bare_aluminium() : matt_paint(0.9);
-  if (!material.ok()) return material.status();
+  ASSIGN_OR_RETURN(auto material, f.mirror ? bare_aluminium() : matt_paint(0.9));
   cell.scene.mesh = shifted(body, {0, 0, -height_m});
-  cell.scene.material = {*std::move(material)};
+  cell.scene.material = {std::move(material)};
   cell.scene.part = {{"target", {"*"}, 0, false, false}};
   cell.scene.band = {f.long_wave ? long_wave_band() : mid_wave_band()};
   cell.weather = f.sea ? open_sea() : bare_land();
@@ -57,27 +57,24 @@ absl::StatusOr<std::vector<MatrixCell>> factorial_cells() {
           for (const bool hot : {true, false})
             for (const bool sea : {true, false})
               for (const double range_m : kRangesM) {
-                auto cell = cell_of({day, long_wave, mirror, cavity, hot, sea, range_m});
-                if (!cell.ok()) return cell.status();
-                out.push_back(*std::move(cell));
+                ASSIGN_OR_RETURN(auto cell,
+                                 cell_of({day, long_wave, mirror, cavity, hot, sea, range_m}));
+                out.push_back(std::move(cell));
               }
   return out;
 }
 
 absl::StatusOr<std::vector<MatrixCell>> matrix_cells(bool small) {
-  auto factorial = factorial_cells();
-  if (!factorial.ok()) return factorial.status();
-  auto hard = hard_cells();
-  if (!hard.ok()) return hard.status();
+  ASSIGN_OR_RETURN(auto factorial, factorial_cells());
+  ASSIGN_OR_RETURN(auto hard, hard_cells());
   std::vector<MatrixCell> out;
   // Six cells in which every level of every factor occurs, most of them equally often.
   constexpr std::size_t kStride = 38;
-  for (std::size_t i = 0; i < factorial->size(); i += small ? kStride : 1)
-    out.push_back(std::move((*factorial)[i]));
-  for (MatrixCell& cell : *hard) out.push_back(std::move(cell));
-  auto gas = plume_cells();
-  if (!gas.ok()) return gas.status();
-  for (std::size_t i = 0; i < gas->size(); i += small ? 10 : 1) out.push_back(std::move((*gas)[i]));
+  for (std::size_t i = 0; i < factorial.size(); i += small ? kStride : 1)
+    out.push_back(std::move(factorial[i]));
+  for (MatrixCell& cell : hard) out.push_back(std::move(cell));
+  ASSIGN_OR_RETURN(auto gas, plume_cells());
+  for (std::size_t i = 0; i < gas.size(); i += small ? 10 : 1) out.push_back(std::move(gas[i]));
   if (small)
     for (MatrixCell& cell : out)
       cell.viewpoint.resize(std::min<std::size_t>(cell.viewpoint.size(), 2));
@@ -90,29 +87,27 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
   const Band& band = scene.band.front();
   scene.spectral_breaks_um =
       air_band_edges_um(band.lambda_min_um - band.step_um, band.lambda_max_um + band.step_um);
-  const auto simulator = Simulator::create(scene);
-  if (!simulator.ok()) return simulator.status();
+  ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   // One for each run: neither profits from what the other has made.
   const auto environment = [&]() -> absl::StatusOr<std::shared_ptr<const Environment>> {
     const ConditionSpec& c = cell.condition;
     auto made = Environment::make({cell.weather}, {{0, c.sun, c.sun_direction, 1}},
-                                  cell.target_height_m, (*simulator)->band_grids().front().node_um);
+                                  cell.target_height_m, simulator->band_grids().front().node_um);
     if (!made.ok()) return made.status();
     return std::shared_ptr<const Environment>(*std::move(made));
   };
-  const auto for_chosen = environment(), for_all = environment();
-  if (!for_chosen.ok()) return for_chosen.status();
+  ASSIGN_OR_RETURN(const auto for_chosen, environment(), for_all = environment());
   if (!for_all.ok()) return for_all.status();
   ViewRequest request;
   request.condition = {cell.condition};
   if (cell.condition.sun) {
-    const Environment::SunSeen& seen = (*for_chosen)->sun_seen(0);
+    const Environment::SunSeen& seen = for_chosen->sun_seen(0);
     request.condition[0].sun_direction = seen.direction;
     request.condition[0].sun_cos_zenith = -seen.direction.z;
     request.condition[0].sun_horizon_z = seen.horizon_z;
   }
   request.selected_condition = request.selected_band = {0};
-  request.environment = *for_chosen;
+  request.environment = for_chosen;
   request.max_reflections = cell.max_reflections;
   request.accuracy.relative_error = options.relative_error;
   request.accuracy.absolute_error_k = 0.05;  // as a sweep that does not say otherwise
@@ -128,11 +123,11 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
   CheckedCell out;
   for (const Viewpoint& viewpoint : cell.viewpoint) {
     request.viewpoint = viewpoint;
-    auto view =
-        check_effects(**simulator, request,
-                      {*for_all, out.view.empty(), options.timed, options.reference_paths}, cpu_s);
-    if (!view.ok()) return view.status();
-    out.view.push_back(*std::move(view));
+    ASSIGN_OR_RETURN(
+        auto view,
+        check_effects(*simulator, request,
+                      {*for_all, out.view.empty(), options.timed, options.reference_paths}, cpu_s));
+    out.view.push_back(std::move(view));
   }
   out.summary = summary_of(out.view);
   return out;

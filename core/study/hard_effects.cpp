@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/geo/frames.h"
 #include "core/study/effects_matrix.h"
 #include "core/study/matrix_bodies.h"
@@ -47,14 +48,13 @@ MatrixCell hot_spot_seen(bool marked) {
 
 // A plate stands opposite the spot: seen from port over the hull, it mirrors what faces away.
 absl::StatusOr<MatrixCell> hot_spot_mirrored() {
-  auto metal = bare_aluminium();
-  if (!metal.ok()) return metal.status();
+  ASSIGN_OR_RETURN(auto metal, bare_aluminium());
   const Mesh plate = shifted(with_group(block({5, 0.1, 4}), "plate"), {0, 6.1, -4.5});
   const Mesh mesh = together(shifted(block_with_spot(kHull, kHalfSpotM), {0, 0, -2}), plate);
   MatrixCell c =
       cell("hot spot in a mirror", "the same spot, seen only as a rough metal plate reflects it",
            mesh, mid_wave_band(), open_sea(), {290, 1500, 290});
-  c.scene.material = {matt_paint(0.9), *std::move(metal)};
+  c.scene.material = {matt_paint(0.9), std::move(metal)};
   c.scene.part = {
       {"body", {}, 0, false, false}, {"spot", {}, 0, false, true}, {"plate", {}, 1, false, false}};
   c.viewpoint = grid_of({{270, 20}, {250, 20}, {290, 12}, {300, 35}}, 5 * kKm);
@@ -64,13 +64,12 @@ absl::StatusOr<MatrixCell> hot_spot_mirrored() {
 // A flank of slope 0.01 that mirrors the sun into the first viewpoint; the second is 2.5 deg
 // beside, the third 8 deg.
 absl::StatusOr<MatrixCell> glint() {
-  auto metal = bare_aluminium(0.01);
-  if (!metal.ok()) return metal.status();
+  ASSIGN_OR_RETURN(auto metal, bare_aluminium(0.01));
   const double tilt_deg = 25, seen_deg = 10;
   const Mesh mesh = shifted(tilted(block_with_mirror({5, 0.3, 2}), tilt_deg), {0, 0, -4});
   MatrixCell c = cell("glint", "a mirror flank throws the sun into one viewpoint", mesh,
                       mid_wave_band(), open_sea(), {290, 290});
-  c.scene.material = {matt_paint(0.9), *std::move(metal)};
+  c.scene.material = {matt_paint(0.9), std::move(metal)};
   c.scene.part = {{"body", {}, 0, false, false}, {"mirror", {}, 1, false, false}};
   add_sun(c.condition, 90, 2 * tilt_deg - seen_deg);
   c.viewpoint = grid_of({{90, seen_deg}, {92.5, seen_deg}, {90, 18}, {270, 30}}, 5 * kKm);
@@ -80,13 +79,12 @@ absl::StatusOr<MatrixCell> glint() {
 // A patch of that mirror on a hot body: nearly as bright as what may be left out, and the bound of
 // a mirror that throws all of the sun's disk at the sensor has no room to spare.
 absl::StatusOr<MatrixCell> faint_glint() {
-  auto metal = bare_aluminium(0.01);
-  if (!metal.ok()) return metal.status();
+  ASSIGN_OR_RETURN(auto metal, bare_aluminium(0.01));
   const double tilt_deg = 25, seen_deg = 10;
   const Mesh mesh = shifted(tilted(block_with_spot({5, 0.3, 2}, 0.15), tilt_deg), {0, 0, -4});
   MatrixCell c = cell("faint glint", "a mirror of 0.09 m2 glints from a flank of 900 K", mesh,
                       mid_wave_band(), open_sea(), {900, 290});
-  c.scene.material = {matt_paint(0.995), *std::move(metal)};
+  c.scene.material = {matt_paint(0.995), std::move(metal)};
   // Rays of its own, so that its part is known well.
   c.scene.part = {{"body", {}, 0, false, false}, {"spot", {}, 1, false, true}};
   add_sun(c.condition, 90, 2 * tilt_deg - seen_deg);
@@ -122,9 +120,8 @@ MatrixCell crossover() {
 absl::StatusOr<MatrixCell> low_sun(bool mirror) {
   MatrixCell c = cell(mirror ? "low sun on metal" : "low sun", "the sun 1 deg above the sea",
                       shifted(drum(3, 16), {0, 0, -4}), mid_wave_band(), open_sea(), {290});
-  auto metal = bare_aluminium();
-  if (!metal.ok()) return metal.status();
-  all_of(c, mirror ? *std::move(metal) : matt_paint(0.9));
+  ASSIGN_OR_RETURN(auto metal, bare_aluminium());
+  all_of(c, mirror ? std::move(metal) : matt_paint(0.9));
   add_sun(c.condition, 60, 1);
   c.viewpoint = grid_of({{90, 5}, {245, 2}, {60, 15}, {200, 40}}, 5 * kKm);
   return c;
@@ -163,12 +160,11 @@ MatrixCell black_in_fog() {
 
 // Gloss seen at 85 deg towards the sun.
 absl::StatusOr<MatrixCell> grazing_gloss(double slope) {
-  auto metal = bare_aluminium(slope);
-  if (!metal.ok()) return metal.status();
+  ASSIGN_OR_RETURN(auto metal, bare_aluminium(slope));
   MatrixCell c = cell(slope < 0.2 ? "grazing gloss" : "grazing rough gloss",
                       "a metal deck seen at 84 to 88 deg, the sun opposite and low",
                       shifted(block({5, 2, 0.1}), {0, 0, -4}), mid_wave_band(), open_sea(), {290});
-  all_of(c, *std::move(metal));
+  all_of(c, std::move(metal));
   add_sun(c.condition, 180, 6);
   c.viewpoint = grid_of({{0, 5}, {0, 2}, {3, 6}, {180, 5}}, 5 * kKm);
   return c;
@@ -186,8 +182,7 @@ MatrixCell hole() {
 
 // A level mirror throws the sun up and to port, where another sends it back to starboard.
 absl::StatusOr<MatrixCell> two_mirrors() {
-  auto metal = bare_aluminium(0.02);
-  if (!metal.ok()) return metal.status();
+  ASSIGN_OR_RETURN(auto metal, bare_aluminium(0.02));
   const double sun_deg = 40, seen_deg = 10, aside_m = 6;
   const double up_m = aside_m * std::tan(sun_deg * kRadPerDeg);
   const Mesh mesh =
@@ -196,7 +191,7 @@ absl::StatusOr<MatrixCell> two_mirrors() {
                        {0, -aside_m, -4.1 - up_m}));
   MatrixCell c = cell("two mirrors", "sunlight reaches one viewpoint by way of two mirrors", mesh,
                       mid_wave_band(), open_sea(), {290, 290, 290});
-  c.scene.material = {matt_paint(0.9), *std::move(metal)};
+  c.scene.material = {matt_paint(0.9), std::move(metal)};
   c.scene.part = {{"body", {}, 0, false, false},
                   {"mirror", {}, 1, false, false},
                   {"level", {}, 1, false, false}};

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/base/status_macros.h"
 #include "core/geo/frames.h"
 #include "core/materials/optical/material_library.h"
 
@@ -15,9 +16,8 @@ Band long_wave_band() { return {"lwir", 8, 12, 0.2, {}}; }
 MaterialSpec matt_paint(double emissivity) { return {"paint", Lambert{{{0, emissivity}}}}; }
 
 absl::StatusOr<MaterialSpec> bare_aluminium(double roughness) {
-  auto entry = library_entry("aluminium");
-  if (!entry.ok()) return entry.status();
-  MaterialSpec spec = std::move(entry->spec);
+  ASSIGN_OR_RETURN(auto entry, library_entry("aluminium"));
+  MaterialSpec spec = std::move(entry.spec);
   if (roughness > 0) std::get<CookTorrance>(spec.model).roughness = roughness;
   return spec;
 }
@@ -25,14 +25,14 @@ absl::StatusOr<MaterialSpec> bare_aluminium(double roughness) {
 WeatherSpec open_sea() {
   return {{afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kMaritime, 23e3}},
           true,
-          {LowerSpec::Kind::kRoughSea, 288, 1, 5},
+          {SurfaceBoundary::Kind::kRoughSea, 288, 1, 5},
           nullptr};
 }
 
 WeatherSpec bare_land() {
   return {{afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kRural, 23e3}},
           true,
-          {LowerSpec::Kind::kGround, 290, 0.95, 0},
+          {SurfaceBoundary::Kind::kGround, 290, 0.95, 0},
           nullptr};
 }
 
@@ -49,7 +49,7 @@ ConditionSpec condition_over(const WeatherSpec& weather, std::vector<double> par
   // it floats on the sea.
   condition.surroundings.kind = SurroundingsKind::kSea;
   condition.surroundings.sea_temperature_k = weather.lower.temperature_k;
-  if (weather.lower.kind == LowerSpec::Kind::kRoughSea)
+  if (weather.lower.kind == SurfaceBoundary::Kind::kRoughSea)
     condition.sea_wind_m_s = weather.lower.wind_speed_m_s;
   condition.air_temperature_k = weather.air.profile.level.front().temperature_k;
   return condition;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/plume_field.h"
@@ -23,10 +24,9 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> gas_above_deck(double kelvin) 
   spec.h2o = 0.06;
   spec.soot = 1e-8;
   spec.voxel_m = 0.25;
-  auto made = generate_uniform_plume(spec);
-  if (!made.ok()) return made.status();
-  made->grids.position_m = {0, 0, -10};
-  return plume_of(made->volume, made->grids);
+  ASSIGN_OR_RETURN(auto made, generate_uniform_plume(spec));
+  made.grids.position_m = {0, 0, -10};
+  return plume_of(made.volume, made.grids);
 }
 
 }  // namespace
@@ -34,8 +34,7 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> gas_above_deck(double kelvin) 
 absl::StatusOr<std::vector<MatrixCell>> plume_cells() {
   std::vector<MatrixCell> out;
   for (const double kelvin : {700.0, 1200.0}) {
-    const auto gas = gas_above_deck(kelvin);
-    if (!gas.ok()) return gas.status();
+    ASSIGN_OR_RETURN(const auto gas, gas_above_deck(kelvin));
     for (const bool long_wave : {false, true})
       for (const bool mirror : {false, true})
         for (const double range_m : {100.0, 5e3, 50e3}) {
@@ -43,16 +42,15 @@ absl::StatusOr<std::vector<MatrixCell>> plume_cells() {
           cell.name = absl::StrCat("plume ", kelvin, " K ", long_wave ? "lwir" : "mwir",
                                    mirror ? " mirror " : " matt ", range_m / 1000, " km");
           cell.why = "hot gas above a deck that reflects it";
-          auto material = mirror ? bare_aluminium() : matt_paint(0.9);
-          if (!material.ok()) return material.status();
+          ASSIGN_OR_RETURN(auto material, mirror ? bare_aluminium() : matt_paint(0.9));
           cell.scene.mesh = shifted(block({5, 2, 3}), {0, 0, -4});
-          cell.scene.material = {*std::move(material)};
+          cell.scene.material = {std::move(material)};
           cell.scene.part = {{"target", {"*"}, 0, false, false}};
           cell.scene.band = {long_wave ? long_wave_band() : mid_wave_band()};
           cell.weather = open_sea();
           cell.condition = condition_over(cell.weather, {300.0});
           add_sun(cell.condition, 130, 35);
-          cell.condition.gas = *gas;
+          cell.condition.gas = gas;
           cell.viewpoint = grid_of({{200, 40}, {100, 5}, {75, 25}}, range_m);
           cell.max_reflections = 3;
         }

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {
@@ -85,9 +86,7 @@ absl::StatusOr<std::vector<SpectralPoint>> precompute_spectrum(const PrecomputeC
                                                                double lambda_min_um,
                                                                double lambda_max_um,
                                                                double step_um) {
-  if (absl::Status status = check(target, lambda_min_um, lambda_max_um, step_um); !status.ok()) {
-    return status;
-  }
+  RETURN_IF_ERROR(check(target, lambda_min_um, lambda_max_um, step_um));
   const double steps = std::round((lambda_max_um - lambda_min_um) / step_um);
   std::vector<SpectralPoint> out;
   for (double k = 0; k <= steps; k += 1.0) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -51,9 +52,8 @@ absl::StatusOr<CheckedErrors> check_stated_errors(const Simulator& simulator, Vi
                                                   std::vector<StatedRow> rows,
                                                   const LongerRun& longer) {
   request.thumbnail_px = 0;
-  auto planned = simulator.prepare(request);
-  if (!planned.ok()) return planned.status();
-  std::uint64_t& samples_per_replicate = planned->plan.samples_per_replicate;
+  ASSIGN_OR_RETURN(auto planned, simulator.prepare(request));
+  std::uint64_t& samples_per_replicate = planned.plan.samples_per_replicate;
   if (longer.row_samples > 0) samples_per_replicate = longer.row_samples;
   const auto own = static_cast<double>(samples_per_replicate);
   const double samples =
@@ -70,18 +70,17 @@ absl::StatusOr<CheckedErrors> check_stated_errors(const Simulator& simulator, Vi
     std::sort(selected->begin(), selected->end());
     selected->erase(std::unique(selected->begin(), selected->end()), selected->end());
   }
-  const auto reference = simulator.measure(request, *planned);
-  if (!reference.ok()) return reference.status();
+  ASSIGN_OR_RETURN(const auto reference, simulator.measure(request, planned));
   for (StatedRow& row : rows) {
     const auto same =
-        std::find_if(reference->row.begin(), reference->row.end(), [&](const SignatureResult& r) {
+        std::find_if(reference.row.begin(), reference.row.end(), [&](const SignatureResult& r) {
           return r.condition == row.condition && r.band == row.band;
         });
-    if (same == reference->row.end())
+    if (same == reference.row.end())
       return absl::InternalError("a view's longer run does not have all of its rows");
-    if (auto status = add_stated_reference(*same, row); !status.ok()) return status;
+    RETURN_IF_ERROR(add_stated_reference(*same, row));
   }
-  return CheckedErrors{std::move(rows), samples / own, reference->samples};
+  return CheckedErrors{std::move(rows), samples / own, reference.samples};
 }
 
 StatedErrorSummary summary_of(std::span<const StatedRow> rows, Stated what) {

@@ -5,12 +5,13 @@
 #include <utility>
 
 #include "core/base/sobol.h"
+#include "core/base/status_macros.h"
 #include "core/signature/prepared_view.h"
 #include "core/signature/shading.h"
 
 namespace irsig {
 
-EstimatorKnobs plain_monte_carlo(std::uint32_t max_reflections) {
+EstimatorOptions plain_monte_carlo(std::uint32_t max_reflections) {
   return {.max_reflections = max_reflections,
           .replicates = 1,
           .pseudo_random = true,
@@ -30,10 +31,10 @@ ViewEstimator::ViewEstimator(const Simulator& simulator, const ViewRequest& requ
 absl::StatusOr<std::unique_ptr<ViewEstimator>> ViewEstimator::create(
     const Simulator& simulator, const ViewRequest& request, std::vector<std::uint32_t> conditions) {
   auto out = std::unique_ptr<ViewEstimator>(new ViewEstimator(simulator, request));
-  auto environments = view_environments(request, simulator.target(), request.viewpoint.range_m,
-                                        conditions, simulator.scene().axis.node_um());
-  if (!environments.ok()) return environments.status();
-  out->environments_ = std::make_shared<const ViewEnvironments>(*std::move(environments));
+  ASSIGN_OR_RETURN(auto environments,
+                   view_environments(request, simulator.target(), request.viewpoint.range_m,
+                                     conditions, simulator.scene().axis.node_um()));
+  out->environments_ = std::make_shared<const ViewEnvironments>(std::move(environments));
   return out;
 }
 
@@ -51,18 +52,18 @@ ViewSources ViewEstimator::sources_of(std::span<const std::uint32_t> conditions,
           scene.axis.node_um()};
 }
 
-PathSettings ViewEstimator::settings(const EstimatorKnobs& knobs) const {
+PathSettings ViewEstimator::settings(const EstimatorOptions& knobs) const {
   PathSettings out;
   out.max_reflections = knobs.max_reflections;
   out.replicates = knobs.replicates;
   out.split = knobs.wide_roulette ? 2 : 1;  // as core/signature/pass.cpp has it
-  out.persistence = knobs.wide_roulette ? 2 : 1;
+  out.roulette_survival_scale = knobs.wide_roulette ? 2 : 1;
   out.hot_lights = out.sun_disk_by_chance = knobs.hot_parts;
   out.pseudo_random = knobs.pseudo_random;
   return out;
 }
 
-ViewValue ViewEstimator::estimate(const EstimatorKnobs& knobs, std::span<const ViewRow> rows,
+ViewValue ViewEstimator::estimate(const EstimatorOptions& knobs, std::span<const ViewRow> rows,
                                   std::uint64_t samples_per_replicate, std::uint64_t seed) const {
   const Target& target = knobs.hot_parts ? simulator_.target() : unmarked_;
   std::optional<AimedView> masked;

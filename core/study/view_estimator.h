@@ -13,7 +13,7 @@
 namespace irsig {
 
 // How an estimate is made. The defaults are what a sweep with a relative error gets.
-struct EstimatorKnobs {
+struct EstimatorOptions {
   std::uint32_t max_reflections = 16;
   std::uint32_t replicates = 32;
   bool pseudo_random = false;  // independent random numbers instead of scrambled Sobol points
@@ -29,7 +29,7 @@ struct EstimatorKnobs {
 // pseudo-random numbers, one path for each ray, absorbed or reflected by chance. Two things are
 // kept that the paper does not have, both to its advantage: directions are drawn from the lobe with
 // the right density, and the sun's disk is aimed at (a random direction meets it 2e-5 times).
-[[nodiscard]] EstimatorKnobs plain_monte_carlo(std::uint32_t max_reflections);
+[[nodiscard]] EstimatorOptions plain_monte_carlo(std::uint32_t max_reflections);
 
 struct ViewRow {
   std::uint32_t condition, band;  // of the request
@@ -60,7 +60,7 @@ class ViewEstimator {
 
   // All rows from the same paths, traced once. stderr: of the replicates' spread (0 where each
   // wavelength is traced by itself, which has one replicate only).
-  [[nodiscard]] ViewValue estimate(const EstimatorKnobs& knobs, std::span<const ViewRow> rows,
+  [[nodiscard]] ViewValue estimate(const EstimatorOptions& knobs, std::span<const ViewRow> rows,
                                    std::uint64_t samples_per_replicate, std::uint64_t seed) const;
 
  private:
@@ -68,7 +68,7 @@ class ViewEstimator {
   // conditions: those whose light is wanted.
   [[nodiscard]] ViewSources sources_of(std::span<const std::uint32_t> conditions,
                                        bool contrast) const;
-  [[nodiscard]] PathSettings settings(const EstimatorKnobs& knobs) const;
+  [[nodiscard]] PathSettings settings(const EstimatorOptions& knobs) const;
   void trace_together(std::span<const ViewRow> rows, const PathSettings& settings,
                       const Target& target, const AimedView& view, ViewValue& out) const;
   void trace_each_wavelength(const ViewRow& row, PathSettings settings, const Target& target,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 namespace {
 
@@ -204,9 +206,8 @@ absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(const WholeRunMethod& met
   std::vector<WorkPoint> out;
   Purse purse(budget, cpu_s);
   // What all views of a sweep share is made by the first: not counted.
-  const auto first = method.simulate(relative_errors.front(), 0);
-  if (!first.ok()) return first.status();
-  purse.pay(*first);
+  ASSIGN_OR_RETURN(const auto first, method.simulate(relative_errors.front(), 0));
+  purse.pay(first);
   std::uint64_t seed = 1;
   for (const double asked : relative_errors) {
     const double left = purse.left();
@@ -220,10 +221,9 @@ absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(const WholeRunMethod& met
     const double begin = purse.spent(), begin_s = cpu_s();
     while (mean.seeds() < budget.least_seeds ||
            (mean.seeds() < budget.most_seeds && purse.spent() - begin < left / 16)) {
-      const auto run = method.simulate(asked, seed++);
-      if (!run.ok()) return run.status();
-      purse.pay(*run);
-      mean.add(*run);
+      ASSIGN_OR_RETURN(const auto run, method.simulate(asked, seed++));
+      purse.pay(run);
+      mean.add(run);
     }
     out.push_back(mean.point(cpu_s() - begin_s));
     out.back().asked_relative_error = asked;
@@ -231,7 +231,7 @@ absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(const WholeRunMethod& met
   return out;
 }
 
-ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKnobs& knobs,
+ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorOptions& knobs,
                                ViewRow row, std::uint64_t samples_per_replicate,
                                const WorkBudget& budget, const CpuClock& cpu_s) {
   Purse purse(budget, cpu_s);

@@ -94,7 +94,7 @@ struct WholeRunMethod {
 // Mean over runs of `estimator` with seeds that no work_curve uses, of `samples_per_replicate`
 // each, until the budget is spent (at least two runs).
 [[nodiscard]] ReferenceValue reference_value(const ViewEstimator& estimator,
-                                             const EstimatorKnobs& knobs, ViewRow row,
+                                             const EstimatorOptions& knobs, ViewRow row,
                                              std::uint64_t samples_per_replicate,
                                              const WorkBudget& budget, const CpuClock& cpu_s);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -70,7 +71,7 @@ absl::Status wrong_number(const std::string& name, double value, const std::stri
 }
 
 absl::Status check_request(const HeatRequest& request) {
-  if (absl::Status status = check_layers(request.layers); !status.ok()) return status;
+  RETURN_IF_ERROR(check_layers(request.layers));
   const std::vector<double>& knot = request.knot_s;
   if (knot.size() < 2)
     return wrong_number("number of knots", static_cast<double>(knot.size()), "2 or more");
@@ -90,8 +91,8 @@ absl::Status check_request(const HeatRequest& request) {
     return wrong_number("number of inner faces", static_cast<double>(request.inner.size()),
                         absl::StrCat(inner));
   }
-  if (absl::Status s = check_faces(request.outer, "outer"); !s.ok()) return s;
-  if (absl::Status s = check_faces(request.inner, "inner"); !s.ok()) return s;
+  RETURN_IF_ERROR(check_faces(request.outer, "outer"));
+  RETURN_IF_ERROR(check_faces(request.inner, "inner"));
   if (std::ranges::all_of(request.layers, [](const Layer& layer) {
         return layer.density_kg_m3 * layer.specific_heat_j_kg_k == 0;
       })) {

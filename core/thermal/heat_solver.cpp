@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/thermal/conduction_grid.h"
 #include "core/thermal/heat_request_check.h"
 #include "core/thermal/periodic_day.h"
@@ -114,10 +115,8 @@ class LevelRun {
     at_knot(first, walk);
     for (std::size_t k = first; k < last; ++k) {
       exposure_of_(k, element, walk.exposure());
-      if (absl::Status s =
-              walk.advance(k, request_.knot_s[k + 1] - request_.knot_s[k], is_smooth(request_, k));
-          !s.ok())
-        return s;
+      RETURN_IF_ERROR(
+          walk.advance(k, request_.knot_s[k + 1] - request_.knot_s[k], is_smooth(request_, k)));
       at_knot(k + 1, walk);
     }
     for (std::size_t i = 0; i < nodes; ++i)
@@ -151,11 +150,8 @@ absl::Status repeat_day(LevelRun& run, const PeriodicStart& start,
     std::vector<std::uint32_t> part_element;
     for (const std::size_t e : open) part_element.push_back(element[e]);
     std::vector<double> closure(open.size(), 0);
-    if (absl::Status s = run.advance(part_element, 0, start.intervals, part, closure,
-                                     [](std::size_t, const WallWalk&) {});
-        !s.ok()) {
-      return s;
-    }
+    RETURN_IF_ERROR(run.advance(part_element, 0, start.intervals, part, closure,
+                                [](std::size_t, const WallWalk&) {}));
     std::vector<std::size_t> still;
     for (std::size_t k = 0; k < open.size(); ++k) {
       const std::size_t e = open[k];
@@ -187,7 +183,7 @@ class GroupSolver {
   absl::Status solve(std::vector<std::uint32_t> element) {
     Pass coarse;
     Field day_begin = stated_begin(element);
-    if (absl::Status s = pass(0, element, day_begin, coarse); !s.ok()) return s;
+    RETURN_IF_ERROR(pass(0, element, day_begin, coarse));
     note_begin(0, element, day_begin);
     if (request_.accuracy.max_level == 0) {
       note_once(element, coarse);
@@ -198,8 +194,7 @@ class GroupSolver {
         stated != nullptr && stated->uncertainty_k > 0) {
       Pass other;
       Field unused;
-      if (absl::Status s = pass(0, element, unused, other, stated->uncertainty_k); !s.ok())
-        return s;
+      RETURN_IF_ERROR(pass(0, element, unused, other, stated->uncertainty_k));
       for (std::size_t i = 0; i < start_left.size(); ++i) {
         start_left[i] = std::abs(other.output[i] - coarse.output[i]);
       }
@@ -209,7 +204,7 @@ class GroupSolver {
     for (int level = 1; level <= request_.accuracy.max_level && !element.empty(); ++level) {
       if (!day_begin.t.empty()) day_begin = refined(day_begin);
       Pass fine;
-      if (absl::Status s = pass(level, element, day_begin, fine); !s.ok()) return s;
+      RETURN_IF_ERROR(pass(level, element, day_begin, fine));
       note_begin(level, element, day_begin);
       const std::size_t n = element.size();
       std::vector<std::size_t> open;
@@ -310,10 +305,7 @@ class GroupSolver {
       if (day_begin.t.empty()) {
         day_begin = {std::vector<double>((run.grid().last() + 1) * n, periodic->guess_k), n};
       }
-      if (absl::Status s = repeat_day(run, *periodic, element, day_begin, out.day_left_k);
-          !s.ok()) {
-        return s;
-      }
+      RETURN_IF_ERROR(repeat_day(run, *periodic, element, day_begin, out.day_left_k));
       field = day_begin;
     } else {
       field.elements = n;
@@ -344,7 +336,7 @@ class GroupSolver {
 }  // namespace
 
 absl::StatusOr<HeatResult> solve_heat(const HeatRequest& request, const ExposureOf& exposure_of) {
-  if (absl::Status status = check_request(request); !status.ok()) return status;
+  RETURN_IF_ERROR(check_request(request));
   HeatResult result;
   result.boundaries = request.output_boundary.size();
   result.elements = request.outer.size();
@@ -361,7 +353,7 @@ absl::StatusOr<HeatResult> solve_heat(const HeatRequest& request, const Exposure
   for (std::size_t first = 0; first < result.elements; first += kGroup) {
     std::vector<std::uint32_t> element(std::min(kGroup, result.elements - first));
     std::iota(element.begin(), element.end(), static_cast<std::uint32_t>(first));
-    if (absl::Status status = solver.solve(std::move(element)); !status.ok()) return status;
+    RETURN_IF_ERROR(solver.solve(std::move(element)));
   }
   return result;
 }

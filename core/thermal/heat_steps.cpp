@@ -61,10 +61,10 @@ struct FaceHeat {
                      cube_root(size > 1e-30 ? size : 1e-30);
     const double forced = at.forced_w_m2_k[j], mixed = face.mixing[j] * forced;
     const double h = std::sqrt(n * n + forced * forced + 2 * mixed * n);
-    const double natural_share = n * (n + mixed) / (3 * (h > 0 ? h : 1.0));
+    const double natural_fraction = n * (n + mixed) / (3 * (h > 0 ? h : 1.0));
     const double cube = (t[j] < 0 ? -t[j] : t[j]) * t[j] * t[j];
     heat.w_m2[j] = at.gain_w_m2[j] - face.emission_w_m2_k4[j] * cube * t[j] - h * above;
-    heat.w_m2_k[j] = -4 * face.emission_w_m2_k4[j] * cube - h - natural_share;
+    heat.w_m2_k[j] = -4 * face.emission_w_m2_k4[j] * cube - h - natural_fraction;
   }
 }
 
@@ -228,18 +228,19 @@ Elimination::Elimination(const ConductionGrid& grid, double length)
   far = conduction = inverse_pivot = at_last = near;
   // From the inner face outwards. What the elimination of the nodes behind adds to a node: its
   // capacity and theirs, as far as it feels them; never a difference of large numbers.
-  double behind_near = 0, behind_far = link(last - 1);  // of node i's own temperature, of T_last
+  double background_near = 0,
+         background_far = link(last - 1);  // of node i's own temperature, of T_last
   for (std::size_t i = last - 1; i > 0; --i) {
-    const double pivot = grid.capacity_j_m2_k[i] + behind_near + behind_far + link(i - 1);
+    const double pivot = grid.capacity_j_m2_k[i] + background_near + background_far + link(i - 1);
     near[i] = link(i - 1) / pivot;
-    far[i] = behind_far / pivot;
+    far[i] = background_far / pivot;
     inverse_pivot[i] = 1 / pivot;
     conduction[i] = i + 1 < last ? link(i) / pivot : 0;
-    behind_near = link(i - 1) * (grid.capacity_j_m2_k[i] + behind_near) / pivot;
-    behind_far = link(i - 1) * far[i];
+    background_near = link(i - 1) * (grid.capacity_j_m2_k[i] + background_near) / pivot;
+    background_far = link(i - 1) * far[i];
   }
-  outer = grid.capacity_j_m2_k[0] + behind_near;
-  across = behind_far;
+  outer = grid.capacity_j_m2_k[0] + background_near;
+  across = background_far;
   for (std::size_t i = 1; i < last; ++i) at_last[i] = near[i] * at_last[i - 1] + far[i];
   inner = grid.capacity_j_m2_k[last];
   for (std::size_t i = 1; i < last; ++i) inner += at_last[i] * grid.capacity_j_m2_k[i];

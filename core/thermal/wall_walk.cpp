@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/thermal/heat_request_check.h"
 
 namespace irsig {
@@ -170,7 +171,7 @@ WallWalk::WallWalk(std::span<const Layer> layers, InnerSide inner_side, double s
 }
 
 absl::Status WallWalk::advance(std::size_t interval, double length_s, bool smooth) {
-  if (absl::Status s = table_.check(interval, name_); !s.ok()) return s;
+  RETURN_IF_ERROR(table_.check(interval, name_));
   if (length_s != interval_s_ || smooth != interval_smooth_) {
     interval_ = heat_interval(grid_, length_s, smooth, level_);
     interval_s_ = length_s;

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/sun_sine.h"
 
@@ -36,13 +37,11 @@ absl::Status check_record(const WeatherRecord& r, std::size_t i) {
                                            {r.wind_m_s, kWindLimit, " m/s"},
                                            {r.wind_from_deg, kWindFromLimit, " deg"},
                                            {r.cloud_cover, kCloudLimit, ""}})
-    if (absl::Status status = check_number(i, value, limit, unit); !status.ok()) return status;
+    RETURN_IF_ERROR(check_number(i, value, limit, unit));
   for (const auto& [value, limit] : {std::pair{r.direct_normal_w_m2, kDirectLimit},
                                      {r.diffuse_horizontal_w_m2, kDiffuseLimit},
                                      {r.sky_w_m2, kSkyLimit}})
-    if (absl::Status status = value ? check_number(i, *value, limit, " W/m2") : absl::OkStatus();
-        !status.ok())
-      return status;
+    RETURN_IF_ERROR(value ? check_number(i, *value, limit, " W/m2") : absl::OkStatus());
   if (r.dew_point_k > r.air_k)
     return wrong(i, absl::StrCat("the dew point, ", r.dew_point_k, " K, is above the air's ",
                                  r.air_k, " K"));
@@ -127,7 +126,7 @@ absl::Status check_course(const WeatherCourse& course) {
     return absl::InvalidArgumentError(absl::StrCat(
         "radiation is the mean over ", course.radiation_interval_s, " s, expected 0 to 10800 s"));
   for (std::size_t i = 0; i < records.size(); ++i) {
-    if (absl::Status status = check_record(records[i], i); !status.ok()) return status;
+    RETURN_IF_ERROR(check_record(records[i], i));
     if (records[i].direct_normal_w_m2.has_value() != records[0].direct_normal_w_m2.has_value() ||
         records[i].sky_w_m2.has_value() != records[0].sky_w_m2.has_value())
       return wrong(i, "states other kinds of radiation than the first one");
@@ -169,7 +168,7 @@ WeatherRecord weather_at(const WeatherCourse& course, double unix_s) {
 absl::StatusOr<CourseRadiation> CourseRadiation::make(WeatherCourse course,
                                                       const WeatherPlace& place,
                                                       const SkyAerosol& sky) {
-  if (absl::Status status = check_course(course); !status.ok()) return status;
+  RETURN_IF_ERROR(check_course(course));
   for (const double t :
        {course.record.front().unix_s - course.radiation_interval_s, course.record.back().unix_s})
     if (const auto sun =
@@ -304,7 +303,7 @@ absl::StatusOr<WeatherCourse> day_course(const StatedDay& day, double midnight_u
     r.wind_from_deg = day.wind_from_deg;
     r.cloud_cover = day.cloud_cover;
   }
-  if (absl::Status status = check_course(course); !status.ok()) return status;
+  RETURN_IF_ERROR(check_course(course));
   return course;
 }
 

@@ -237,15 +237,15 @@ HotLights::Point HotLights::choose(std::uint32_t light, Float3 x, float u_cluste
                                    float u, float v) const {
   Point out;
   const Light& of = light_[light];
-  float share_of[kMostClusters + 2];
+  float fraction_of[kMostClusters + 2];
   float sum = 0;
   for (std::uint32_t c = of.first; c < of.last; ++c)
-    sum += share_of[c - of.first] = share(cluster_[c], x);
+    sum += fraction_of[c - of.first] = share(cluster_[c], x);
   if (sum <= 0) return out;  // every cluster faces away
   float rest = u_cluster * sum;
   std::uint32_t chosen = of.first;
-  while (chosen + 1 < of.last && rest >= share_of[chosen - of.first])
-    rest -= share_of[chosen++ - of.first];
+  while (chosen + 1 < of.last && rest >= fraction_of[chosen - of.first])
+    rest -= fraction_of[chosen++ - of.first];
   const Cluster& cluster = cluster_[chosen];
   const auto begin = area_up_to_.begin() + cluster.first, end = area_up_to_.begin() + cluster.last;
   const auto t = std::min(
@@ -270,7 +270,7 @@ HotLights::Point HotLights::choose(std::uint32_t light, Float3 x, float u_cluste
   out.at = p + static_cast<float>(target_->offset_m()) * n;
   out.direction = inverse * d;
   out.density_per_sr =
-      share_of[chosen - of.first] / (sum * cluster.area_m2) * distance2 / out.cos_l;
+      fraction_of[chosen - of.first] / (sum * cluster.area_m2) * distance2 / out.cos_l;
   return out;
 }
 

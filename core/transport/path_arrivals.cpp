@@ -14,7 +14,7 @@ namespace irsig {
 // What is the same for all arrivals of a batch.
 struct PathTracer::Arrivals {
   std::uint32_t order;
-  float offset_m, persistence;
+  float offset_m, roulette_survival_scale;
   float surface_z_m;  // of sea or ground, with the offset; infinite: there is none
   bool horizon;       // whether the Earth may hide what these rays met
   float horizon_z;    // rays that fall more steeply end below the horizon
@@ -23,7 +23,7 @@ struct PathTracer::Arrivals {
   Arrivals(const PathTracer& tracer, std::uint32_t of_order)
       : order(of_order),
         offset_m(static_cast<float>(tracer.target_.offset_m())),
-        persistence(static_cast<float>(tracer.settings_.persistence)),
+        roulette_survival_scale(static_cast<float>(tracer.settings_.roulette_survival_scale)),
         surface_z_m(tracer.plane_ ? static_cast<float>(tracer.plane_->z_m) + offset_m
                                   : std::numeric_limits<float>::infinity()),
         horizon(order == 0 && tracer.plane_ && tracer.plane_->earth_radius_m > 0 &&
@@ -107,7 +107,7 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
     ++work.counts->guarded_backface_hits;
     if (all.order == 0 && !(all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length))) {
       ++work.counts->silhouette_backface_hits;
-      work.behind_area[ray.state.replicate] += static_cast<double>(ray.state.weight);
+      work.background_area[ray.state.replicate] += static_cast<double>(ray.state.weight);
     }
     return Met::kNothing;
   }
@@ -224,8 +224,9 @@ IRSIG_STAGE void PathTracer::list_vertex(const Arrivals& all, Work& work, const 
   vertex.roughness2[v] = materials_[hit.material].roulette_slope2();
   // Reflections cost more rays than primary hits and scatter more: the first vertex may send out
   // several.
-  vertex.survival[v] = (order == 0 ? static_cast<float>(settings_.split) : 1.0f) *
-                       std::min(1.0f, all.persistence * s.throughput * s.spectral_max * dhr_max);
+  vertex.survival[v] =
+      (order == 0 ? static_cast<float>(settings_.split) : 1.0f) *
+      std::min(1.0f, all.roulette_survival_scale * s.throughput * s.spectral_max * dhr_max);
   vertex.path[v] = ray.index;
   vertex.material[v] = hit.material;
 }
@@ -275,7 +276,7 @@ void PathTracer::meet_sea(Work& work, const PathState& path, Float3 from, Float3
     s.weight *= glint.per_sr;
     const std::uint32_t ray = work.glint_shadow.push(place, work.sun[j].direction, s);
     work.glint_sun[ray] = j;
-    work.glint_at[ray] = glint_share(glint.cos_incidence);
+    work.glint_at[ray] = glint_fraction(glint.cos_incidence);
     if (spectral_)
       std::copy_n(spectrum, nodes_,
                   work.glint_shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_);
@@ -309,7 +310,7 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
 
 // The silhouette, by what stands behind it.
 void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction) const {
-  BehindNodes::Share share[2];
+  BackgroundDirections::Share share[2];
   const int count = sources_.behind->shares(direction.z, share);
   for_each_first(work, path, [&](std::uint32_t first, float part) {
     for (int k = 0; k < count; ++k) {

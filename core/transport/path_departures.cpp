@@ -302,8 +302,8 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
 
 // The state of a path as light has it that comes along a ray aimed at it.
 //   end  of the ray, in units of its direction
-PathState PathTracer::behind_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
-                                        double end) const {
+PathState PathTracer::background_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
+                                            double end) const {
   PathState s = batch.state[i];
   if (gas_around_ == nullptr || s.first >= parts_) return s;
   const RayPacket& packet = batch.packet_of(i);
@@ -319,7 +319,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
     RayBatch& batch = work.shadow[j];
     if (batch.size == 0) continue;
     batch.prepare_packets(false);
-    if (!settings_.no_second_hit) {
+    if (!settings_.skip_self_intersection) {
       batch.for_each_packet(
           [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
       work.counts->rays += batch.size;
@@ -328,7 +328,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
     for (std::uint32_t i = 0; i < batch.size; ++i) {
       if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
       const PathState s =
-          behind_gas_around(work, batch, i, std::numeric_limits<double>::infinity());
+          background_gas_around(work, batch, i, std::numeric_limits<double>::infinity());
       add<kSpectral>(
           work, s, order + 1, layout_.sun(j), s.weight,
           batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
@@ -343,7 +343,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
   work.counts->hot_rays += batch.size;
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
-    const PathState s = behind_gas_around(work, batch, i, 1);
+    const PathState s = background_gas_around(work, batch, i, 1);
     add<kSpectral>(work, s, order + 1, work.hot_source[i], s.weight,
                    batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
   }

@@ -124,14 +124,14 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     for (SourceWeights& w : work.weight) w.clear();
     for (SourceWeights& w : work.last) w.clear();
     work.area.assign(settings_.replicates, 0.0);
-    work.behind_area.assign(settings_.replicates, 0.0);
+    work.background_area.assign(settings_.replicates, 0.0);
     work.beyond.assign(settings_.replicates * orders, 0.0);
-    if (const GasOnRays* gas = gas_ != nullptr ? gas_ : gas_around_) {
+    if (const RayMedium* gas = gas_ != nullptr ? gas_ : gas_around_) {
       work.gas_measure.resize(gas->measures());
       work.gas.assign(settings_.replicates * out.front().gas_m2.size(), 0.0);
       work.gas_nodes.assign(settings_.replicates * out.front().gas_nodes_m2.size(), 0.0);
       work.gas_seen.assign(settings_.replicates * out.front().gas_seen_m2.size(), 0.0);
-      work.gas_share.resize(static_cast<std::size_t>(work.capacity) * gas->classes());
+      work.gas_fraction.resize(static_cast<std::size_t>(work.capacity) * gas->classes());
     }
     if (spectral_)
       trace_stratum<true>(work, s);
@@ -147,7 +147,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
         out[r].weight.add(normalise, work.weight[r]);
       if (keep_last) out[r].last.add(normalise, work.last[r]);
       out[r].projected_area_m2 += normalise * work.area[r];
-      out[r].behind_area_m2 += normalise * work.behind_area[r];
+      out[r].background_area_m2 += normalise * work.background_area[r];
       for (std::size_t k = 0; k < orders; ++k)
         out[r].beyond_order_m2[k] += normalise * work.beyond[r * orders + k];
       const auto add_gas = [&](const std::vector<double>& from, std::vector<double>& to) {
@@ -308,7 +308,7 @@ void PathTracer::cross_gas(Work& work) const {
                        : static_cast<double>(packet.tfar[lane]) / inverse_length;
     if (plane_ && direction.z > 0)
       end_m = std::min(end_m, std::max(0.0, (plane_->z_m - from.z) / direction.z));
-    const std::span<float> share{work.gas_share.data() + kept * classes, classes};
+    const std::span<float> share{work.gas_fraction.data() + kept * classes, classes};
     const auto at_m = gas_->cross(from, direction, end_m, work.gas_measure, share);
     if (!at_m) continue;
     const auto along = static_cast<float>(*at_m * inverse_length);
@@ -341,11 +341,11 @@ bool PathTracer::meets_gas_around(Work& work, Float3 from, Float3 direction, dou
   if (plane_ && d.z > 0)
     end_m = std::min(end_m, std::max(0.0, (plane_->z_m - z) * per_unit_m / d.z));
   const std::size_t classes = gas_around_->classes();
-  const std::size_t entry = work.gas_shares++;
-  work.gas_share.resize(std::max(work.gas_share.size(), work.gas_shares * classes));
+  const std::size_t entry = work.gas_fractions++;
+  work.gas_fraction.resize(std::max(work.gas_fraction.size(), work.gas_fractions * classes));
   if (!gas_around_->cross({from.x, from.y, z}, normalized(d), end_m, work.gas_measure,
-                          {work.gas_share.data() + entry * classes, classes})) {
-    --work.gas_shares;
+                          {work.gas_fraction.data() + entry * classes, classes})) {
+    --work.gas_fractions;
     return false;
   }
   path.first = parts_ + static_cast<std::uint32_t>(entry);
@@ -392,12 +392,12 @@ void PathTracer::cross_gas_around(Work& work) const {
 // Follows the primary rays of work.batch to their ends and leaves it empty.
 template <bool kSpectral>
 void PathTracer::trace_batch(Work& work) const {
-  work.gas_shares = 0;
+  work.gas_fractions = 0;
   work.counts->samples += work.batch.size;
   for (std::uint32_t order = 0; order <= settings_.max_reflections && work.batch.size > 0;
        ++order) {
     work.batch.prepare_packets(true);
-    if (order == 0 || !settings_.no_second_hit) {
+    if (order == 0 || !settings_.skip_self_intersection) {
       work.batch.for_each_packet([&](RayPacket& packet, int count) {
         target_.tracer->intersect(packet, count, order == 0);
       });

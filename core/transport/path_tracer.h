@@ -56,9 +56,10 @@ struct PathSettings {
   std::uint64_t samples = 0;  // primary samples of the main stratum, each replicate
   std::uint32_t replicates = 32;
   std::uint32_t split = 1;  // rays that go on from a first vertex of DHR 1 (a power of two)
-  // A path goes on with probability min(1, persistence x throughput x DHR): above 1, paths whose
-  // throughput is small are followed for longer (less scatter from roulette, more rays).
-  double persistence = 1;
+  // A path goes on with probability min(1, roulette_survival_scale x throughput x DHR): above 1,
+  // paths whose throughput is small are followed for longer (less scatter from roulette, more
+  // rays).
+  double roulette_survival_scale = 1;
   bool by_order = false;  // weights are kept apart by the number of reflections
   // PathWeights::last is kept also where there are fewer than two reflections, of which no series
   // can be made.
@@ -74,7 +75,7 @@ struct PathSettings {
   // Of the view's strata this one alone.
   std::optional<std::uint32_t> only_stratum = std::nullopt;
   // No ray that leaves the target meets it again (Target::convex): none is traced.
-  bool no_second_hit = false;
+  bool skip_self_intersection = false;
 };
 
 // The weights of one replicate: intensity = sum over first parts and sources of weight x the
@@ -87,7 +88,7 @@ struct PathWeights {
   SourceWeights last;
   double projected_area_m2 = 0;
   // Beside it: of one-sided facets that primary rays met from behind, which send nothing.
-  double behind_area_m2 = 0;
+  double background_area_m2 = 0;
   // Throughput that goes on after N - 2 s, N - s and N reflections (N = max_reflections, s =
   // beyond_spacing(N); 0 where there is no such number). The last is lost. Spectral: of each path
   // the largest spectral factor times the largest DHR, not less than the throughput at any node.
@@ -183,8 +184,8 @@ class PathTracer {
   void cross_gas_around(Work& work) const;
   [[nodiscard]] bool meets_gas_around(Work& work, Float3 from, Float3 direction, double end,
                                       PathState& path) const;
-  [[nodiscard]] PathState behind_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
-                                            double end) const;
+  [[nodiscard]] PathState background_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
+                                                double end) const;
   // Where the rays of work.batch end: its stages, in their order.
   template <bool kSpectral>
   void arrive(Work& work, std::uint32_t order) const;
@@ -232,7 +233,7 @@ class PathTracer {
   std::span<const Material> materials_;
   SourceGeometry sources_;
   std::optional<Plane> plane_;                              // of sea or ground
-  const GasOnRays *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
+  const RayMedium *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
   PathSettings settings_;
   std::uint32_t parts_;
   SourceLayout layout_;

@@ -106,15 +106,15 @@ struct PathTracer::Work {
   std::vector<SourceWeights> weight;        // [replicate][order], of the current stratum
   std::vector<SourceWeights> last;          // [replicate]: those of the last order alone
   std::vector<double> area;                 // [replicate]
-  std::vector<double> behind_area;          // [replicate]
+  std::vector<double> background_area;      // [replicate]
   std::vector<double> beyond;               // [replicate][order]: PathWeights::beyond_order_m2
   std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
   std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names
   std::vector<double> gas_measure;          // [measure]
   // What gas takes of the light behind it: [primary ray of the batch][class]; of gas around the
   // target [ray that has met some][class].
-  std::vector<float> gas_share;
-  std::size_t gas_shares = 0;  // of gas around the target: so many are kept
+  std::vector<float> gas_fraction;
+  std::size_t gas_fractions = 0;  // of gas around the target: so many are kept
   float area_per_sample = 0;   // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
@@ -152,7 +152,7 @@ inline void PathTracer::for_each_first(const Work& work, const PathState& path,
   const std::uint32_t classes = (gas_ != nullptr ? gas_ : gas_around_)->classes();
   const std::uint32_t ray = gas_ != nullptr ? path.first >> 1 : path.first - parts_,
                       beyond = gas_ != nullptr ? (path.first & 1) * classes : 0;
-  const float* share = work.gas_share.data() + static_cast<std::size_t>(ray) * classes;
+  const float* share = work.gas_fraction.data() + static_cast<std::size_t>(ray) * classes;
   for (std::uint32_t k = 0; k < classes; ++k)
     if (share[k] != 0) visit(beyond + k, share[k]);
 }

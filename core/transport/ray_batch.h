@@ -20,8 +20,8 @@ struct PathState {
   std::uint32_t sample;  // index in the sampler
   std::uint32_t pixel;
   std::uint32_t first;  // the part that was met first; behind hot gas: 2 x its primary ray's place
-                        // in Work::gas_share, + 1 beyond the target; that came through hot gas to
-                        // the target: parts + its place there
+                        // in Work::gas_fraction, + 1 beyond the target; that came through hot gas
+                        // to the target: parts + its place there
   float weight;  // Jacobian x throughput / survival probabilities (spectral: without the spectral
                  // factor)
   float throughput;    // weight without the Jacobian: what the roulette is played with ...

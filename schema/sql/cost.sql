@@ -14,7 +14,7 @@ FROM prediction WHERE sweep_sha256 = ?1;
 -- The done views of a sweep, with the lease under which each was done.
 -- name: done_jobs
 SELECT j.job_index, v.viewpoint_index, p.seconds, p.samples, p.replicates, p.target_paths, p.rays,
-       p.guarded_backface_hits, p.guarded_nonfinite, p.guarded_path_limit, p.guarded_negative, p.worker_name,
+       p.guarded_backface_hits, p.guarded_nonfinite, p.truncated_paths, p.guarded_negative, p.worker_name,
        coalesce((SELECT max(a.leased_unix_s) FROM attempt a WHERE a.job_id = j.job_id AND a.outcome = 1), 0.0),
        p.determinism_class
 FROM job j
@@ -47,11 +47,11 @@ GROUP BY j.job_id;
 
 -- Of how many of its views part was seen from behind, and the largest part.
 -- name: back_faces_of_sweep
-SELECT count(DISTINCT s.viewpoint_id), coalesce(max(s.backface_share), 0.0)
+SELECT count(DISTINCT s.viewpoint_id), coalesce(max(s.backface_fraction), 0.0)
 FROM sweep w
 JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
 JOIN signature s ON s.job_id = j.job_id
-WHERE w.name = ?1 AND s.backface_share > 0;
+WHERE w.name = ?1 AND s.backface_fraction > 0;
 
 -- name: database_bytes
 SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size();

@@ -58,8 +58,8 @@ SELECT s.signature_id,
        s.apparent_intensity_stderr_w_sr, s.apparent_numerical_error_w_sr, s.projected_area_m2,
        s.projected_area_stderr_m2, s.apparent_temperature_k, s.emitted_w_sr, s.emitted_stderr_w_sr,
        s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr, s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr,
-       s.sea_reflected_w_sr, s.sea_reflected_stderr_w_sr, s.parts_reflected_w_sr, s.parts_reflected_stderr_w_sr,
-       s.unseen_bound_w_sr, s.basis_bound_w_sr, s.sky_bound_w_sr, s.contrast_intensity_w_sr,
+       s.surface_reflected_w_sr, s.surface_reflected_stderr_w_sr, s.interreflected_w_sr, s.interreflected_stderr_w_sr,
+       s.undersampling_bound_w_sr, s.spectral_basis_bound_w_sr, s.direction_interpolation_bound_w_sr, s.contrast_intensity_w_sr,
        s.contrast_intensity_stderr_w_sr, s.contrast_numerical_error_w_sr, s.background_radiance_w_m2_sr,
        s.background_radiance_stderr_w_m2_sr, s.model_error_w_sr, s.apparent_model_error_w_sr, s.path_transmittance,
        s.path_radiance_w_m2_sr, s.omitted_bound_w_sr, s.apparent_omitted_bound_w_sr, s.contrast_omitted_bound_w_sr,
@@ -78,7 +78,7 @@ ORDER BY v.viewpoint_index, c.condition_index, b.band_index;
 -- name: digest_spectrum
 SELECT spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,
        sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um, sky_reflected_stderr_w_sr_um,
-       sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
+       surface_reflected_w_sr_um, surface_reflected_stderr_w_sr_um, interreflected_w_sr_um, interreflected_stderr_w_sr_um,
        apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
        contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um,
        background_radiance_w_m2_sr_um, background_radiance_stderr_w_m2_sr_um, path_transmittance,
@@ -92,12 +92,12 @@ WHERE i.signature_id = ?1 ORDER BY p.part_index, p.name;
 
 -- All but time_s.
 -- name: digest_ledger
-SELECT e.name, l.state, r.name, l.bound_w_sr, l.apparent_bound_w_sr, l.contrast_bound_w_sr, l.share_w_sr
+SELECT e.name, l.state, r.name, l.bound_w_sr, l.apparent_bound_w_sr, l.contrast_bound_w_sr, l.fraction_w_sr
 FROM ledger l JOIN effect e USING (effect) JOIN effect_reason r USING (reason)
 WHERE l.signature_id = ?1 ORDER BY l.effect;
 
 -- name: digest_energy
-SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower, escaped_to_lower_stderr,
+SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_surface, escaped_to_surface_stderr,
        cut_off, cut_off_stderr, balance, balance_stderr
 FROM energy WHERE signature_id = ?1;
 
@@ -118,7 +118,7 @@ FROM signature s JOIN spectrum p USING (signature_id) WHERE s.signature_id = ?1;
 SELECT plume_area_m2 IS NOT NULL FROM signature WHERE signature_id = ?1;
 
 -- name: digest_plume_details
-SELECT plume_on_hull_w_sr, plume_on_hull_stderr_w_sr, apparent_plume_on_hull_w_sr, apparent_plume_on_hull_stderr_w_sr,
+SELECT plume_reflected_w_sr, plume_reflected_stderr_w_sr, apparent_plume_reflected_w_sr, apparent_plume_reflected_stderr_w_sr,
        plume_area_m2, plume_area_stderr_m2, plume_voxel_error_w_sr
 FROM signature WHERE signature_id = ?1;
 

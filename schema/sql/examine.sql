@@ -18,10 +18,10 @@ SELECT sha256, bytes FROM asset;
 -- Causes of an intensity add up to it: they were summed in another order.
 -- name: count_sums_of_causes
 SELECT count(*) FROM signature
-WHERE abs(emitted_w_sr + sun_reflected_w_sr + sky_reflected_w_sr + sea_reflected_w_sr + parts_reflected_w_sr + ifnull(plume_w_sr, 0)
+WHERE abs(emitted_w_sr + sun_reflected_w_sr + sky_reflected_w_sr + surface_reflected_w_sr + interreflected_w_sr + ifnull(plume_w_sr, 0)
           - intensity_w_sr)
-      > 1e-9 * (abs(emitted_w_sr) + abs(sun_reflected_w_sr) + abs(sky_reflected_w_sr) + abs(sea_reflected_w_sr)
-                + abs(parts_reflected_w_sr) + abs(ifnull(plume_w_sr, 0)) + abs(intensity_w_sr));
+      > 1e-9 * (abs(emitted_w_sr) + abs(sun_reflected_w_sr) + abs(sky_reflected_w_sr) + abs(surface_reflected_w_sr)
+                + abs(interreflected_w_sr) + abs(ifnull(plume_w_sr, 0)) + abs(intensity_w_sr));
 
 -- name: count_viewpoints_without_direction
 SELECT count(DISTINCT viewpoint_id) FROM signature

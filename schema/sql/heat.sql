@@ -78,10 +78,10 @@ WHERE t.job_id = ?2;
 -- name: copy_provenance
 INSERT OR REPLACE INTO provenance (
   job_id, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
-  rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error,
+  rays, seconds, guarded_backface_hits, guarded_nonfinite, truncated_paths, worst_relative_error,
   guarded_negative, content_sha256)
 SELECT ?1, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
-       0, 0.0, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error, guarded_negative,
+       0, 0.0, guarded_backface_hits, guarded_nonfinite, truncated_paths, worst_relative_error, guarded_negative,
        content_sha256
 FROM provenance WHERE job_id = ?2;
 

@@ -44,7 +44,7 @@ WHERE viewpoint_id = ?2
 -- name: insert_provenance
 INSERT OR REPLACE INTO provenance (
   job_id, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
-  rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error,
+  rays, seconds, guarded_backface_hits, guarded_nonfinite, truncated_paths, worst_relative_error,
   guarded_negative, content_sha256)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17);
 
@@ -65,7 +65,7 @@ VALUES (?1, ?2, ?3, ?4);
 INSERT INTO spectrum (
   signature_id, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,
   sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um, sky_reflected_stderr_w_sr_um,
-  sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
+  surface_reflected_w_sr_um, surface_reflected_stderr_w_sr_um, interreflected_w_sr_um, interreflected_stderr_w_sr_um,
   apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
   contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um, background_radiance_w_m2_sr_um,
   background_radiance_stderr_w_m2_sr_um, path_transmittance, path_radiance_w_m2_sr_um,
@@ -91,7 +91,7 @@ SELECT name, reason FROM effect_reason;
 
 -- name: insert_ledger_entry
 INSERT INTO ledger (
-  signature_id, effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, share_w_sr, time_s)
+  signature_id, effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, fraction_w_sr, time_s)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
 
 -- name: insert_input_contribution
@@ -103,8 +103,8 @@ VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12);
 
 -- name: insert_energy
 INSERT INTO energy (
-  signature_id, absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower,
-  escaped_to_lower_stderr, cut_off, cut_off_stderr, balance, balance_stderr)
+  signature_id, absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_surface,
+  escaped_to_surface_stderr, cut_off, cut_off_stderr, balance, balance_stderr)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11);
 
 -- name: insert_thumbnail

@@ -108,8 +108,8 @@ ORDER BY w.name;
 -- name: spectrum_of_signature
 SELECT b.lambda_um, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um,
        emitted_stderr_w_sr_um, sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um,
-       sky_reflected_stderr_w_sr_um, sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um,
-       parts_reflected_stderr_w_sr_um, apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
+       sky_reflected_stderr_w_sr_um, surface_reflected_w_sr_um, surface_reflected_stderr_w_sr_um, interreflected_w_sr_um,
+       interreflected_stderr_w_sr_um, apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
        contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um,
        background_radiance_w_m2_sr_um, background_radiance_stderr_w_m2_sr_um, spectrum.path_transmittance,
        path_radiance_w_m2_sr_um, plume_w_sr_um, plume_stderr_w_sr_um, apparent_plume_w_sr_um,
@@ -132,7 +132,7 @@ WHERE i.signature_id = ?1
 ORDER BY p.part_index;
 
 -- name: ledger_of_signature
-SELECT e.name, s.name, r.name, l.bound_w_sr, l.apparent_bound_w_sr, l.contrast_bound_w_sr, l.share_w_sr, l.time_s
+SELECT e.name, s.name, r.name, l.bound_w_sr, l.apparent_bound_w_sr, l.contrast_bound_w_sr, l.fraction_w_sr, l.time_s
 FROM ledger l JOIN effect e USING (effect) JOIN effect_state s USING (state) JOIN effect_reason r USING (reason)
 WHERE l.signature_id = ?1
 ORDER BY l.effect;
@@ -144,7 +144,7 @@ SELECT input, contribution_w_sr, contribution_stderr_w_sr, apparent_contribution
 FROM input_contribution WHERE signature_id = ?1 ORDER BY input_index;
 
 -- name: energy_of_signature
-SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower, escaped_to_lower_stderr,
+SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_surface, escaped_to_surface_stderr,
        cut_off, cut_off_stderr, balance, balance_stderr
 FROM energy WHERE signature_id = ?1;
 

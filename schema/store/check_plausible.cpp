@@ -41,14 +41,14 @@ constexpr auto kRanges = std::to_array<RangeOfName>({
     {"_stderr_w_m2_sr_um", {0, 1e15}},
     {"path_transmittance", {0, 1 + 1e-6}},
     // Sums of many equal weights, some of them of float32.
-    {"backface_share", {0, 1 + 1e-6}},
+    {"backface_fraction", {0, 1 + 1e-6}},
     {"target_fraction", {0, 1 + 1e-6}},
     {"sun_azimuth_deg", {-360, 360}},
     {"sun_zenith_deg", {0, 180}},
     // Shares of light, with the scatter of their estimate.
     {"absorbed", {0, 10}},
     {"escaped_to_sky", {0, 10}},
-    {"escaped_to_lower", {0, 10}},
+    {"escaped_to_surface", {0, 10}},
     {"cut_off", {0, 10}},
     {"balance", {0, 10}},
     {"_w_sr", {-1e27, 1e27}},
@@ -151,7 +151,7 @@ absl::Status check_sums(const schema::SignatureRow& row, const std::string& path
   };
   for (const schema::Estimate* cause :
        {&row.emitted_w_sr(), &row.sun_reflected_w_sr(), &row.sky_reflected_w_sr(),
-        &row.sea_reflected_w_sr(), &row.parts_reflected_w_sr(), &row.plume_w_sr()})
+        &row.surface_reflected_w_sr(), &row.interreflected_w_sr(), &row.plume_w_sr()})
     add(cause->value());
   const std::string intensity = path + ".intensity_w_sr";
   IRSIG_STORE_TRY(
@@ -165,7 +165,7 @@ absl::Status check_sums(const schema::SignatureRow& row, const std::string& path
   const schema::EnergyLedger& energy = row.energy();
   sum = magnitude = 0;
   for (const schema::Estimate* share : {&energy.absorbed(), &energy.escaped_to_sky(),
-                                        &energy.escaped_to_lower(), &energy.cut_off()})
+                                        &energy.escaped_to_surface(), &energy.cut_off()})
     add(share->value());
   return check_sum(sum, magnitude, energy.balance().value(), kRounding, path + ".energy.balance",
                    "shares");
@@ -188,10 +188,10 @@ const std::array kSpectrumLists = {
     IRSIG_LIST(sun_reflected_stderr_w_sr_um),
     IRSIG_LIST(sky_reflected_w_sr_um),
     IRSIG_LIST(sky_reflected_stderr_w_sr_um),
-    IRSIG_LIST(sea_reflected_w_sr_um),
-    IRSIG_LIST(sea_reflected_stderr_w_sr_um),
-    IRSIG_LIST(parts_reflected_w_sr_um),
-    IRSIG_LIST(parts_reflected_stderr_w_sr_um),
+    IRSIG_LIST(surface_reflected_w_sr_um),
+    IRSIG_LIST(surface_reflected_stderr_w_sr_um),
+    IRSIG_LIST(interreflected_w_sr_um),
+    IRSIG_LIST(interreflected_stderr_w_sr_um),
     IRSIG_LIST(apparent_spectral_intensity_w_sr_um),
     IRSIG_LIST(apparent_spectral_intensity_stderr_w_sr_um),
     IRSIG_LIST(contrast_spectral_intensity_w_sr_um),
@@ -214,8 +214,8 @@ absl::Status check_plausible_spectrum(const schema::Spectrum& spectrum, const st
   for (const SpectrumList& list : kSpectrumLists)
     IRSIG_STORE_TRY(check_list((spectrum.*list.values)(), list.range, list.name, path));
   std::vector causes = {&spectrum.emitted_w_sr_um(), &spectrum.sun_reflected_w_sr_um(),
-                        &spectrum.sky_reflected_w_sr_um(), &spectrum.sea_reflected_w_sr_um(),
-                        &spectrum.parts_reflected_w_sr_um()};
+                        &spectrum.sky_reflected_w_sr_um(), &spectrum.surface_reflected_w_sr_um(),
+                        &spectrum.interreflected_w_sr_um()};
   if (!spectrum.plume_w_sr_um().empty()) causes.push_back(&spectrum.plume_w_sr_um());
   const auto& whole = spectrum.spectral_intensity_w_sr_um();
   for (const auto* cause : causes)

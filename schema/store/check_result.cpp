@@ -156,7 +156,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
       return wrong(absl::StrCat(path, ".", field->name()), "is missing");
     }
   }
-  if (row.stop_reason() < schema::STOP_REASON_TARGET_REACHED ||
+  if (row.stop_reason() < schema::STOP_REASON_ACCURACY_REACHED ||
       row.stop_reason() > schema::STOP_REASON_FLOOR_REACHED) {
     return wrong(path + ".stop_reason", "is not stated");
   }

@@ -9,6 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -52,16 +53,14 @@ std::string without_layout(const std::string& sql) {
 
 absl::StatusOr<Definitions> definitions_of(Database& database) {
   Definitions out;
-  absl::StatusOr<Rows> row =
-      database.query("SELECT type, name, coalesce(sql, '') FROM sqlite_schema");
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row,
+                   database.query("SELECT type, name, coalesce(sql, '') FROM sqlite_schema"));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return out;
-    const std::string type = row->text(), name = row->text();
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return out;
+    const std::string type = row.text(), name = row.text();
     if (absl::StartsWith(name, "sqlite_stat")) continue;
-    out[absl::StrCat(type, " ", name)] = without_layout(row->text());
+    out[absl::StrCat(type, " ", name)] = without_layout(row.text());
   }
 }
 
@@ -71,17 +70,15 @@ struct BuiltIn {
 };
 
 absl::StatusOr<BuiltIn> make_built_in() {
-  absl::StatusOr<std::unique_ptr<Database>> memory =
-      Database::open(":memory:", Database::Mode::kReadWriteCreate);
-  if (!memory.ok()) return memory.status();
-  IRSIG_STORE_TRY((*memory)->script("PRAGMA foreign_keys = OFF"));
+  ASSIGN_OR_RETURN(std::unique_ptr<Database> memory,
+                   Database::open(":memory:", Database::Mode::kReadWriteCreate));
+  IRSIG_STORE_TRY(memory->script("PRAGMA foreign_keys = OFF"));
   BuiltIn out;
   for (const sql::Migration& migration : sql::kMigrations) {
-    IRSIG_STORE_TRY((*memory)->script(migration.script));
-    absl::StatusOr<Definitions> now = definitions_of(**memory);
-    if (!now.ok()) return now.status();
-    for (const auto& [name, sql] : *now) out.ever.insert(name);
-    out.newest = *std::move(now);
+    IRSIG_STORE_TRY(memory->script(migration.script));
+    ASSIGN_OR_RETURN(Definitions now, definitions_of(*memory));
+    for (const auto& [name, sql] : now) out.ever.insert(name);
+    out.newest = std::move(now);
   }
   return out;
 }
@@ -102,9 +99,8 @@ absl::Status foreign(const std::string& path, const std::string& what) {
 absl::Status check_schema(const std::string& path, Database& database) {
   const absl::StatusOr<BuiltIn>& expected = built_in();
   if (!expected.ok()) return expected.status();
-  const absl::StatusOr<Definitions> there = definitions_of(database);
-  if (!there.ok()) return there.status();
-  for (const auto& [name, sql] : *there) {
+  ASSIGN_OR_RETURN(const Definitions there, definitions_of(database));
+  for (const auto& [name, sql] : there) {
     const auto known = expected->newest.find(name);
     if (known == expected->newest.end())
       return foreign(path, absl::StrCat("has the ", name, ", which is none of the format's"));
@@ -112,16 +108,15 @@ absl::Status check_schema(const std::string& path, Database& database) {
       return foreign(path, absl::StrCat("its ", name, " is not defined as the format has it"));
   }
   for (const auto& [name, sql] : expected->newest)
-    if (!there->contains(name)) return foreign(path, absl::StrCat("lacks the ", name));
+    if (!there.contains(name)) return foreign(path, absl::StrCat("lacks the ", name));
   return absl::OkStatus();
 }
 
 absl::Status check_old_schema(const std::string& path, Database& database) {
   const absl::StatusOr<BuiltIn>& expected = built_in();
   if (!expected.ok()) return expected.status();
-  const absl::StatusOr<Definitions> there = definitions_of(database);
-  if (!there.ok()) return there.status();
-  for (const auto& [name, sql] : *there)
+  ASSIGN_OR_RETURN(const Definitions there, definitions_of(database));
+  for (const auto& [name, sql] : there)
     if (!expected->ever.contains(name))
       return foreign(path, absl::StrCat("has the ", name, ", which no version of the format had"));
   return absl::OkStatus();

@@ -1,5 +1,6 @@
 #include "schema/store/cost.h"
 
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -13,89 +14,79 @@ absl::Status store_prediction(Database& database, const StoredPrediction& p) {
 
 absl::StatusOr<std::optional<StoredPrediction>> find_prediction(Database& database,
                                                                 const std::string& sweep_sha256) {
-  absl::StatusOr<Rows> row = database.query(sql::prediction_of_sweep, sweep_sha256);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return std::nullopt;
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::prediction_of_sweep, sweep_sha256));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return std::nullopt;
   StoredPrediction p;
-  p.sweep_sha256 = row->text();
-  p.made_unix_s = row->real();
-  p.determinism_class = row->text();
-  p.workers = row->count();
-  p.pilot_viewpoints = row->count();
-  p.pilot_cpu_s = row->real();
-  p.jobs = row->count();
+  p.sweep_sha256 = row.text();
+  p.made_unix_s = row.real();
+  p.determinism_class = row.text();
+  p.workers = row.count();
+  p.pilot_viewpoints = row.count();
+  p.pilot_cpu_s = row.real();
+  p.jobs = row.count();
   for (double* number :
        {&p.cpu_s, &p.wall_s, &p.job_cpu_quartile1_s, &p.job_cpu_median_s, &p.job_cpu_quartile3_s})
-    *number = row->real();
-  p.database_bytes = row->count();
+    *number = row.real();
+  p.database_bytes = row.count();
   return p;
 }
 
 absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
                                                           const std::string& sweep) {
   std::vector<StoredJobCost> out;
-  absl::StatusOr<Rows> row = database.query(sql::done_jobs, sweep);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::done_jobs, sweep));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return out;
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return out;
     StoredJobCost& job = out.emplace_back();
-    job.job_index = row->count();
-    job.viewpoint_index = row->count();
-    job.cpu_s = row->real();
+    job.job_index = row.count();
+    job.viewpoint_index = row.count();
+    job.cpu_s = row.real();
     for (std::uint64_t* number :
          {&job.samples, &job.replicates, &job.target_paths, &job.rays, &job.guarded_backface_hits,
-          &job.guarded_nonfinite, &job.guarded_path_limit})
-      *number = row->count();
-    const bool counted = !row->is_null();
-    const std::uint64_t negative = row->count();
+          &job.guarded_nonfinite, &job.truncated_paths})
+      *number = row.count();
+    const bool counted = !row.is_null();
+    const std::uint64_t negative = row.count();
     if (counted) job.guarded_negative = negative;
-    job.worker_name = row->text();
-    job.leased_unix_s = row->real();
-    job.determinism_class = row->text();
+    job.worker_name = row.text();
+    job.leased_unix_s = row.real();
+    job.determinism_class = row.text();
   }
 }
 
 absl::StatusOr<std::map<std::string, std::uint64_t>> find_rows_of_jobs(Database& database,
                                                                        const std::string& sweep) {
-  absl::StatusOr<Rows> row = database.query(sql::rows_of_jobs, sweep);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::rows_of_jobs, sweep));
   std::map<std::string, std::uint64_t> out;
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return out;
-    const std::string key = row->text();
-    out[key] = row->count();
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return out;
+    const std::string key = row.text();
+    out[key] = row.count();
   }
 }
 
 absl::StatusOr<StoredOutcome> find_outcome(Database& database, const std::string& sweep) {
   StoredOutcome out;
-  absl::StatusOr<Rows> row = database.query(sql::stops_of_sweep, sweep);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::stops_of_sweep, sweep));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) break;
-    std::string reason = row->text();
-    out.stop.emplace_back(std::move(reason), row->count());
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) break;
+    std::string reason = row.text();
+    out.stop.emplace_back(std::move(reason), row.count());
   }
-  absl::StatusOr<Rows> faces = database.query(sql::back_faces_of_sweep, sweep);
-  if (!faces.ok()) return faces.status();
-  if (const auto found = faces->next(); !found.ok()) return found.status();
-  out.backface_views = faces->count();
-  out.largest_backface_share = faces->real();
+  ASSIGN_OR_RETURN(Rows faces, database.query(sql::back_faces_of_sweep, sweep));
+  if (const auto found = faces.next(); !found.ok()) return found.status();
+  out.backface_views = faces.count();
+  out.largest_backface_fraction = faces.real();
   return out;
 }
 
 absl::StatusOr<std::uint64_t> database_bytes(Database& database) {
-  const absl::StatusOr<std::int64_t> bytes = database.integer(sql::database_bytes);
-  if (!bytes.ok()) return bytes.status();
-  return static_cast<std::uint64_t>(*bytes);
+  ASSIGN_OR_RETURN(const std::int64_t bytes, database.integer(sql::database_bytes));
+  return static_cast<std::uint64_t>(bytes);
 }
 
 }  // namespace irsig

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/status_macros.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -80,11 +81,10 @@ class Database {
   // std::nullopt for NULL). `sql` must be a literal: its address is the key of the statement cache.
   template <typename... Values>
   absl::StatusOr<Rows> query(const char* sql, const Values&... values) {
-    absl::StatusOr<sqlite3_stmt*> statement = prepared(sql);
-    if (!statement.ok()) return statement.status();
+    ASSIGN_OR_RETURN(sqlite3_stmt * statement, prepared(sql));
     int parameter = 0;
-    const bool bound = (bind(*statement, ++parameter, values) && ...);
-    Rows rows(*statement);
+    const bool bound = (bind(statement, ++parameter, values) && ...);
+    Rows rows(statement);
     if (!bound) return error(sql);
     return rows;
   }
@@ -92,20 +92,17 @@ class Database {
   // The same for a statement that returns no rows.
   template <typename... Values>
   absl::Status run(const char* sql, const Values&... values) {
-    absl::StatusOr<Rows> rows = query(sql, values...);
-    if (!rows.ok()) return rows.status();
-    return rows->next().status();
+    ASSIGN_OR_RETURN(Rows rows, query(sql, values...));
+    return rows.next().status();
   }
 
   // The first column of the first row as an integer; NOT_FOUND without a row.
   template <typename... Values>
   absl::StatusOr<std::int64_t> integer(const char* sql, const Values&... values) {
-    absl::StatusOr<Rows> rows = query(sql, values...);
-    if (!rows.ok()) return rows.status();
-    absl::StatusOr<bool> found = rows->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::NotFoundError("no such row");
-    return rows->integer();
+    ASSIGN_OR_RETURN(Rows rows, query(sql, values...));
+    ASSIGN_OR_RETURN(bool found, rows.next());
+    if (!found) return absl::NotFoundError("no such row");
+    return rows.integer();
   }
 
   // Overwrites a piece of a value that is there and long enough.

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/status_macros.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
 
@@ -60,32 +61,30 @@ template <typename... Values>
 absl::StatusOr<std::vector<std::int64_t>> encode(Database& database, Encoder& out, First first,
                                                  const char* statement, const Values&... values) {
   std::vector<std::int64_t> keys;
-  absl::StatusOr<Rows> row = database.query(statement, values...);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(statement, values...));
   out.mark('s');
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return keys;
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return keys;
     out.mark('|');
-    if (first == First::kKey) keys.push_back(row->integer());
-    while (!row->at_end()) encode_value(*row, out);
+    if (first == First::kKey) keys.push_back(row.integer());
+    while (!row.at_end()) encode_value(row, out);
   }
 }
 
 absl::Status encode_definitions(Database& database, Encoder& out, std::int64_t sweep_id) {
   IRSIG_STORE_TRY(
       encode(database, out, First::kContent, sql::digest_viewpoints, sweep_id).status());
-  const auto conditions = encode(database, out, First::kKey, sql::digest_conditions, sweep_id);
-  if (!conditions.ok()) return conditions.status();
-  for (const std::int64_t condition_id : *conditions) {
+  ASSIGN_OR_RETURN(const auto conditions,
+                   encode(database, out, First::kKey, sql::digest_conditions, sweep_id));
+  for (const std::int64_t condition_id : conditions) {
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_part_temperatures, condition_id)
             .status());
   }
-  const auto bands = encode(database, out, First::kKey, sql::digest_bands, sweep_id);
-  if (!bands.ok()) return bands.status();
-  for (const std::int64_t band_id : *bands) {
+  ASSIGN_OR_RETURN(const auto bands,
+                   encode(database, out, First::kKey, sql::digest_bands, sweep_id));
+  for (const std::int64_t band_id : bands) {
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_band_response, band_id).status());
   }
@@ -94,12 +93,11 @@ absl::Status encode_definitions(Database& database, Encoder& out, std::int64_t s
 }
 
 absl::Status encode_temperatures(Database& database, Encoder& out, std::int64_t sweep_id) {
-  const absl::StatusOr<std::int64_t> any = database.integer(sql::has_heat_output, sweep_id);
-  if (!any.ok()) return any.status();
-  if (*any == 0) return absl::OkStatus();
-  const auto jobs = encode(database, out, First::kKey, sql::digest_heat_jobs, sweep_id);
-  if (!jobs.ok()) return jobs.status();
-  for (const std::int64_t job_id : *jobs) {
+  ASSIGN_OR_RETURN(const std::int64_t any, database.integer(sql::has_heat_output, sweep_id));
+  if (any == 0) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto jobs,
+                   encode(database, out, First::kKey, sql::digest_heat_jobs, sweep_id));
+  for (const std::int64_t job_id : jobs) {
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_computed_temperatures, job_id).status());
   }
@@ -107,9 +105,9 @@ absl::Status encode_temperatures(Database& database, Encoder& out, std::int64_t 
 }
 
 absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sweep_id) {
-  const auto signatures = encode(database, out, First::kKey, sql::digest_signatures, sweep_id);
-  if (!signatures.ok()) return signatures.status();
-  for (const std::int64_t signature_id : *signatures) {
+  ASSIGN_OR_RETURN(const auto signatures,
+                   encode(database, out, First::kKey, sql::digest_signatures, sweep_id));
+  for (const std::int64_t signature_id : signatures) {
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_spectrum, signature_id).status());
     IRSIG_STORE_TRY(
@@ -119,21 +117,18 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
         encode(database, out, First::kContent, sql::digest_ledger, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_energy, signature_id).status());
-    const absl::StatusOr<std::int64_t> plume = database.integer(sql::has_plume, signature_id);
-    if (!plume.ok()) return plume.status();
-    if (*plume != 0)
+    ASSIGN_OR_RETURN(const std::int64_t plume, database.integer(sql::has_plume, signature_id));
+    if (plume != 0)
       IRSIG_STORE_TRY(
           encode(database, out, First::kContent, sql::digest_plume, signature_id).status());
-    const absl::StatusOr<std::int64_t> details =
-        database.integer(sql::has_plume_details, signature_id);
-    if (!details.ok()) return details.status();
-    if (*details != 0)
+    ASSIGN_OR_RETURN(const std::int64_t details,
+                     database.integer(sql::has_plume_details, signature_id));
+    if (details != 0)
       IRSIG_STORE_TRY(
           encode(database, out, First::kContent, sql::digest_plume_details, signature_id).status());
-    const absl::StatusOr<std::int64_t> inputs =
-        database.integer(sql::has_input_contributions, signature_id);
-    if (!inputs.ok()) return inputs.status();
-    if (*inputs != 0)
+    ASSIGN_OR_RETURN(const std::int64_t inputs,
+                     database.integer(sql::has_input_contributions, signature_id));
+    if (inputs != 0)
       IRSIG_STORE_TRY(
           encode(database, out, First::kContent, sql::digest_input_contributions, signature_id)
               .status());
@@ -150,9 +145,8 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
 absl::StatusOr<std::string> content_digest(Database& database) {
   Encoder out;
   out.bytes('t', "irsig digest 4");
-  const auto sweeps = encode(database, out, First::kKey, sql::digest_sweeps);
-  if (!sweeps.ok()) return sweeps.status();
-  for (const std::int64_t sweep_id : *sweeps) {
+  ASSIGN_OR_RETURN(const auto sweeps, encode(database, out, First::kKey, sql::digest_sweeps));
+  for (const std::int64_t sweep_id : sweeps) {
     IRSIG_STORE_TRY(encode_definitions(database, out, sweep_id));
     IRSIG_STORE_TRY(encode_temperatures(database, out, sweep_id));
     IRSIG_STORE_TRY(encode_signatures(database, out, sweep_id));

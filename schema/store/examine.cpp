@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/quantities.h"
 #include "core/accuracy/spectral_modes.h"
+#include "core/base/status_macros.h"
 #include "google/protobuf/reflection.h"
 #include "schema/shard.h"
 #include "schema/store/check_picture.h"
@@ -94,13 +95,11 @@ class ListPlaces {
 // Calls read(row) for each row of a statement without parameters.
 template <typename Read>
 absl::Status for_each(Database& database, const char* sql, const Read& read) {
-  absl::StatusOr<Rows> row = database.query(sql);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::OkStatus();
-    read(*row);
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::OkStatus();
+    read(row);
   }
 }
 
@@ -155,11 +154,11 @@ class Examination {
   }
 
   absl::Status directions() {
-    const auto undirected = database_.integer(sql::count_viewpoints_without_direction);
-    if (!undirected.ok()) return undirected.status();
-    if (*undirected > 0)
+    ASSIGN_OR_RETURN(const auto undirected,
+                     database_.integer(sql::count_viewpoints_without_direction));
+    if (undirected > 0)
       found(StoreFinding::Kind::kDamaged,
-            absl::StrCat("table viewpoint_direction: ", *undirected,
+            absl::StrCat("table viewpoint_direction: ", undirected,
                          " viewpoints with signatures have no direction: no nearest finds them"));
     return absl::OkStatus();
   }
@@ -181,19 +180,16 @@ class Examination {
 
   absl::Status numbers() {
     for (std::size_t q = 0; q < kQuantities.size(); ++q) {
-      const auto count = database_.integer(kCountInfinite[q]);
-      if (!count.ok()) return count.status();
-      if (*count > 0)
+      ASSIGN_OR_RETURN(const auto count, database_.integer(kCountInfinite[q]));
+      if (count > 0)
         found(StoreFinding::Kind::kDamaged,
-              absl::StrCat(std::string(kQuantities[q].name), ": ", *count,
+              absl::StrCat(std::string(kQuantities[q].name), ": ", count,
                            " signatures have no finite number"));
     }
-    const auto sums = database_.integer(sql::count_sums_of_causes);
-    if (!sums.ok()) return sums.status();
-    if (*sums > 0)
-      found(
-          StoreFinding::Kind::kDamaged,
-          absl::StrCat("intensity_w_sr: ", *sums, " signatures whose causes do not add up to it"));
+    ASSIGN_OR_RETURN(const auto sums, database_.integer(sql::count_sums_of_causes));
+    if (sums > 0)
+      found(StoreFinding::Kind::kDamaged,
+            absl::StrCat("intensity_w_sr: ", sums, " signatures whose causes do not add up to it"));
     return absl::OkStatus();
   }
 
@@ -221,9 +217,8 @@ class Examination {
       } else if (!modes_fit(*spectrum)) {
         modes.add(s.name);
       }
-      const auto thumbnail = reader_->thumbnail(s.id);
-      if (!thumbnail.ok()) return thumbnail.status();
-      if (*thumbnail && !check_thumbnail(**thumbnail, s.name).ok()) images.add(s.name);
+      ASSIGN_OR_RETURN(const auto thumbnail, reader_->thumbnail(s.id));
+      if (thumbnail && !check_thumbnail(*thumbnail, s.name).ok()) images.add(s.name);
     }
     return absl::OkStatus();
   }
@@ -305,12 +300,10 @@ std::vector<StoreFinding> look_at(Database& database, StoreReader* reader, int p
 // By itself, whatever its header says of a journal.
 absl::StatusOr<std::vector<StoreFinding>> examine_as_it_is(const std::string& path,
                                                            int physics_version) {
-  const auto opened = open_as_it_is(path);
-  if (!opened.ok()) return opened.status();
-  if (opened->is_older) return look_at(*opened->database, nullptr, physics_version);
-  const auto reader = StoreReader::open_as_it_is(path);
-  if (!reader.ok()) return reader.status();
-  return look_at(*opened->database, reader->get(), physics_version);
+  ASSIGN_OR_RETURN(const auto opened, open_as_it_is(path));
+  if (opened.is_older) return look_at(*opened.database, nullptr, physics_version);
+  ASSIGN_OR_RETURN(const auto reader, StoreReader::open_as_it_is(path));
+  return look_at(*opened.database, reader.get(), physics_version);
 }
 
 bool is_damaged(const std::vector<StoreFinding>& findings) {
@@ -321,11 +314,9 @@ bool is_damaged(const std::vector<StoreFinding>& findings) {
 }  // namespace
 
 absl::StatusOr<std::vector<StoreFinding>> examine(const std::string& path, int physics_version) {
-  const auto database = open_for_reading(path);
-  if (!database.ok()) return database.status();
-  const auto reader = StoreReader::open(path);
-  if (!reader.ok()) return reader.status();
-  return look_at(**database, reader->get(), physics_version);
+  ASSIGN_OR_RETURN(const auto database, open_for_reading(path));
+  ASSIGN_OR_RETURN(const auto reader, StoreReader::open(path));
+  return look_at(*database, reader.get(), physics_version);
 }
 
 absl::StatusOr<AcceptedFile> accept_file(const std::string& path, int physics_version) {
@@ -333,34 +324,29 @@ absl::StatusOr<AcceptedFile> accept_file(const std::string& path, int physics_ve
   const std::string real = real_path(path);
   if (const absl::StatusOr<FileHeader> header = read_file_header(real);
       !header.ok() || !header->write_ahead_log) {
-    auto findings = examine(path, physics_version);
-    if (!findings.ok()) return findings.status();
-    out.findings = *std::move(findings);
+    ASSIGN_OR_RETURN(auto findings, examine(path, physics_version));
+    out.findings = std::move(findings);
     out.damaged = is_damaged(out.findings);
     return out;
   }
   WritableDatabase opened;
   opened.path = real;
-  auto lock = WriterLock::acquire(real, path);
-  if (!lock.ok()) return lock.status();
-  opened.lock = *std::move(lock);
+  ASSIGN_OR_RETURN(auto lock, WriterLock::acquire(real, path));
+  opened.lock = std::move(lock);
   IRSIG_STORE_TRY(check_has_one_name(path, real));
-  auto findings =
-      has_journal(real) ? examine(path, physics_version) : examine_as_it_is(path, physics_version);
-  if (!findings.ok()) return findings.status();
-  out.findings = *std::move(findings);
+  ASSIGN_OR_RETURN(auto findings, has_journal(real) ? examine(path, physics_version)
+                                                    : examine_as_it_is(path, physics_version));
+  out.findings = std::move(findings);
   out.damaged = is_damaged(out.findings);
   if (out.damaged) return out;
-  auto database = Database::open(real, Database::Mode::kReadWriteCreate);
-  if (!database.ok()) return database.status();
-  opened.database = *std::move(database);
+  ASSIGN_OR_RETURN(auto database, Database::open(real, Database::Mode::kReadWriteCreate));
+  opened.database = std::move(database);
   IRSIG_STORE_TRY(end_write_ahead(opened));
   out.made_plain = true;
   for (const auto& [count, sql] :
        {std::pair{&out.sweeps, sql::count_sweeps}, {&out.rows, sql::count_signatures}}) {
-    const absl::StatusOr<std::int64_t> there = opened.database->integer(sql);
-    if (!there.ok()) return there.status();
-    *count = static_cast<std::uint64_t>(*there);
+    ASSIGN_OR_RETURN(const std::int64_t there, opened.database->integer(sql));
+    *count = static_cast<std::uint64_t>(there);
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #include "schema/store/find_contents.h"
 
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -10,9 +11,8 @@ template <typename Take>
 absl::Status each(absl::StatusOr<Rows> rows, const Take& take) {
   if (!rows.ok()) return rows.status();
   for (;;) {
-    const absl::StatusOr<bool> found = rows->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const bool found, rows->next());
+    if (!found) return absl::OkStatus();
     take(*rows);
   }
 }

@@ -1,5 +1,6 @@
 #include "schema/store/find_ledger.h"
 
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -7,32 +8,29 @@ namespace irsig {
 absl::StatusOr<StoredLedger> find_ledger(Database& database, std::int64_t signature_id) {
   StoredLedger ledger;
   {
-    absl::StatusOr<Rows> row = database.query(sql::ledger_of_signature, signature_id);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::ledger_of_signature, signature_id));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
       StoredEffect& e = ledger.effect.emplace_back();
-      for (std::string* text : {&e.effect, &e.state, &e.reason}) *text = row->text();
+      for (std::string* text : {&e.effect, &e.state, &e.reason}) *text = row.text();
       for (double* number : {&e.bound_w_sr, &e.apparent_bound_w_sr, &e.contrast_bound_w_sr,
-                             &e.share_w_sr, &e.time_s}) {
-        const bool known = !row->is_null();
-        *number = row->real();
+                             &e.fraction_w_sr, &e.time_s}) {
+        const bool known = !row.is_null();
+        *number = row.real();
         if (!known) *number = kNotComputed;
       }
     }
   }
-  absl::StatusOr<Rows> row = database.query(sql::energy_of_signature, signature_id);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return ledger;
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::energy_of_signature, signature_id));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return ledger;
   StoredEnergy& e = ledger.energy.emplace();
-  for (double* number : {&e.absorbed, &e.absorbed_stderr, &e.escaped_to_sky,
-                         &e.escaped_to_sky_stderr, &e.escaped_to_lower, &e.escaped_to_lower_stderr,
-                         &e.cut_off, &e.cut_off_stderr, &e.balance, &e.balance_stderr}) {
-    *number = row->real();
+  for (double* number :
+       {&e.absorbed, &e.absorbed_stderr, &e.escaped_to_sky, &e.escaped_to_sky_stderr,
+        &e.escaped_to_surface, &e.escaped_to_surface_stderr, &e.cut_off, &e.cut_off_stderr,
+        &e.balance, &e.balance_stderr}) {
+    *number = row.real();
   }
   return ledger;
 }

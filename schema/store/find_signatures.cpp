@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 #include "schema/store/sweep_table.h"
 
@@ -51,7 +52,7 @@ class SignatureReader {
     s.seconds = at().real();
     s.guarded_backface_hits = at().count();
     s.guarded_nonfinite = at().count();
-    s.guarded_path_limit = at().count();
+    s.truncated_paths = at().count();
     s.guarded_negative = count_if_known();
     s.job_key = at().text();
     s.superseded = at().integer() != 0;
@@ -93,7 +94,7 @@ class SignatureReader {
                                                                    "seconds",
                                                                    "guarded_backface_hits",
                                                                    "guarded_nonfinite",
-                                                                   "guarded_path_limit",
+                                                                   "truncated_paths",
                                                                    "guarded_negative",
                                                                    "job_key",
                                                                    "superseded",
@@ -140,9 +141,8 @@ using Ids = std::vector<std::int64_t>;
 absl::Status append_ids(absl::StatusOr<Rows> rows, Ids& out) {
   if (!rows.ok()) return rows.status();
   for (;;) {
-    const absl::StatusOr<bool> found = rows->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::OkStatus();
+    ASSIGN_OR_RETURN(const bool found, rows->next());
+    if (!found) return absl::OkStatus();
     out.push_back(rows->integer());
   }
 }
@@ -180,23 +180,21 @@ absl::StatusOr<std::vector<Candidate>> viewpoints_within(Database& database,
                                                          double radius_deg) {
   // The chord, widened by what the tree's float32 boxes and the vectors' rounding may hide.
   const double reach = 2 * std::sin(std::min(radius_deg, 180.0) / 2 / kDegPerRad) + 1e-6;
-  absl::StatusOr<Rows> rows =
-      database.query(sql::viewpoints_in_box, center.x - reach, center.x + reach, center.y - reach,
-                     center.y + reach, center.z - reach, center.z + reach, sweep);
-  if (!rows.ok()) return rows.status();
+  ASSIGN_OR_RETURN(Rows rows, database.query(sql::viewpoints_in_box, center.x - reach,
+                                             center.x + reach, center.y - reach, center.y + reach,
+                                             center.z - reach, center.z + reach, sweep));
   std::vector<Candidate> found;
   for (;;) {
-    const absl::StatusOr<bool> next = rows->next();
-    if (!next.ok()) return next.status();
-    if (!*next) break;
+    ASSIGN_OR_RETURN(const bool next, rows.next());
+    if (!next) break;
     Candidate candidate{};
-    candidate.viewpoint_id = rows->integer();
-    candidate.viewpoint_index = rows->integer();
-    candidate.sweep = rows->text();
+    candidate.viewpoint_id = rows.integer();
+    candidate.viewpoint_index = rows.integer();
+    candidate.sweep = rows.text();
     UnitVector unit{};
-    unit.x = rows->real();
-    unit.y = rows->real();
-    unit.z = rows->real();
+    unit.x = rows.real();
+    unit.y = rows.real();
+    unit.z = rows.real();
     candidate.angle_deg = angle_between_deg(center, unit);
     if (candidate.angle_deg <= radius_deg + kEdge_deg) found.push_back(std::move(candidate));
   }
@@ -209,11 +207,10 @@ absl::StatusOr<std::vector<Candidate>> viewpoints_within(Database& database,
 
 absl::StatusOr<Ids> find_within(Database& database, const SignatureFilter& filter,
                                 const UnitVector& center, double radius_deg) {
-  const absl::StatusOr<std::vector<Candidate>> candidates =
-      viewpoints_within(database, filter.sweep, center, radius_deg);
-  if (!candidates.ok()) return candidates.status();
+  ASSIGN_OR_RETURN(const std::vector<Candidate> candidates,
+                   viewpoints_within(database, filter.sweep, center, radius_deg));
   Ids out;
-  for (const Candidate& candidate : *candidates) {
+  for (const Candidate& candidate : candidates) {
     IRSIG_STORE_TRY(append_viewpoint(database, filter, candidate.viewpoint_id, out));
   }
   return out;
@@ -224,20 +221,18 @@ absl::StatusOr<Ids> find_within(Database& database, const SignatureFilter& filte
 // cap that suffices is certain.
 absl::StatusOr<Ids> find_nearest(Database& database, const SignatureFilter& filter,
                                  const UnitVector& center) {
-  const absl::StatusOr<std::int64_t> viewpoints = database.integer(sql::viewpoints_at_most);
-  if (!viewpoints.ok()) return viewpoints.status();
+  ASSIGN_OR_RETURN(const std::int64_t viewpoints, database.integer(sql::viewpoints_at_most));
   // Radius of a cap that holds four times as many as wanted if they lie evenly on the sphere: its
   // share of the sphere is sin^2(radius / 2).
-  const double share = 4.0 * filter.nearest / std::max(1.0, static_cast<double>(*viewpoints));
+  const double share = 4.0 * filter.nearest / std::max(1.0, static_cast<double>(viewpoints));
   double radius_deg = 2 * std::asin(std::sqrt(std::min(1.0, share))) * kDegPerRad;
   Ids out;
   std::uint32_t hits = 0;
   double searched_deg = -1;  // candidates up to here were looked at in an earlier, smaller cap
   for (;;) {
-    const absl::StatusOr<std::vector<Candidate>> candidates =
-        viewpoints_within(database, filter.sweep, center, radius_deg);
-    if (!candidates.ok()) return candidates.status();
-    for (const Candidate& candidate : *candidates) {
+    ASSIGN_OR_RETURN(const std::vector<Candidate> candidates,
+                     viewpoints_within(database, filter.sweep, center, radius_deg));
+    for (const Candidate& candidate : candidates) {
       if (candidate.angle_deg <= searched_deg) continue;
       const std::size_t before = out.size();
       IRSIG_STORE_TRY(append_viewpoint(database, filter, candidate.viewpoint_id, out));
@@ -299,14 +294,11 @@ absl::StatusOr<std::vector<StoredSignature>> read_signatures(Database& database,
   out.reserve(ids.size());
   SignatureReader reader;
   for (const std::int64_t id : ids) {
-    absl::StatusOr<Rows> row = database.query(sql::signature_by_id, id);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::NotFoundError(absl::StrCat("no signature ", id));
-    absl::StatusOr<StoredSignature> signature = reader.read(*row);
-    if (!signature.ok()) return signature.status();
-    out.push_back(*std::move(signature));
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::signature_by_id, id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::NotFoundError(absl::StrCat("no signature ", id));
+    ASSIGN_OR_RETURN(StoredSignature signature, reader.read(row));
+    out.push_back(std::move(signature));
   }
   return out;
 }

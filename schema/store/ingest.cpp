@@ -11,6 +11,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "core/accuracy/quantities.h"
+#include "core/base/status_macros.h"
 #include "schema/store/check_result.h"
 #include "schema/store/ingest_heat.h"
 #include "schema/store/ingest_inputs.h"
@@ -28,7 +29,7 @@ absl::Status insert_provenance(Database& database, std::int64_t job_id,
                       result.determinism_class(), result.build_id(), worker_name, result.samples(),
                       result.replicates(), result.target_paths(), result.rays(), result.seconds(),
                       result.guarded_backface_hits(), result.guarded_nonfinite(),
-                      result.guarded_path_limit(), worst_relative_error(result),
+                      result.truncated_paths(), worst_relative_error(result),
                       result.guarded_negative(), content);
 }
 
@@ -39,23 +40,21 @@ absl::StatusOr<std::int64_t> band_for(Database& database, std::int64_t sweep_id,
   const std::string lambda_um = wavelength_blob(row.spectrum());
   std::int64_t band_id = 0;
   {
-    absl::StatusOr<Rows> band = database.query(sql::current_band, sweep_id, row.band_index());
-    if (!band.ok()) return band.status();
-    const absl::StatusOr<bool> found = band->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::InternalError(absl::StrCat("no band ", row.band_index()));
-    band_id = band->integer();
+    ASSIGN_OR_RETURN(Rows band, database.query(sql::current_band, sweep_id, row.band_index()));
+    ASSIGN_OR_RETURN(const bool found, band.next());
+    if (!found) return absl::InternalError(absl::StrCat("no band ", row.band_index()));
+    band_id = band.integer();
     // The ends of a grid made of multiples of a step are only as exact as the sum.
     const double slack_um = 1e-9 * row.spectrum().lambda_um(0);
-    const double lambda_min_um = band->real() - slack_um;
-    const double lambda_max_um = band->real() + slack_um;
+    const double lambda_min_um = band.real() - slack_um;
+    const double lambda_max_um = band.real() + slack_um;
     const auto& lambda = row.spectrum().lambda_um();
     if (lambda[0] < lambda_min_um || lambda[lambda.size() - 1] > lambda_max_um) {
       return absl::InvalidArgumentError(absl::StrCat(
           "result: a spectrum of band ", row.band_index(), " reaches outside the band"));
     }
-    if (!band->is_null()) {
-      if (band->blob() == lambda_um) return band_id;
+    if (!band.is_null()) {
+      if (band.blob() == lambda_um) return band_id;
       return absl::InvalidArgumentError(absl::StrCat("result: the wavelengths of band ",
                                                      row.band_index(),
                                                      " differ from those stored with it"));
@@ -84,12 +83,10 @@ std::optional<double> if_stated(bool stated, double value) {
 
 absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJob& job,
                                               const schema::SignatureRow& row) {
-  const absl::StatusOr<std::int64_t> condition_id =
-      database.integer(sql::current_condition, job.sweep_id, row.condition_index());
-  if (!condition_id.ok()) return condition_id.status();
-  const absl::StatusOr<std::int64_t> band_id = band_for(database, job.sweep_id, row);
-  if (!band_id.ok()) return band_id.status();
-    // The catalogue's quantities, in its order: the message has a field of each name.
+  ASSIGN_OR_RETURN(const std::int64_t condition_id,
+                   database.integer(sql::current_condition, job.sweep_id, row.condition_index()));
+  ASSIGN_OR_RETURN(const std::int64_t band_id, band_for(database, job.sweep_id, row));
+  // The catalogue's quantities, in its order: the message has a field of each name.
 #define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
   , row.name().value(), row.name().stderr()
 #define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
@@ -99,7 +96,7 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
 #define IRSIG_STATED_ARGUMENT(name, kind, unit, since, what) \
   , if_stated(row.has_##name(), row.name())
   IRSIG_STORE_TRY(database.run(
-      insert_signature_statement(), job.job_id, job.view.viewpoint_id, *condition_id, *band_id,
+      insert_signature_statement(), job.job_id, job.view.viewpoint_id, condition_id, band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),
       row.energy_gain(),
       row.reflections() IRSIG_COMPUTED_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)
@@ -148,23 +145,21 @@ absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
 absl::Status insert_row(Database& database, const LeasedJob& job,
                         const std::vector<std::int64_t>& parts, const LedgerNames& names,
                         const schema::SignatureRow& row) {
-  const absl::StatusOr<std::int64_t> signature_id = insert_signature(database, job, row);
-  if (!signature_id.ok()) return signature_id.status();
-  IRSIG_STORE_TRY(insert_spectrum(database, *signature_id, row.spectrum()));
-  IRSIG_STORE_TRY(insert_modes(database, *signature_id, row.spectrum()));
+  ASSIGN_OR_RETURN(const std::int64_t signature_id, insert_signature(database, job, row));
+  IRSIG_STORE_TRY(insert_spectrum(database, signature_id, row.spectrum()));
+  IRSIG_STORE_TRY(insert_modes(database, signature_id, row.spectrum()));
   for (const schema::PartIntensity& part : row.part()) {
-    IRSIG_STORE_TRY(database.run(sql::insert_part_intensity, *signature_id,
-                                 parts[part.part_index()], part.intensity_w_sr().value(),
-                                 part.intensity_w_sr().stderr()));
+    IRSIG_STORE_TRY(database.run(sql::insert_part_intensity, signature_id, parts[part.part_index()],
+                                 part.intensity_w_sr().value(), part.intensity_w_sr().stderr()));
   }
-  IRSIG_STORE_TRY(insert_ledger(database, names, *signature_id, row));
-  IRSIG_STORE_TRY(insert_inputs(database, *signature_id, row));
+  IRSIG_STORE_TRY(insert_ledger(database, names, signature_id, row));
+  IRSIG_STORE_TRY(insert_inputs(database, signature_id, row));
   for (const schema::ProfileRow& p : row.profile()) {
-    IRSIG_STORE_TRY(insert_profile_row(database, *signature_id, p));
+    IRSIG_STORE_TRY(insert_profile_row(database, signature_id, p));
   }
   if (!row.has_thumbnail()) return absl::OkStatus();
   const schema::Thumbnail& thumbnail = row.thumbnail();
-  return database.run(sql::insert_thumbnail, *signature_id, thumbnail.width_px(),
+  return database.run(sql::insert_thumbnail, signature_id, thumbnail.width_px(),
                       thumbnail.height_px(), thumbnail.pixel_rad(), Blob{thumbnail.png()},
                       Blob{thumbnail.exr()});
 }
@@ -172,23 +167,20 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
 absl::Status insert_direction(Database& database, std::int64_t viewpoint_id) {
   UnitVector unit{};
   {
-    absl::StatusOr<Rows> row = database.query(sql::viewpoint_without_direction, viewpoint_id);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::OkStatus();
-    const double azimuth_deg = row->real();
-    unit = unit_vector(azimuth_deg, row->real());
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::viewpoint_without_direction, viewpoint_id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::OkStatus();
+    const double azimuth_deg = row.real();
+    unit = unit_vector(azimuth_deg, row.real());
   }
   return database.run(sql::insert_viewpoint_direction, viewpoint_id, unit.x, unit.y, unit.z);
 }
 
 absl::Status make_room(Database& database, const LeasedJob& job,
                        const schema::ViewJobResult& result) {
-  const absl::StatusOr<std::int64_t> earlier =
-      database.integer(sql::count_signatures_of_viewpoint, job.view.viewpoint_id);
-  if (!earlier.ok()) return earlier.status();
-  if (*earlier == 0) return insert_direction(database, job.view.viewpoint_id);
+  ASSIGN_OR_RETURN(const std::int64_t earlier,
+                   database.integer(sql::count_signatures_of_viewpoint, job.view.viewpoint_id));
+  if (earlier == 0) return insert_direction(database, job.view.viewpoint_id);
   for (const schema::SignatureRow& row : result.row()) {
     IRSIG_STORE_TRY(database.run(sql::delete_signature_at_place, job.sweep_id,
                                  job.view.viewpoint_id, row.condition_index(), row.band_index()));
@@ -203,10 +195,9 @@ absl::Status remove_superseded(Database& database, const LeasedJob& job) {
     IRSIG_STORE_TRY(database.run(sql::delete_superseded_jobs_of_viewpoint, job.view.viewpoint_id));
     if (database.changes() == 0) return absl::OkStatus();
   }
-  const absl::StatusOr<std::int64_t> left =
-      database.integer(sql::has_superseded_jobs, job.sweep_id);
-  if (!left.ok()) return left.status();
-  if (*left != 0) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::int64_t left,
+                   database.integer(sql::has_superseded_jobs, job.sweep_id));
+  if (left != 0) return absl::OkStatus();
   IRSIG_STORE_TRY(database.run(sql::delete_superseded_conditions, job.sweep_id));
   IRSIG_STORE_TRY(database.run(sql::delete_superseded_bands, job.sweep_id));
   IRSIG_STORE_TRY(database.run(sql::delete_superseded_parts, job.sweep_id));
@@ -216,57 +207,49 @@ absl::Status remove_superseded(Database& database, const LeasedJob& job) {
 absl::Status store_temperatures(Database& database, const LeasedJob& job,
                                 const schema::JobResult& result, const std::string& worker_name,
                                 const std::string& content) {
-  absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
-  if (!savepoint.ok()) return savepoint.status();
+  ASSIGN_OR_RETURN(std::unique_ptr<Savepoint> savepoint, Savepoint::open(database));
   IRSIG_STORE_TRY(store_heat(database, job, result));
   IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name, content));
   IRSIG_STORE_TRY(remove_superseded(database, job));
-  return (*savepoint)->keep();
+  return savepoint->keep();
 }
 
 absl::StatusOr<std::vector<std::string>> uncertain_inputs_of(Database& database,
                                                              std::int64_t sweep_id) {
-  absl::StatusOr<Rows> row = database.query(sql::uncertain_inputs, sweep_id);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::InternalError("a job of no sweep");
-  return std::vector<std::string>(absl::StrSplit(row->text(), ',', absl::SkipEmpty()));
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::uncertain_inputs, sweep_id));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return absl::InternalError("a job of no sweep");
+  return std::vector<std::string>(absl::StrSplit(row.text(), ',', absl::SkipEmpty()));
 }
 
 absl::Status store_view(Database& database, const LeasedJob& job, const schema::JobResult& result,
                         const std::string& worker_name, const std::string& content) {
-  const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
-  if (!parts.ok()) return parts.status();
+  ASSIGN_OR_RETURN(const std::vector<std::int64_t> parts, part_ids(database, job.sweep_id));
   const absl::StatusOr<std::int64_t> thumbnail =
       database.integer(sql::wants_thumbnail, job.sweep_id);
   if (!thumbnail.ok() && !absl::IsNotFound(thumbnail.status())) return thumbnail.status();
-  const absl::StatusOr<std::int64_t> profile_rows =
-      database.integer(sql::wanted_profile_rows, job.sweep_id);
-  if (!profile_rows.ok()) return profile_rows.status();
-  const absl::StatusOr<LedgerNames> names = ledger_names(database);
-  if (!names.ok()) return names.status();
-  const absl::StatusOr<std::vector<std::string>> inputs =
-      uncertain_inputs_of(database, job.sweep_id);
-  if (!inputs.ok()) return inputs.status();
+  ASSIGN_OR_RETURN(const std::int64_t profile_rows,
+                   database.integer(sql::wanted_profile_rows, job.sweep_id));
+  ASSIGN_OR_RETURN(const LedgerNames names, ledger_names(database));
+  ASSIGN_OR_RETURN(const std::vector<std::string> inputs,
+                   uncertain_inputs_of(database, job.sweep_id));
   IRSIG_STORE_TRY(check_result(
       result, {.job_key = job.job_key,
                .condition_index = job.view.condition_index,
                .band_index = job.view.band_index,
-               .parts = parts->size(),
-               .profile_rows = static_cast<std::size_t>(*profile_rows),
+               .parts = parts.size(),
+               .profile_rows = static_cast<std::size_t>(profile_rows),
                .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt,
-               .ledger = *names,
-               .inputs = *inputs}));
-  absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
-  if (!savepoint.ok()) return savepoint.status();
+               .ledger = names,
+               .inputs = inputs}));
+  ASSIGN_OR_RETURN(std::unique_ptr<Savepoint> savepoint, Savepoint::open(database));
   IRSIG_STORE_TRY(make_room(database, job, result.view()));
   IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name, content));
   for (const schema::SignatureRow& row : result.view().row()) {
-    IRSIG_STORE_TRY(insert_row(database, job, *parts, *names, row));
+    IRSIG_STORE_TRY(insert_row(database, job, parts, names, row));
   }
   IRSIG_STORE_TRY(remove_superseded(database, job));
-  return (*savepoint)->keep();
+  return savepoint->keep();
 }
 
 }  // namespace
@@ -285,13 +268,11 @@ double worst_relative_error(const schema::JobResult& result) {
 
 absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
   std::vector<std::int64_t> ids;
-  absl::StatusOr<Rows> row = database.query(sql::part_ids, sweep_id);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::part_ids, sweep_id));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return ids;
-    ids.push_back(row->integer());
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return ids;
+    ids.push_back(row.integer());
   }
 }
 

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/status_macros.h"
 #include "schema/store/check_heat_result.h"
 #include "schema/store/ingest.h"
 #include "schema/store/sha256.h"
@@ -24,12 +25,10 @@ struct AskedRun {
 };
 
 absl::StatusOr<AskedRun> run_of(Database& database, const LeasedJob& job) {
-  absl::StatusOr<Rows> row = database.query(sql::resolved_sweep_by_id, job.sweep_id);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::resolved_sweep_by_id, job.sweep_id));
+  ASSIGN_OR_RETURN(const bool found, row.next());
   schema::ResolvedSweep sweep;
-  if (!*found || !sweep.ParseFromString(row->text()) ||
+  if (!found || !sweep.ParseFromString(row.text()) ||
       job.heat_index >= static_cast<std::uint32_t>(sweep.heat_size()))
     return absl::DataLossError(
         absl::StrCat("the stored sweep of job ", job.job_key, " has no such heat run"));
@@ -54,15 +53,13 @@ std::int64_t computed_temperatures_of(const schema::HeatRun& run) {
 }
 
 absl::Status store_heat(Database& database, const LeasedJob& job, const schema::JobResult& result) {
-  const absl::StatusOr<AskedRun> asked = run_of(database, job);
-  if (!asked.ok()) return asked.status();
-  const schema::HeatRun& run = asked->run;
-  IRSIG_STORE_TRY(check_heat_result(result, job.job_key, run, asked->seed));
-  const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
-  if (!parts.ok()) return parts.status();
-  if (parts->size() != static_cast<std::size_t>(run.part_temperature_k_size()))
+  ASSIGN_OR_RETURN(const AskedRun asked, run_of(database, job));
+  const schema::HeatRun& run = asked.run;
+  IRSIG_STORE_TRY(check_heat_result(result, job.job_key, run, asked.seed));
+  ASSIGN_OR_RETURN(const std::vector<std::int64_t> parts, part_ids(database, job.sweep_id));
+  if (parts.size() != static_cast<std::size_t>(run.part_temperature_k_size()))
     return absl::DataLossError(absl::StrCat("the stored sweep of job ", job.job_key, " has ",
-                                            parts->size(), " parts, its heat run ",
+                                            parts.size(), " parts, its heat run ",
                                             run.part_temperature_k_size()));
   const std::string sha256 = sha256_of(result.heat().field());
   IRSIG_STORE_TRY(store_asset(database, sha256, result.heat().field()));
@@ -72,7 +69,7 @@ absl::Status store_heat(Database& database, const LeasedJob& job, const schema::
   for (const schema::PartTemperature& part : result.heat().part()) {
     IRSIG_STORE_TRY(database.run(sql::insert_computed_temperature, job.job_id, part.time_index(),
                                  run.time_utc(static_cast<int>(part.time_index())),
-                                 (*parts)[part.part_index()], part.mean_k(), part.coldest_k(),
+                                 parts[part.part_index()], part.mean_k(), part.coldest_k(),
                                  part.hottest_k(), part.error_k()));
   }
   return delete_superseded(database, job.sweep_id, run);
@@ -81,20 +78,17 @@ absl::Status store_heat(Database& database, const LeasedJob& job, const schema::
 absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
                                const std::string& determinism_class) {
   if (job.kind != JobKind::kHeat) return false;
-  const absl::StatusOr<AskedRun> asked = run_of(database, job);
-  if (!asked.ok()) return asked.status();
-  const schema::HeatRun& run = asked->run;
+  ASSIGN_OR_RETURN(const AskedRun asked, run_of(database, job));
+  const schema::HeatRun& run = asked.run;
   std::int64_t twin = 0;
   std::string output;
   {
-    absl::StatusOr<Rows> row = database.query(sql::done_twin, job.job_id, job.job_key,
-                                              determinism_class, computed_temperatures_of(run));
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return false;
-    twin = row->integer();
-    output = row->text();
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::done_twin, job.job_id, job.job_key,
+                                              determinism_class, computed_temperatures_of(run)));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return false;
+    twin = row.integer();
+    output = row.text();
   }
   // What is damaged there is computed again here, and mends both.
   const absl::Status whole = check_asset(database, output);

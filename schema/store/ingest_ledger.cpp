@@ -4,6 +4,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -16,14 +17,12 @@ absl::Status wrong_ledger(const std::string& path, const std::string& what) {
 absl::StatusOr<std::map<std::string, std::int64_t>> numbers_of_names(Database& database,
                                                                      const char* statement) {
   std::map<std::string, std::int64_t> out;
-  absl::StatusOr<Rows> row = database.query(statement);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(statement));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return out;
-    std::string name = row->text();
-    out.emplace(std::move(name), row->integer());
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return out;
+    std::string name = row.text();
+    out.emplace(std::move(name), row.integer());
   }
 }
 
@@ -51,16 +50,12 @@ std::optional<double> if_known(bool known, double value) {
 }  // namespace
 
 absl::StatusOr<LedgerNames> ledger_names(Database& database) {
-  auto effect = numbers_of_names(database, sql::known_effects);
-  if (!effect.ok()) return effect.status();
-  auto reason = numbers_of_names(database, sql::known_effect_reasons);
-  if (!reason.ok()) return reason.status();
-  auto bounded_with = numbers_of_names(database, sql::effects_without_own_bound);
-  if (!bounded_with.ok()) return bounded_with.status();
-  auto of_hot_gas = numbers_of_names(database, sql::effects_of_hot_gas);
-  if (!of_hot_gas.ok()) return of_hot_gas.status();
-  return LedgerNames{*std::move(effect), *std::move(reason), *std::move(bounded_with),
-                     *std::move(of_hot_gas)};
+  ASSIGN_OR_RETURN(auto effect, numbers_of_names(database, sql::known_effects));
+  ASSIGN_OR_RETURN(auto reason, numbers_of_names(database, sql::known_effect_reasons));
+  ASSIGN_OR_RETURN(auto bounded_with, numbers_of_names(database, sql::effects_without_own_bound));
+  ASSIGN_OR_RETURN(auto of_hot_gas, numbers_of_names(database, sql::effects_of_hot_gas));
+  return LedgerNames{std::move(effect), std::move(reason), std::move(bounded_with),
+                     std::move(of_hot_gas)};
 }
 
 absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
@@ -85,7 +80,7 @@ absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& na
     return wrong_ledger(path + ".energy", "is missing");
   }
   const schema::EnergyLedger& energy = row.energy();
-  if (!energy.has_absorbed() || !energy.has_escaped_to_sky() || !energy.has_escaped_to_lower() ||
+  if (!energy.has_absorbed() || !energy.has_escaped_to_sky() || !energy.has_escaped_to_surface() ||
       !energy.has_cut_off() || !energy.has_balance())
     return wrong_ledger(path + ".energy", "is incomplete");
   return absl::OkStatus();
@@ -100,13 +95,13 @@ absl::Status insert_ledger(Database& database, const LedgerNames& names, std::in
         if_known(e.has_bound_w_sr(), e.bound_w_sr()),
         if_known(e.has_apparent_bound_w_sr(), e.apparent_bound_w_sr()),
         if_known(e.has_contrast_bound_w_sr(), e.contrast_bound_w_sr()),
-        if_known(e.has_share_w_sr(), e.share_w_sr()), if_known(e.has_time_s(), e.time_s())));
+        if_known(e.has_fraction_w_sr(), e.fraction_w_sr()), if_known(e.has_time_s(), e.time_s())));
   }
   if (!row.has_energy()) return absl::OkStatus();
   const schema::EnergyLedger& e = row.energy();
   return database.run(sql::insert_energy, signature_id, e.absorbed().value(), e.absorbed().stderr(),
                       e.escaped_to_sky().value(), e.escaped_to_sky().stderr(),
-                      e.escaped_to_lower().value(), e.escaped_to_lower().stderr(),
+                      e.escaped_to_surface().value(), e.escaped_to_surface().stderr(),
                       e.cut_off().value(), e.cut_off().stderr(), e.balance().value(),
                       e.balance().stderr());
 }

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "core/base/status_macros.h"
 #include "schema/store/new_database.h"
 #include "schema/store/open_database.h"
 #include "schema/store/statements.h"
@@ -114,25 +115,23 @@ struct SweepHere {
 
 absl::StatusOr<std::vector<SweepThere>> sweeps_of(const std::string& path, Database& database) {
   std::vector<SweepThere> sweeps;
-  absl::StatusOr<Rows> row = database.query(sql::merge_sweeps);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::merge_sweeps));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return sweeps;
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return sweeps;
     SweepThere& sweep = sweeps.emplace_back();
-    sweep.sweep_id = row->integer();
-    sweep.name = row->text();
-    sweep.sha256 = row->text();
-    if (!sweep.resolved.ParseFromString(row->text()))
+    sweep.sweep_id = row.integer();
+    sweep.name = row.text();
+    sweep.sha256 = row.text();
+    if (!sweep.resolved.ParseFromString(row.text()))
       return absl::DataLossError(
           absl::StrCat(path, ": the sweep \"", sweep.name, "\" cannot be read"));
-    sweep.first_physics = row->integer();
-    sweep.last_physics = row->integer();
-    sweep.first_class = row->text();
-    sweep.last_class = row->text();
-    sweep.rows = row->count();
-    sweep.all_rows = row->count();
+    sweep.first_physics = row.integer();
+    sweep.last_physics = row.integer();
+    sweep.first_class = row.text();
+    sweep.last_class = row.text();
+    sweep.rows = row.count();
+    sweep.all_rows = row.count();
     sweep.whole_sha256 =
         sweep.resolved.has_shard() ? sweep.resolved.shard().sweep_sha256() : sweep.sha256;
   }
@@ -219,9 +218,8 @@ class Taking {
   absl::Status run(const std::vector<SweepHere>& known) {
     IRSIG_STORE_TRY(database_.script(sql::merge_tables));
     IRSIG_STORE_TRY(prepare());
-    const auto there = sweeps_of(path(), database_);
-    if (!there.ok()) return there.status();
-    for (const SweepThere& sweep : *there) {
+    ASSIGN_OR_RETURN(const auto there, sweeps_of(path(), database_));
+    for (const SweepThere& sweep : there) {
       const auto here = std::find_if(known.begin(), known.end(), [&](const SweepHere& h) {
         return h.name == sweep.name && h.whole_sha256 == sweep.whole_sha256 &&
                (sweep.first_class.empty() ||
@@ -240,29 +238,24 @@ class Taking {
 
   absl::Status prepare() {
     for (const Owned& owned : kOfSignatures) {
-      auto made = statements(owned);
-      if (!made.ok()) return made.status();
-      of_signatures_.push_back(*std::move(made));
+      ASSIGN_OR_RETURN(auto made, statements(owned));
+      of_signatures_.push_back(std::move(made));
     }
     for (const auto& [owned, out] :
          {std::pair{&kProvenance, &provenance_}, std::pair{&kTemperature, &temperature_},
           std::pair{&kAttempt, &attempt_}, std::pair{&kAside, &aside_}}) {
-      auto made = statements(*owned);
-      if (!made.ok()) return made.status();
-      *out = *std::move(made);
+      ASSIGN_OR_RETURN(*out, statements(*owned));
     }
     return absl::OkStatus();
   }
 
   absl::StatusOr<Statements> statements(const Owned& owned) {
     std::vector<std::string> columns = {owned.owner};
-    absl::StatusOr<Rows> row = database_.query(sql::merge_columns, owned.table);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::merge_columns, owned.table));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
-      const std::string name = row->text();
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
+      const std::string name = row.text();
       if (name != owned.owner && !contains(owned.own, name)) columns.push_back(name);
     }
     Statements out;
@@ -275,53 +268,46 @@ class Taking {
   }
 
   absl::Status take(const SweepThere& there, const SweepHere& here) {
-    const auto ours = database_.integer(sql::merge_sweep_id, here.name);
-    if (!ours.ok()) return ours.status();
+    ASSIGN_OR_RETURN(const auto ours, database_.integer(sql::merge_sweep_id, here.name));
     sweep_ = here.name;
     IRSIG_STORE_TRY(database_.script(sql::merge_clear));
     for (const char* map : {sql::merge_jobs, sql::merge_viewpoints, sql::merge_conditions,
                             sql::merge_bands, sql::merge_parts})
-      IRSIG_STORE_TRY(database_.run(map, there.sweep_id, *ours));
-    const auto foreign = text(sql::merge_foreign_job);
-    if (!foreign.ok()) return foreign.status();
-    if (!foreign->empty())
+      IRSIG_STORE_TRY(database_.run(map, there.sweep_id, ours));
+    ASSIGN_OR_RETURN(const auto foreign, text(sql::merge_foreign_job));
+    if (!foreign.empty())
       return absl::InvalidArgumentError(
-          absl::StrCat(path(), ": the sweep \"", sweep_, "\" has a job ", *foreign,
+          absl::StrCat(path(), ": the sweep \"", sweep_, "\" has a job ", foreign,
                        ", which it has not by this irsig: merge it with the one that made it"));
-    const auto offset = database_.integer(sql::merge_last_signature);
-    if (!offset.ok()) return offset.status();
-    IRSIG_STORE_TRY(database_.run(sql::merge_signatures, *offset));
-    const auto broken = text(sql::merge_broken_job);
-    if (!broken.ok()) return broken.status();
-    if (!broken->empty())
-      return absl::DataLossError(absl::StrCat(path(), ": the sweep \"", sweep_, "\", job ", *broken,
+    ASSIGN_OR_RETURN(const auto offset, database_.integer(sql::merge_last_signature));
+    IRSIG_STORE_TRY(database_.run(sql::merge_signatures, offset));
+    ASSIGN_OR_RETURN(const auto broken, text(sql::merge_broken_job));
+    if (!broken.empty())
+      return absl::DataLossError(absl::StrCat(path(), ": the sweep \"", sweep_, "\", job ", broken,
                                               ": it is done, but rows are missing"));
     IRSIG_STORE_TRY(take_bands());
     IRSIG_STORE_TRY(take_jobs());
     IRSIG_STORE_TRY(take_signatures());
     IRSIG_STORE_TRY(database_.run(sql::merge_directions));
     IRSIG_STORE_TRY(database_.run(sql::merge_set_done));
-    IRSIG_STORE_TRY(database_.run(sql::merge_count_needs, *ours));
+    IRSIG_STORE_TRY(database_.run(sql::merge_count_needs, ours));
     if (!here.determinism_class.empty())
-      IRSIG_STORE_TRY(database_.run(sql::merge_bind, *ours, here.determinism_class));
+      IRSIG_STORE_TRY(database_.run(sql::merge_bind, ours, here.determinism_class));
     return database_.run(sql::merge_prediction, here.whole_sha256);
   }
 
   // Of the first row; empty: there is none.
   absl::StatusOr<std::string> text(const char* sql) {
-    absl::StatusOr<Rows> row = database_.query(sql);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    return *found ? row->text() : std::string();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    return found ? row.text() : std::string();
   }
 
   absl::Status take_bands() {
-    const auto other = text(sql::merge_other_wavelengths);
-    if (!other.ok()) return other.status();
-    if (!other->empty())
+    ASSIGN_OR_RETURN(const auto other, text(sql::merge_other_wavelengths));
+    if (!other.empty())
       return absl::InvalidArgumentError(absl::StrCat(path(), ": the sweep \"", sweep_,
-                                                     "\", band \"", *other,
+                                                     "\", band \"", other,
                                                      "\" has other wavelengths than in the files "
                                                      "before it"));
     return database_.run(sql::merge_wavelengths);
@@ -338,13 +324,11 @@ class Taking {
     IRSIG_STORE_TRY(database_.script(sql::merge_temperatures));
     for (const Statements* copied : {&provenance_, &temperature_, &attempt_, &aside_})
       IRSIG_STORE_TRY(database_.run(copied->copy.c_str(), 0, kAll));
-    absl::StatusOr<Rows> row = database_.query(sql::merge_new_jobs);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::merge_new_jobs));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) return absl::OkStatus();
-      const std::size_t job = row->count();
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) return absl::OkStatus();
+      const std::size_t job = row.count();
       if (job_from_.size() <= job) job_from_.resize(job + 1);
       job_from_[job] = static_cast<std::uint32_t>(source_ + 1);
     }
@@ -358,24 +342,23 @@ class Taking {
   }
 
   absl::Status take_signatures() {
-    const auto count = database_.integer(sql::merge_count);
-    if (!count.ok()) return count.status();
+    ASSIGN_OR_RETURN(const auto count, database_.integer(sql::merge_count));
     std::int64_t after = 0;
-    for (std::int64_t done = 0; done < *count;) {
-      const auto last = database_.integer(sql::merge_last_after, after, kRowsAtOnce);
-      if (!last.ok()) return last.status();
+    for (std::int64_t done = 0; done < count;) {
+      ASSIGN_OR_RETURN(const auto last,
+                       database_.integer(sql::merge_last_after, after, kRowsAtOnce));
       for (std::size_t i = 0; i < of_signatures_.size(); ++i) {
         const Statements& table = of_signatures_[i];
         for (const std::string* compared : {&table.only_here, &table.only_there}) {
-          const auto differs = database_.integer(compared->c_str(), after, *last);
+          const auto differs = database_.integer(compared->c_str(), after, last);
           if (differs.ok()) return row_conflict(*differs, kOfSignatures[i].table);
           if (!absl::IsNotFound(differs.status())) return differs.status();
         }
-        IRSIG_STORE_TRY(database_.run(table.copy.c_str(), after, *last));
+        IRSIG_STORE_TRY(database_.run(table.copy.c_str(), after, last));
       }
-      const std::int64_t now = std::min(*count, done + kRowsAtOnce);
+      const std::int64_t now = std::min(count, done + kRowsAtOnce);
       rows_read_ += static_cast<std::uint64_t>(now - done);
-      after = *last;
+      after = last;
       done = now;
       if (progress_) IRSIG_STORE_TRY(progress_(rows_read_, all_rows_));
     }
@@ -385,23 +368,19 @@ class Taking {
   absl::Status row_conflict(std::int64_t signature_id, const char* table) {
     std::int64_t job = 0, place = 0;
     {
-      absl::StatusOr<Rows> row = database_.query(sql::merge_place, signature_id);
-      if (!row.ok()) return row.status();
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) return absl::DataLossError(absl::StrCat(path(), ": a row has no place"));
-      job = row->integer();
-      place = row->integer();
+      ASSIGN_OR_RETURN(Rows row, database_.query(sql::merge_place, signature_id));
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) return absl::DataLossError(absl::StrCat(path(), ": a row has no place"));
+      job = row.integer();
+      place = row.integer();
     }
     return conflict(job, absl::StrCat(" row ", place, ","), table);
   }
 
   absl::Status conflict(std::int64_t job, const std::string& place, const char* table) {
-    absl::StatusOr<Rows> row = database_.query(sql::merge_job_key, job);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    const std::string key = *found ? row->text() : std::string();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::merge_job_key, job));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    const std::string key = found ? row.text() : std::string();
     const auto at = static_cast<std::size_t>(job);
     const std::string& before =
         asked_.from[at < job_from_.size() && job_from_[at] > 0 ? job_from_[at] - 1 : source_];
@@ -434,9 +413,8 @@ std::vector<std::string> different_files(const std::vector<std::string>& paths) 
 // All sweeps, submitted: nothing of them is done.
 absl::Status submit_all(const std::vector<SweepHere>& sweeps, const MergeAsked& asked,
                         const std::string& path) {
-  auto writer = StoreWriter::open(path);
-  if (!writer.ok()) return writer.status();
-  IRSIG_STORE_TRY((*writer)->begin());
+  ASSIGN_OR_RETURN(auto writer, StoreWriter::open(path));
+  IRSIG_STORE_TRY(writer->begin());
   for (const SweepHere& sweep : sweeps) {
     const auto jobs =
         asked.jobs(sweep.whole, sweep.bound_by.empty() ? asked.physics_version
@@ -449,28 +427,24 @@ absl::Status submit_all(const std::vector<SweepHere>& sweeps, const MergeAsked& 
       return absl::InvalidArgumentError(absl::StrCat(
           sweep.from, ": the sweep \"", sweep.name,
           "\" has another hash by this irsig: ", "merge it with the one that made it"));
-    const auto source = StoreReader::open(sweep.from);
-    if (!source.ok()) return source.status();
-    const auto stored = (*source)->sweep(sweep.name);
-    if (!stored.ok()) return stored.status();
+    ASSIGN_OR_RETURN(const auto source, StoreReader::open(sweep.from));
+    ASSIGN_OR_RETURN(const auto stored, source->sweep(sweep.name));
     std::vector<Asset> assets;
-    for (const auto& [sha256, bytes] : stored->assets) assets.push_back({sha256, bytes});
-    IRSIG_STORE_TRY((*writer)->add_sweep(sweep.whole, sweep.whole_sha256, *jobs, assets).status());
+    for (const auto& [sha256, bytes] : stored.assets) assets.push_back({sha256, bytes});
+    IRSIG_STORE_TRY(writer->add_sweep(sweep.whole, sweep.whole_sha256, *jobs, assets).status());
   }
-  IRSIG_STORE_TRY((*writer)->commit());
-  return (*writer)->finish();
+  IRSIG_STORE_TRY(writer->commit());
+  return writer->finish();
 }
 
 // A coordinator binds all unfinished sweeps of its database to one class.
 absl::Status check_open_classes(Database& database) {
   std::string first, its_class;
-  absl::StatusOr<Rows> row = database.query(sql::merge_open_sweeps);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::merge_open_sweeps));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::OkStatus();
-    const std::string name = row->text(), determinism_class = row->text();
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::OkStatus();
+    const std::string name = row.text(), determinism_class = row.text();
     if (first.empty()) {
       first = name;
       its_class = determinism_class;
@@ -487,11 +461,9 @@ absl::StatusOr<Merged> merge(const MergeAsked& asked, const std::string& beside,
                              const MergeProgress& progress) {
   Union sweeps;
   for (const std::string& path : asked.from) {
-    const auto source = open_for_reading(path);
-    if (!source.ok()) return source.status();
-    const auto there = sweeps_of(path, **source);
-    if (!there.ok()) return there.status();
-    for (const SweepThere& sweep : *there) IRSIG_STORE_TRY(sweeps.add(path, sweep));
+    ASSIGN_OR_RETURN(const auto source, open_for_reading(path));
+    ASSIGN_OR_RETURN(const auto there, sweeps_of(path, *source));
+    for (const SweepThere& sweep : there) IRSIG_STORE_TRY(sweeps.add(path, sweep));
   }
   if (sweeps.sweeps().empty())
     return absl::InvalidArgumentError("nothing to merge: the databases hold no sweep");
@@ -499,34 +471,28 @@ absl::StatusOr<Merged> merge(const MergeAsked& asked, const std::string& beside,
   std::vector<std::uint32_t> job_from;
   std::uint64_t rows_read = 0;
   for (std::size_t i = 0; i < asked.from.size(); ++i) {
-    const auto source = open_for_reading(asked.from[i], true);
-    if (!source.ok()) return source.status();
-    IRSIG_STORE_TRY((*source)->attach(sql::merge_attach, beside));
+    ASSIGN_OR_RETURN(const auto source, open_for_reading(asked.from[i], true));
+    IRSIG_STORE_TRY(source->attach(sql::merge_attach, beside));
     // As of slice.cpp; but of a file that is not empty a journal may be larger than memory.
     IRSIG_STORE_TRY(
-        (*source)->script("PRAGMA merged.synchronous = OFF;"
-                          "PRAGMA merged.cache_size = -65536; PRAGMA main.cache_size = -65536;"
-                          "PRAGMA temp_store = MEMORY; BEGIN"));
-    IRSIG_STORE_TRY(Taking(**source, asked, i, job_from, rows_read, sweeps.rows(), progress)
+        source->script("PRAGMA merged.synchronous = OFF;"
+                       "PRAGMA merged.cache_size = -65536; PRAGMA main.cache_size = -65536;"
+                       "PRAGMA temp_store = MEMORY; BEGIN"));
+    IRSIG_STORE_TRY(Taking(*source, asked, i, job_from, rows_read, sweeps.rows(), progress)
                         .run(sweeps.sweeps()));
-    IRSIG_STORE_TRY((*source)->script("COMMIT"));
+    IRSIG_STORE_TRY(source->script("COMMIT"));
   }
-  const auto made = open_for_reading(beside);
-  if (!made.ok()) return made.status();
-  IRSIG_STORE_TRY(check_open_classes(**made));
-  const auto reader = StoreReader::open(beside);
-  if (!reader.ok()) return reader.status();
-  const auto counted = (*reader)->progress();
-  if (!counted.ok()) return counted.status();
-  const auto contents = (*reader)->contents();
-  if (!contents.ok()) return contents.status();
+  ASSIGN_OR_RETURN(const auto made, open_for_reading(beside));
+  IRSIG_STORE_TRY(check_open_classes(*made));
+  ASSIGN_OR_RETURN(const auto reader, StoreReader::open(beside));
+  ASSIGN_OR_RETURN(const auto counted, reader->progress());
+  ASSIGN_OR_RETURN(const auto contents, reader->contents());
   Merged out;
   for (std::size_t i = 0; i < sweeps.sweeps().size(); ++i)  // all in the order of their submission
-    out.sweep.push_back({(*counted)[i].name, (*contents)[i].rows, (*counted)[i].jobs,
-                         (*counted)[i].done, sweeps.sweeps()[i].left_behind});
-  auto digest = (*reader)->digest();
-  if (!digest.ok()) return digest.status();
-  out.digest = *std::move(digest);
+    out.sweep.push_back({counted[i].name, contents[i].rows, counted[i].jobs, counted[i].done,
+                         sweeps.sweeps()[i].left_behind});
+  ASSIGN_OR_RETURN(auto digest, reader->digest());
+  out.digest = std::move(digest);
   return out;
 }
 
@@ -538,9 +504,7 @@ absl::StatusOr<Merged> merge_databases(const MergeAsked& asked, const std::strin
   once.from = different_files(asked.from);
   Merged out;
   const absl::Status made = make_new_database(to, [&](const std::string& beside) -> absl::Status {
-    absl::StatusOr<Merged> merged = merge(once, beside, progress);
-    if (!merged.ok()) return merged.status();
-    out = *std::move(merged);
+    ASSIGN_OR_RETURN(out, merge(once, beside, progress));
     return absl::OkStatus();
   });
   if (!made.ok()) return made;

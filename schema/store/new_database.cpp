@@ -10,6 +10,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/open_database.h"
 
 namespace irsig {
@@ -51,9 +52,8 @@ absl::Status make_new_database(const std::string& to,
 }
 
 absl::Status make_empty_database(const std::string& path) {
-  absl::StatusOr<WritableDatabase> made = open_for_writing(path);
-  if (!made.ok()) return made.status();
-  return end_write_ahead(*made);
+  ASSIGN_OR_RETURN(WritableDatabase made, open_for_writing(path));
+  return end_write_ahead(made);
 }
 
 }  // namespace irsig

@@ -12,6 +12,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/check_schema.h"
 #include "schema/store/statements.h"
 #include "schema/store/whole_file.h"
@@ -62,11 +63,9 @@ absl::Status check_header(const std::string& path, const FileHeader& header) {
 }
 
 absl::Status check_pragmas(const std::string& path, Database& database) {
-  const absl::StatusOr<std::int64_t> id = database.integer("PRAGMA application_id");
-  if (!id.ok()) return id.status();
-  const absl::StatusOr<std::int64_t> version = database.integer("PRAGMA user_version");
-  if (!version.ok()) return version.status();
-  return refuse(path, static_cast<std::uint32_t>(*id), *version);
+  ASSIGN_OR_RETURN(const std::int64_t id, database.integer("PRAGMA application_id"));
+  ASSIGN_OR_RETURN(const std::int64_t version, database.integer("PRAGMA user_version"));
+  return refuse(path, static_cast<std::uint32_t>(id), version);
 }
 
 bool path_exists(const std::string& path) {
@@ -94,11 +93,9 @@ absl::Status name_the_reader(const std::string& path, const absl::Status& status
 }
 
 absl::StatusOr<std::string> journal_mode(Database& database, const char* pragma) {
-  absl::StatusOr<Rows> rows = database.query(pragma);
-  if (!rows.ok()) return rows.status();
-  const absl::StatusOr<bool> told = rows->next();
-  if (!told.ok()) return told.status();
-  return *told ? rows->text() : std::string();
+  ASSIGN_OR_RETURN(Rows rows, database.query(pragma));
+  ASSIGN_OR_RETURN(const bool told, rows.next());
+  return told ? rows.text() : std::string();
 }
 
 // Puts a commit into the journal that changes nothing: from then on the header does not ask for a
@@ -118,9 +115,8 @@ void say_no_more_than_needed(WritableDatabase& out) {
 absl::Status write_ahead(const std::string& path, WritableDatabase& out) {
   Database& database = *out.database;
   const auto change = [&]() -> absl::Status {
-    const auto mode = journal_mode(database, "PRAGMA journal_mode = WAL");
-    if (!mode.ok()) return mode.status();
-    if (*mode != "wal")
+    ASSIGN_OR_RETURN(const auto mode, journal_mode(database, "PRAGMA journal_mode = WAL"));
+    if (mode != "wal")
       return absl::FailedPreconditionError(absl::StrCat(
           path, ": its file system cannot share memory between processes: use a local disk"));
     // A close without end_write_ahead() leaves the journal as it is.
@@ -130,9 +126,8 @@ absl::Status write_ahead(const std::string& path, WritableDatabase& out) {
       static_cast<void>(journal_mode(database, "PRAGMA journal_mode = DELETE").status());
     return begun;
   };
-  const auto before = journal_mode(database, "PRAGMA journal_mode");
-  if (!before.ok()) return before.status();
-  if (*before != "wal") out.lock->say_whole_without_journal();
+  ASSIGN_OR_RETURN(const auto before, journal_mode(database, "PRAGMA journal_mode"));
+  if (before != "wal") out.lock->say_whole_without_journal();
   const absl::Status changed = change();
   say_no_more_than_needed(out);
   return changed;
@@ -153,11 +148,10 @@ absl::Status change_format(Database& database, const std::function<absl::Status(
   const auto run = [&]() -> absl::Status {
     IRSIG_STORE_TRY(database.script("BEGIN EXCLUSIVE"));
     IRSIG_STORE_TRY(change());
-    const absl::StatusOr<std::int64_t> lost =
-        database.integer("SELECT count(*) FROM pragma_foreign_key_check()");
-    if (!lost.ok()) return lost.status();
-    if (*lost > 0)
-      return absl::DataLossError(absl::StrCat(*lost, " rows name rows that do not exist"));
+    ASSIGN_OR_RETURN(const std::int64_t lost,
+                     database.integer("SELECT count(*) FROM pragma_foreign_key_check()"));
+    if (lost > 0)
+      return absl::DataLossError(absl::StrCat(lost, " rows name rows that do not exist"));
     return database.script("COMMIT");
   };
   IRSIG_STORE_TRY(database.script("PRAGMA foreign_keys = OFF"));
@@ -197,16 +191,15 @@ void remove_database(const std::string& path) {
 
 absl::Status migrate(Database& database, std::span<const MigrationStep> steps,
                      const std::function<absl::Status()>& check) {
-  const absl::StatusOr<std::int64_t> from = database.integer("PRAGMA user_version");
-  if (!from.ok()) return from.status();
+  ASSIGN_OR_RETURN(const std::int64_t from, database.integer("PRAGMA user_version"));
   const int newest = steps.empty() ? 0 : steps.back().version;
-  if (*from > newest) {
-    return absl::InvalidArgumentError(absl::StrCat("the database has format version ", *from,
+  if (from > newest) {
+    return absl::InvalidArgumentError(absl::StrCat("the database has format version ", from,
                                                    "; known are versions up to ", newest));
   }
-  if (*from == newest) return absl::OkStatus();
+  if (from == newest) return absl::OkStatus();
   return change_format(database, [&]() -> absl::Status {
-    IRSIG_STORE_TRY(run_steps(database, *from, steps));
+    IRSIG_STORE_TRY(run_steps(database, from, steps));
     return check ? check() : absl::OkStatus();
   });
 }
@@ -215,19 +208,17 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   IRSIG_STORE_TRY(check_regular(path));
   WritableDatabase out;
   out.path = real_path(path);
-  absl::StatusOr<std::unique_ptr<WriterLock>> lock = WriterLock::acquire(out.path, path);
-  if (!lock.ok()) return lock.status();
-  out.lock = *std::move(lock);
+  ASSIGN_OR_RETURN(std::unique_ptr<WriterLock> lock, WriterLock::acquire(out.path, path));
+  out.lock = std::move(lock);
 
   const bool existed = path_exists(out.path);
   bool is_new = !existed;
   // With a hot rollback journal (a creation or migration that was killed) the bytes mean nothing
   // before SQLite has rolled it back; the pragmas are checked below.
   if (existed && !path_exists(out.path + "-journal")) {
-    const absl::StatusOr<FileHeader> header = read_file_header(out.path);
-    if (!header.ok()) return header.status();
-    is_new = header->empty;
-    if (!is_new) IRSIG_STORE_TRY(check_header(path, *header));
+    ASSIGN_OR_RETURN(const FileHeader header, read_file_header(out.path));
+    is_new = header.empty;
+    if (!is_new) IRSIG_STORE_TRY(check_header(path, header));
     if (!is_new) IRSIG_STORE_TRY(check_has_its_journal(path, out.path, true));
   }
   IRSIG_STORE_TRY(check_has_one_name(path, out.path));
@@ -239,19 +230,16 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   };
 
   if (!existed) IRSIG_STORE_TRY(make_private_file(out.path));
-  absl::StatusOr<std::unique_ptr<Database>> database =
-      Database::open(out.path, Database::Mode::kReadWriteCreate);
-  if (!database.ok()) return database.status();
-  out.database = *std::move(database);
+  ASSIGN_OR_RETURN(std::unique_ptr<Database> database,
+                   Database::open(out.path, Database::Mode::kReadWriteCreate));
+  out.database = std::move(database);
   Database& opened = *out.database;
   if (existed &&
       !is_new) {  // after a creation that was killed, nothing is left: that is a new file, too
-    const absl::StatusOr<std::int64_t> tables =
-        opened.integer("SELECT count(*) FROM sqlite_schema");
-    if (!tables.ok()) return tables.status();
-    const absl::StatusOr<std::int64_t> id = opened.integer("PRAGMA application_id");
-    if (!id.ok()) return id.status();
-    is_new = *tables == 0 && *id == 0;
+    ASSIGN_OR_RETURN(const std::int64_t tables,
+                     opened.integer("SELECT count(*) FROM sqlite_schema"));
+    ASSIGN_OR_RETURN(const std::int64_t id, opened.integer("PRAGMA application_id"));
+    is_new = tables == 0 && id == 0;
   }
   if (is_new) {
     IRSIG_STORE_TRY(create(opened));
@@ -274,13 +262,11 @@ absl::Status end_write_ahead(WritableDatabase& written) {
   Database& database = *written.database;
   {
     // All that is committed is in the file before anything says so.
-    absl::StatusOr<Rows> row = database.query("PRAGMA wal_checkpoint(FULL)");
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> told = row->next();
-    if (!told.ok()) return told.status();
-    const bool busy = row->integer() != 0;
-    const std::int64_t frames = row->integer();
-    if (busy || row->integer() != frames)
+    ASSIGN_OR_RETURN(Rows row, database.query("PRAGMA wal_checkpoint(FULL)"));
+    ASSIGN_OR_RETURN(const bool told, row.next());
+    const bool busy = row.integer() != 0;
+    const std::int64_t frames = row.integer();
+    if (busy || row.integer() != frames)
       return absl::UnavailableError(absl::StrCat(written.path, ": is being read"));
   }
   written.lock->say_whole_without_journal();
@@ -308,40 +294,36 @@ absl::StatusOr<std::unique_ptr<Database>> open_known(const std::string& path, bo
     return errno == ENOENT ? absl::NotFoundError(absl::StrCat(path, ": no such file"))
                            : unusable_file(path, "read", errno);
   const std::string real = real_path(path);
-  const absl::StatusOr<FileHeader> header = read_file_header(real);
-  if (!header.ok()) return header.status();
-  IRSIG_STORE_TRY(check_header(path, *header));
+  ASSIGN_OR_RETURN(const FileHeader header, read_file_header(real));
+  IRSIG_STORE_TRY(check_header(path, header));
   if (!as_it_is) IRSIG_STORE_TRY(check_has_its_journal(path, real));
-  absl::StatusOr<std::unique_ptr<Database>> database = Database::open(
-      real, as_it_is ? Database::Mode::kImmutable : Database::Mode::kReadOnly, attaches);
-  if (!database.ok()) return database.status();
-  if (const absl::Status checked = check_pragmas(path, **database); !checked.ok())
-    return cannot_share(path, *header, checked);
+  ASSIGN_OR_RETURN(
+      std::unique_ptr<Database> database,
+      Database::open(real, as_it_is ? Database::Mode::kImmutable : Database::Mode::kReadOnly,
+                     attaches));
+  if (const absl::Status checked = check_pragmas(path, *database); !checked.ok())
+    return cannot_share(path, header, checked);
   return database;
 }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path, bool attaches) {
-  absl::StatusOr<std::unique_ptr<Database>> database = open_known(path, false, attaches);
-  if (!database.ok()) return database.status();
-  const absl::StatusOr<std::int64_t> version = (*database)->integer("PRAGMA user_version");
-  if (!version.ok()) return version.status();
-  if (*version < kVersion) {
+  ASSIGN_OR_RETURN(std::unique_ptr<Database> database, open_known(path, false, attaches));
+  ASSIGN_OR_RETURN(const std::int64_t version, database->integer("PRAGMA user_version"));
+  if (version < kVersion) {
     return absl::InvalidArgumentError(
-        absl::StrCat(path, ": has the older format version ", *version,
+        absl::StrCat(path, ": has the older format version ", version,
                      "; open it once for writing (irsig run --resume) to bring it to ", kVersion));
   }
-  IRSIG_STORE_TRY(check_schema(path, **database));
+  IRSIG_STORE_TRY(check_schema(path, *database));
   return database;
 }
 
 absl::StatusOr<AsItIs> open_as_it_is(const std::string& path) {
-  absl::StatusOr<std::unique_ptr<Database>> database = open_known(path, true, false);
-  if (!database.ok()) return database.status();
-  const absl::StatusOr<std::int64_t> version = (*database)->integer("PRAGMA user_version");
-  if (!version.ok()) return version.status();
-  AsItIs out{*std::move(database), *version < kVersion};
+  ASSIGN_OR_RETURN(std::unique_ptr<Database> database, open_known(path, true, false));
+  ASSIGN_OR_RETURN(const std::int64_t version, database->integer("PRAGMA user_version"));
+  AsItIs out{std::move(database), version < kVersion};
   IRSIG_STORE_TRY(out.is_older ? check_old_schema(path, *out.database)
                                : check_schema(path, *out.database));
   return out;

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/status_macros.h"
+
 namespace irsig {
 
 absl::Status ProgressCounters::count(Database& database) {
   if (counted_) return absl::OkStatus();
-  absl::StatusOr<std::vector<CountedSweep>> sweeps = count_sweeps(database, std::nullopt);
-  if (!sweeps.ok()) return sweeps.status();
+  ASSIGN_OR_RETURN(std::vector<CountedSweep> sweeps, count_sweeps(database, std::nullopt));
   counted_.emplace();
-  for (CountedSweep& sweep : *sweeps) {
+  for (CountedSweep& sweep : sweeps) {
     const std::int64_t id = sweep.sweep_id;
     counted_->emplace(id, Sweep{std::move(sweep)});
   }
@@ -25,10 +26,9 @@ absl::StatusOr<std::vector<SweepProgress>> ProgressCounters::all(Database& datab
     if (progress.quarantined == 0) {
       progress.failures.clear();
     } else if (sweep.failures_are_old) {
-      absl::StatusOr<std::vector<std::string>> failures =
-          failures_of_sweep(database, id, progress.quarantined);
-      if (!failures.ok()) return failures.status();
-      progress.failures = *std::move(failures);
+      ASSIGN_OR_RETURN(std::vector<std::string> failures,
+                       failures_of_sweep(database, id, progress.quarantined));
+      progress.failures = std::move(failures);
     }
     sweep.failures_are_old = false;
     out.push_back(progress);
@@ -46,12 +46,10 @@ absl::StatusOr<std::string> ProgressCounters::bound_class(Database& database) {
 
 absl::Status ProgressCounters::recount(Database& database, const std::string& sweep_sha256) {
   if (!counted_) return absl::OkStatus();
-  absl::StatusOr<std::int64_t> id = sweep_id_of(database, sweep_sha256);
-  if (!id.ok()) return id.status();
-  absl::StatusOr<std::vector<CountedSweep>> sweeps = count_sweeps(database, *id);
-  if (!sweeps.ok()) return sweeps.status();
-  counted_->erase(*id);
-  for (CountedSweep& sweep : *sweeps) counted_->emplace(*id, Sweep{std::move(sweep)});
+  ASSIGN_OR_RETURN(std::int64_t id, sweep_id_of(database, sweep_sha256));
+  ASSIGN_OR_RETURN(std::vector<CountedSweep> sweeps, count_sweeps(database, id));
+  counted_->erase(id);
+  for (CountedSweep& sweep : sweeps) counted_->emplace(id, Sweep{std::move(sweep)});
   return absl::OkStatus();
 }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -25,44 +26,38 @@ constexpr std::int64_t kFailuresToQuarantine = 6;
 
 absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,
                                      std::uint64_t fencing_token) {
-  absl::StatusOr<Rows> row = database.query(sql::queued_job, job_id);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::InternalError(absl::StrCat("no job ", job_id));
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::queued_job, job_id));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return absl::InternalError(absl::StrCat("no job ", job_id));
   QueuedJob job{};
-  job.spec.set_sweep_sha256(row->text());
-  job.spec.set_job_key(row->text());
-  const absl::StatusOr<JobKind> kind = job_kind(row->integer());
-  if (!kind.ok()) return kind.status();
-  const auto heat_index = static_cast<std::uint32_t>(row->integer());
-  switch (*kind) {
+  job.spec.set_sweep_sha256(row.text());
+  job.spec.set_job_key(row.text());
+  ASSIGN_OR_RETURN(const JobKind kind, job_kind(row.integer()));
+  const auto heat_index = static_cast<std::uint32_t>(row.integer());
+  switch (kind) {
     case JobKind::kHeat:
       job.spec.mutable_heat()->set_heat(heat_index);
-      for (int of_views = 0; of_views < 3; ++of_views) row->integer();  // NULL
+      for (int of_views = 0; of_views < 3; ++of_views) row.integer();  // NULL
       break;
     case JobKind::kView: {
       schema::ViewJob& view = *job.spec.mutable_view();
-      view.set_viewpoint_index(static_cast<std::uint32_t>(row->integer()));
+      view.set_viewpoint_index(static_cast<std::uint32_t>(row.integer()));
       for (auto* list : {view.mutable_condition_index(), view.mutable_band_index()}) {
-        const absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
-        if (!values.ok()) return values.status();
-        list->Add(values->begin(), values->end());
+        ASSIGN_OR_RETURN(const std::vector<std::uint32_t> values, index_list(row.text()));
+        list->Add(values.begin(), values.end());
       }
       break;
     }
   }
-  job.state = static_cast<JobState>(row->integer());
-  job.failures = static_cast<std::uint32_t>(row->integer());
+  job.state = static_cast<JobState>(row.integer());
+  job.failures = static_cast<std::uint32_t>(row.integer());
   job.fencing_token = fencing_token;
-  absl::StatusOr<Rows> need = database.query(sql::needs_of_job, job_id);
-  if (!need.ok()) return need.status();
+  ASSIGN_OR_RETURN(Rows need, database.query(sql::needs_of_job, job_id));
   for (;;) {
-    const absl::StatusOr<bool> more = need->next();
-    if (!more.ok()) return more.status();
-    if (!*more) return job;
-    job.spec.add_needs(need->text());
-    job.output.push_back(need->text());
+    ASSIGN_OR_RETURN(const bool more, need.next());
+    if (!more) return job;
+    job.spec.add_needs(need.text());
+    job.output.push_back(need.text());
   }
 }
 
@@ -96,41 +91,34 @@ absl::StatusOr<std::optional<QueuedJob>> lease_next_job(Database& database,
   const absl::StatusOr<std::int64_t> job_id = database.integer(sql::next_waiting_job);
   if (absl::IsNotFound(job_id.status())) return std::nullopt;
   if (!job_id.ok()) return job_id.status();
-  const absl::StatusOr<std::int64_t> token =
-      database.integer(sql::insert_attempt, *job_id, worker_id, now_s);
-  if (!token.ok()) return token.status();
+  ASSIGN_OR_RETURN(const std::int64_t token,
+                   database.integer(sql::insert_attempt, *job_id, worker_id, now_s));
   IRSIG_STORE_TRY(database.run(sql::set_job_state, *job_id, static_cast<int>(JobState::kLeased)));
-  absl::StatusOr<QueuedJob> job = queued_job(database, *job_id, static_cast<std::uint64_t>(*token));
-  if (!job.ok()) return job.status();
-  return *std::move(job);
+  ASSIGN_OR_RETURN(QueuedJob job, queued_job(database, *job_id, static_cast<std::uint64_t>(token)));
+  return std::move(job);
 }
 
 absl::StatusOr<LeasedJob> leased_job(Database& database, std::uint64_t fencing_token) {
-  absl::StatusOr<Rows> row = database.query(sql::leased_job, fencing_token);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) {
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::leased_job, fencing_token));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) {
     return absl::FailedPreconditionError(
         absl::StrCat("fencing token ", fencing_token, " is not that of a current lease"));
   }
   LeasedJob job;
-  job.job_id = row->integer();
-  job.sweep_id = row->integer();
-  job.job_key = row->text();
-  const absl::StatusOr<JobKind> kind = job_kind(row->integer());
-  if (!kind.ok()) return kind.status();
-  job.kind = *kind;
-  job.heat_index = static_cast<std::uint32_t>(row->integer());
+  job.job_id = row.integer();
+  job.sweep_id = row.integer();
+  job.job_key = row.text();
+  ASSIGN_OR_RETURN(const JobKind kind, job_kind(row.integer()));
+  job.kind = kind;
+  job.heat_index = static_cast<std::uint32_t>(row.integer());
   switch (job.kind) {
     case JobKind::kHeat:
       break;
     case JobKind::kView:
-      job.view.viewpoint_id = row->integer();
+      job.view.viewpoint_id = row.integer();
       for (auto* list : {&job.view.condition_index, &job.view.band_index}) {
-        absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
-        if (!values.ok()) return values.status();
-        *list = *std::move(values);
+        ASSIGN_OR_RETURN(*list, index_list(row.text()));
       }
       break;
   }
@@ -157,12 +145,10 @@ absl::StatusOr<std::uint64_t> fail_lease(Database& database, std::uint64_t fenci
                                          const std::string& message, bool for_good) {
   IRSIG_STORE_TRY(end_lease(database, fencing_token, job.job_id, AttemptOutcome::kFailed,
                             JobState::kWaiting, message, worker_name));
-  const absl::StatusOr<std::int64_t> failures = database.integer(sql::count_failure, job.job_id);
-  if (!failures.ok()) return failures.status();
-  const absl::StatusOr<std::int64_t> workers =
-      database.integer(sql::count_failed_workers, job.job_id);
-  if (!workers.ok()) return workers.status();
-  if (!for_good && *workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine)
+  ASSIGN_OR_RETURN(const std::int64_t failures, database.integer(sql::count_failure, job.job_id));
+  ASSIGN_OR_RETURN(const std::int64_t workers,
+                   database.integer(sql::count_failed_workers, job.job_id));
+  if (!for_good && workers < kFailedWorkersToQuarantine && failures < kFailuresToQuarantine)
     return 0;
   IRSIG_STORE_TRY(
       database.run(sql::set_job_state, job.job_id, static_cast<int>(JobState::kQuarantined)));
@@ -173,50 +159,42 @@ absl::StatusOr<std::uint64_t> fail_lease(Database& database, std::uint64_t fenci
 absl::StatusOr<std::optional<KnownJob>> known_job(Database& database,
                                                   const std::string& sweep_sha256,
                                                   const std::string& job_key) {
-  const absl::StatusOr<std::int64_t> sweep_id = sweep_id_of(database, sweep_sha256);
-  if (!sweep_id.ok()) return sweep_id.status();
-  absl::StatusOr<Rows> row = database.query(sql::known_job, *sweep_id, job_key);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return std::nullopt;
-  const std::int64_t job_id = row->integer();
-  const std::uint64_t token = row->count();
-  KnownJob known{{}, row->text(), row->text()};
-  absl::StatusOr<QueuedJob> job = queued_job(database, job_id, token);
-  if (!job.ok()) return job.status();
-  known.job = *std::move(job);
+  ASSIGN_OR_RETURN(const std::int64_t sweep_id, sweep_id_of(database, sweep_sha256));
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::known_job, sweep_id, job_key));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return std::nullopt;
+  const std::int64_t job_id = row.integer();
+  const std::uint64_t token = row.count();
+  KnownJob known{{}, row.text(), row.text()};
+  ASSIGN_OR_RETURN(QueuedJob job, queued_job(database, job_id, token));
+  known.job = std::move(job);
   return known;
 }
 
 absl::StatusOr<std::uint64_t> lease_this_job(Database& database, const std::string& sweep_sha256,
                                              const std::string& job_key,
                                              const std::string& worker_id, double now_s) {
-  const absl::StatusOr<std::int64_t> sweep_id = sweep_id_of(database, sweep_sha256);
-  if (!sweep_id.ok()) return sweep_id.status();
+  ASSIGN_OR_RETURN(const std::int64_t sweep_id, sweep_id_of(database, sweep_sha256));
   const absl::StatusOr<std::int64_t> job_id =
-      database.integer(sql::job_open_to_a_result, *sweep_id, job_key);
+      database.integer(sql::job_open_to_a_result, sweep_id, job_key);
   if (absl::IsNotFound(job_id.status()))
     return absl::FailedPreconditionError(
         absl::StrCat("the job ", job_key, " is neither waiting nor quarantined"));
   if (!job_id.ok()) return job_id.status();
-  const absl::StatusOr<std::int64_t> token =
-      database.integer(sql::insert_attempt, *job_id, worker_id, now_s);
-  if (!token.ok()) return token.status();
+  ASSIGN_OR_RETURN(const std::int64_t token,
+                   database.integer(sql::insert_attempt, *job_id, worker_id, now_s));
   IRSIG_STORE_TRY(database.run(sql::set_job_state, *job_id, static_cast<int>(JobState::kLeased)));
   IRSIG_STORE_TRY(database.run(sql::revive_dependents, *job_id));
-  return static_cast<std::uint64_t>(*token);
+  return static_cast<std::uint64_t>(token);
 }
 
 absl::StatusOr<std::vector<std::uint64_t>> running_lease_tokens(Database& database) {
   std::vector<std::uint64_t> tokens;
-  absl::StatusOr<Rows> row = database.query(sql::running_tokens);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::running_tokens));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return tokens;
-    tokens.push_back(row->count());
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return tokens;
+    tokens.push_back(row.count());
   }
 }
 
@@ -245,69 +223,63 @@ absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
                                                            std::uint64_t quarantined) {
   std::vector<std::string> failures;
   std::uint64_t told = 0;
-  absl::StatusOr<Rows> row = database.query(sql::failures_of_sweep, sweep_id, kMostFailures + 1);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::failures_of_sweep, sweep_id, kMostFailures + 1));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return failures;
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return failures;
     if (failures.size() == kMostFailures) {
       failures.push_back(absl::StrCat("and ", quarantined - told, " more"));
       return failures;
     }
-    const std::int64_t first = row->integer(), last = row->integer(), jobs = row->integer();
+    const std::int64_t first = row.integer(), last = row.integer(), jobs = row.integer();
     told += static_cast<std::uint64_t>(jobs);
-    const std::string season = row->text(), worker_name = row->text();
-    const std::string message = shortened(row->text());
+    const std::string season = row.text(), worker_name = row.text();
+    const std::string message = shortened(row.text());
     const std::string which =
         absl::StrCat(jobs == 1 ? absl::StrCat("job ", first)
                                : absl::StrCat(jobs, " jobs (", first, " to ", last, ")"),
                      season.empty() ? "" : absl::StrCat(" (temperatures of \"", season, "\")"));
-    failures.push_back(row->is_null()
+    failures.push_back(row.is_null()
                            ? absl::StrCat(which, " on ", worker_name, ": ", message)
                            : absl::StrCat(which, ": ", jobs == 1 ? "needs" : "need", " job ",
-                                          row->integer(), ", which was given up"));
+                                          row.integer(), ", which was given up"));
   }
 }
 
 absl::StatusOr<std::vector<CountedSweep>> count_sweeps(Database& database,
                                                        std::optional<std::int64_t> only) {
   std::vector<CountedSweep> sweeps;
-  absl::StatusOr<Rows> row = database.query(sql::progress, only);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::progress, only));
   for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return sweeps;
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return sweeps;
     CountedSweep& sweep = sweeps.emplace_back();
-    sweep.progress.name = row->text();
-    sweep.progress.sweep_sha256 = row->text();
-    sweep.progress.jobs = row->count();
-    sweep.progress.waiting = row->count();
-    sweep.progress.leased = row->count();
-    sweep.progress.done = row->count();
-    sweep.progress.quarantined = row->count();
-    sweep.progress.cancelled = row->count();
-    sweep.progress.rays = row->count();
-    sweep.progress.worst_relative_error = row->real();
-    sweep.sweep_id = row->integer();
-    sweep.progress.heat_jobs = row->count();
-    sweep.progress.heat_done = row->count();
-    sweep.determinism_class = row->text();
-    sweep.progress.priority = static_cast<int>(row->integer());
+    sweep.progress.name = row.text();
+    sweep.progress.sweep_sha256 = row.text();
+    sweep.progress.jobs = row.count();
+    sweep.progress.waiting = row.count();
+    sweep.progress.leased = row.count();
+    sweep.progress.done = row.count();
+    sweep.progress.quarantined = row.count();
+    sweep.progress.cancelled = row.count();
+    sweep.progress.rays = row.count();
+    sweep.progress.worst_relative_error = row.real();
+    sweep.sweep_id = row.integer();
+    sweep.progress.heat_jobs = row.count();
+    sweep.progress.heat_done = row.count();
+    sweep.determinism_class = row.text();
+    sweep.progress.priority = static_cast<int>(row.integer());
   }
 }
 
 absl::StatusOr<std::vector<SweepProgress>> sweep_progress(Database& database) {
-  absl::StatusOr<std::vector<CountedSweep>> counted = count_sweeps(database, std::nullopt);
-  if (!counted.ok()) return counted.status();
+  ASSIGN_OR_RETURN(std::vector<CountedSweep> counted, count_sweeps(database, std::nullopt));
   std::vector<SweepProgress> sweeps;
-  for (CountedSweep& sweep : *counted) {
+  for (CountedSweep& sweep : counted) {
     if (sweep.progress.quarantined > 0) {
-      absl::StatusOr<std::vector<std::string>> failures =
-          failures_of_sweep(database, sweep.sweep_id, sweep.progress.quarantined);
-      if (!failures.ok()) return failures.status();
-      sweep.progress.failures = *std::move(failures);
+      ASSIGN_OR_RETURN(std::vector<std::string> failures,
+                       failures_of_sweep(database, sweep.sweep_id, sweep.progress.quarantined));
+      sweep.progress.failures = std::move(failures);
     }
     sweeps.push_back(std::move(sweep.progress));
   }

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/spectral_modes.h"
+#include "core/base/status_macros.h"
 #include "schema/store/cost.h"
 #include "schema/store/digest.h"
 #include "schema/store/find_contents.h"
@@ -28,9 +29,8 @@ class SqliteReader final : public StoreReader {
 
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) override {
     return in_one_snapshot([&]() -> absl::StatusOr<std::vector<StoredSignature>> {
-      const auto ids = find_signature_ids(database_, filter);
-      if (!ids.ok()) return ids.status();
-      return read_signatures(database_, *ids);
+      ASSIGN_OR_RETURN(const auto ids, find_signature_ids(database_, filter));
+      return read_signatures(database_, ids);
     });
   }
 
@@ -51,15 +51,12 @@ class SqliteReader final : public StoreReader {
   }
 
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) override {
-    absl::StatusOr<Rows> row = database_.query(sql::spectrum_of_signature, signature_id);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found)
-      return absl::NotFoundError(absl::StrCat("no spectrum of signature ", signature_id));
-    const std::string lambda_um = row->text();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::spectrum_of_signature, signature_id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::NotFoundError(absl::StrCat("no spectrum of signature ", signature_id));
+    const std::string lambda_um = row.text();
     std::array<std::string, kSpectrumArrays> arrays;
-    for (std::string& array : arrays) array = row->text();
+    for (std::string& array : arrays) array = row.text();
     auto spectrum = spectrum_from_blobs(lambda_um, arrays);
     if (!spectrum.ok())
       return absl::Status(
@@ -69,7 +66,7 @@ class SqliteReader final : public StoreReader {
     for (std::string* modes : {spectrum->mutable_spectral_intensity_modes(),
                                spectrum->mutable_apparent_spectral_intensity_modes(),
                                spectrum->mutable_contrast_spectral_intensity_modes()}) {
-      *modes = row->text();
+      *modes = row.text();
       if (const std::string wrong =
               wrong_modes(*modes, static_cast<std::size_t>(spectrum->lambda_um_size()));
           !wrong.empty())
@@ -86,16 +83,14 @@ class SqliteReader final : public StoreReader {
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) override {
     IRSIG_STORE_TRY(check_exists(signature_id));
     std::vector<StoredPart> parts;
-    absl::StatusOr<Rows> row = database_.query(sql::parts_of_signature, signature_id);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::parts_of_signature, signature_id));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) return parts;
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) return parts;
       StoredPart& part = parts.emplace_back();
-      part.part = row->text();
-      part.intensity_w_sr = row->real();
-      part.intensity_stderr_w_sr = row->real();
+      part.part = row.text();
+      part.intensity_w_sr = row.real();
+      part.intensity_stderr_w_sr = row.real();
     }
   }
 
@@ -110,17 +105,15 @@ class SqliteReader final : public StoreReader {
 
   absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) override {
     IRSIG_STORE_TRY(check_exists(signature_id));
-    absl::StatusOr<Rows> row = database_.query(sql::thumbnail_of_signature, signature_id);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return std::nullopt;
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::thumbnail_of_signature, signature_id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return std::nullopt;
     schema::Thumbnail thumbnail;
-    thumbnail.set_width_px(static_cast<std::uint32_t>(row->integer()));
-    thumbnail.set_height_px(static_cast<std::uint32_t>(row->integer()));
-    thumbnail.set_pixel_rad(row->real());
-    thumbnail.set_png(row->text());
-    thumbnail.set_exr(row->text());
+    thumbnail.set_width_px(static_cast<std::uint32_t>(row.integer()));
+    thumbnail.set_height_px(static_cast<std::uint32_t>(row.integer()));
+    thumbnail.set_pixel_rad(row.real());
+    thumbnail.set_png(row.text());
+    thumbnail.set_exr(row.text());
     return thumbnail;
   }
 
@@ -180,19 +173,16 @@ class SqliteReader final : public StoreReader {
   }
 
   absl::StatusOr<StoredSweep> stored_sweep(const std::string& name, SweepFiles files) {
-    absl::StatusOr<Rows> row = database_.query(sql::sweep_by_name, name);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::sweep_by_name, name));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
     StoredSweep sweep;
-    if (!sweep.resolved.ParseFromString(row->text()))
+    if (!sweep.resolved.ParseFromString(row.text()))
       return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
     if (files == SweepFiles::kNone) return sweep;
-    absl::StatusOr<HeatOutputs> heat = find_heat_outputs(database_, name);
-    if (!heat.ok()) return heat.status();
-    if (heat->size() == static_cast<std::size_t>(sweep.resolved.heat_size()))
-      sweep.heat = *std::move(heat);
+    ASSIGN_OR_RETURN(HeatOutputs heat, find_heat_outputs(database_, name));
+    if (heat.size() == static_cast<std::size_t>(sweep.resolved.heat_size()))
+      sweep.heat = std::move(heat);
     if (files == SweepFiles::kTemperatures) return sweep;
     for (const std::string& sha256 : needed_assets(sweep.resolved)) {
       absl::StatusOr<std::string> bytes = read_asset(database_, sha256);
@@ -204,11 +194,10 @@ class SqliteReader final : public StoreReader {
   }
 
   absl::Status check_exists(std::int64_t signature_id) {
-    const absl::StatusOr<std::int64_t> count =
-        database_.integer(sql::signature_exists, signature_id);
-    if (!count.ok()) return count.status();
-    return *count == 1 ? absl::OkStatus()
-                       : absl::NotFoundError(absl::StrCat("no signature ", signature_id));
+    ASSIGN_OR_RETURN(const std::int64_t count,
+                     database_.integer(sql::signature_exists, signature_id));
+    return count == 1 ? absl::OkStatus()
+                      : absl::NotFoundError(absl::StrCat("no signature ", signature_id));
   }
 
   std::unique_ptr<Database> owned_;
@@ -218,15 +207,13 @@ class SqliteReader final : public StoreReader {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open(const std::string& path) {
-  absl::StatusOr<std::unique_ptr<Database>> database = open_for_reading(path);
-  if (!database.ok()) return database.status();
-  return std::make_unique<SqliteReader>(*std::move(database));
+  ASSIGN_OR_RETURN(std::unique_ptr<Database> database, open_for_reading(path));
+  return std::make_unique<SqliteReader>(std::move(database));
 }
 
 absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open_as_it_is(const std::string& path) {
-  absl::StatusOr<AsItIs> opened = irsig::open_as_it_is(path);
-  if (!opened.ok()) return opened.status();
-  return std::make_unique<SqliteReader>(std::move(opened->database));
+  ASSIGN_OR_RETURN(AsItIs opened, irsig::open_as_it_is(path));
+  return std::make_unique<SqliteReader>(std::move(opened.database));
 }
 
 }  // namespace irsig

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/status_macros.h"
 #include "schema/assets.h"
 #include "schema/store/digest.h"
 #include "schema/store/find_signatures.h"
@@ -48,9 +49,7 @@ class Slicing {
     IRSIG_STORE_TRY(choose());
     IRSIG_STORE_TRY(database_.script(sql::slice_places));
     if (asked_.source_digest) {
-      auto digest = content_digest(database_);
-      if (!digest.ok()) return digest.status();
-      out_.source_digest = *std::move(digest);
+      ASSIGN_OR_RETURN(out_.source_digest, content_digest(database_));
     }
     IRSIG_STORE_TRY(copy_sweeps());
     IRSIG_STORE_TRY(check_assets(database_, sql::slice_heat_outputs));
@@ -62,14 +61,11 @@ class Slicing {
 
  private:
   absl::Status choose() {
-    const auto ids = find_signature_ids(database_, asked_.filter);
-    if (!ids.ok()) return ids.status();
-    for (const std::int64_t id : *ids) IRSIG_STORE_TRY(database_.run(sql::slice_keep, id));
-    const auto rows = database_.integer(sql::slice_count);
-    if (!rows.ok()) return rows.status();
-    if (*rows == 0)
-      return absl::NotFoundError("nothing to slice: no signature matches the filters");
-    out_.rows = static_cast<std::uint64_t>(*rows);
+    ASSIGN_OR_RETURN(const auto ids, find_signature_ids(database_, asked_.filter));
+    for (const std::int64_t id : ids) IRSIG_STORE_TRY(database_.run(sql::slice_keep, id));
+    ASSIGN_OR_RETURN(const auto rows, database_.integer(sql::slice_count));
+    if (rows == 0) return absl::NotFoundError("nothing to slice: no signature matches the filters");
+    out_.rows = static_cast<std::uint64_t>(rows);
     return absl::OkStatus();
   }
 
@@ -82,18 +78,16 @@ class Slicing {
   absl::Status copy_sweeps() {
     std::vector<Sweep> sweeps;
     {
-      absl::StatusOr<Rows> row = database_.query(sql::slice_sweeps);
-      if (!row.ok()) return row.status();
+      ASSIGN_OR_RETURN(Rows row, database_.query(sql::slice_sweeps));
       for (;;) {
-        const absl::StatusOr<bool> found = row->next();
-        if (!found.ok()) return found.status();
-        if (!*found) break;
+        ASSIGN_OR_RETURN(const bool found, row.next());
+        if (!found) break;
         Sweep& sweep = sweeps.emplace_back();
-        sweep.id = row->integer();
-        sweep.sha256 = row->text();
-        sweep.resolved = row->text();
-        sweep.source_rows = row->count();
-        sweep.rows = row->count();
+        sweep.id = row.integer();
+        sweep.sha256 = row.text();
+        sweep.resolved = row.text();
+        sweep.source_rows = row.count();
+        sweep.rows = row.count();
       }
     }
     for (const Sweep& sweep : sweeps) {
@@ -107,15 +101,15 @@ class Slicing {
     schema::ResolvedSweep resolved;
     if (!resolved.ParseFromString(sweep.resolved))
       return absl::DataLossError(absl::StrCat("the sweep ", sweep.sha256, " cannot be read"));
-    const auto viewpoints = places(sql::slice_viewpoints, sweep.id, resolved.viewpoint_size());
-    if (!viewpoints.ok()) return viewpoints.status();
-    const auto conditions = places(sql::slice_conditions, sweep.id, resolved.condition_size());
-    if (!conditions.ok()) return conditions.status();
-    const auto bands = places(sql::slice_bands, sweep.id, resolved.sweep().band_size());
-    if (!bands.ok()) return bands.status();
-    keep(*resolved.mutable_viewpoint(), *viewpoints);
-    keep(*resolved.mutable_condition(), *conditions);
-    keep(*resolved.mutable_sweep()->mutable_band(), *bands);
+    ASSIGN_OR_RETURN(const auto viewpoints,
+                     places(sql::slice_viewpoints, sweep.id, resolved.viewpoint_size()));
+    ASSIGN_OR_RETURN(const auto conditions,
+                     places(sql::slice_conditions, sweep.id, resolved.condition_size()));
+    ASSIGN_OR_RETURN(const auto bands,
+                     places(sql::slice_bands, sweep.id, resolved.sweep().band_size()));
+    keep(*resolved.mutable_viewpoint(), viewpoints);
+    keep(*resolved.mutable_condition(), conditions);
+    keep(*resolved.mutable_sweep()->mutable_band(), bands);
     IRSIG_STORE_TRY(keep_heat(resolved, sweep.id));
     IRSIG_STORE_TRY(keep_plumes(resolved));
     resolved.clear_shard();  // its viewpoints have other places now
@@ -128,11 +122,11 @@ class Slicing {
     slice.set_rows(sweep.rows);
     // Never that of a sweep that somebody submits: its lists are others.
     const std::string sha256 = sha256_of(absl::StrCat(
-        "irsig slice\n", sweep.sha256, "\nviewpoints ", absl::StrJoin(*viewpoints, ","),
-        "\nconditions ", absl::StrJoin(*conditions, ","), "\nbands ", absl::StrJoin(*bands, ",")));
+        "irsig slice\n", sweep.sha256, "\nviewpoints ", absl::StrJoin(viewpoints, ","),
+        "\nconditions ", absl::StrJoin(conditions, ","), "\nbands ", absl::StrJoin(bands, ",")));
     IRSIG_STORE_TRY(database_.run(sql::slice_sweep, sweep.id));
-    IRSIG_STORE_TRY(database_.run(sql::slice_change_sweep, sweep.id, sha256, viewpoints->size(),
-                                  conditions->size(), bands->size(),
+    IRSIG_STORE_TRY(database_.run(sql::slice_change_sweep, sweep.id, sha256, viewpoints.size(),
+                                  conditions.size(), bands.size(),
                                   Blob{resolved.SerializeAsString()}));
     for (const std::string& asset : needed_assets(resolved)) {
       IRSIG_STORE_TRY(check_asset(database_, asset));
@@ -144,13 +138,11 @@ class Slicing {
 
   absl::StatusOr<Places> places(const char* sql, std::int64_t sweep_id, int size) {
     Places out;
-    absl::StatusOr<Rows> row = database_.query(sql, sweep_id);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql, sweep_id));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
-      out.push_back(static_cast<int>(row->integer()));
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
+      out.push_back(static_cast<int>(row.integer()));
     }
     IRSIG_STORE_TRY(within(out, size));
     return out;
@@ -207,11 +199,11 @@ class Slicing {
   absl::Status copy_signatures() {
     std::int64_t after = 0;
     for (std::uint64_t done = 0; done < out_.rows;) {
-      const auto last = database_.integer(sql::slice_last_after, after, kCopiedAtOnce);
-      if (!last.ok()) return last.status();
+      ASSIGN_OR_RETURN(const auto last,
+                       database_.integer(sql::slice_last_after, after, kCopiedAtOnce));
       for (const char* table : kCopiedOfSignatures)
-        IRSIG_STORE_TRY(database_.run(table, after, *last));
-      after = *last;
+        IRSIG_STORE_TRY(database_.run(table, after, last));
+      after = last;
       done = std::min(out_.rows, done + kCopiedAtOnce);
       if (progress_) IRSIG_STORE_TRY(progress_(done, out_.rows));
     }
@@ -227,18 +219,17 @@ class Slicing {
 
 absl::StatusOr<Sliced> copy(const std::string& from, const SliceAsked& asked,
                             const std::string& beside, const SliceProgress& progress) {
-  const auto database = open_for_reading(from, true);
-  if (!database.ok()) return database.status();
-  IRSIG_STORE_TRY((*database)->attach(sql::slice_attach, beside));
+  ASSIGN_OR_RETURN(const auto database, open_for_reading(from, true));
+  IRSIG_STORE_TRY(database->attach(sql::slice_attach, beside));
   // Nobody knows of the file before it is complete. Its pages and the source's: 64 MB each.
   IRSIG_STORE_TRY(
-      (*database)->script("PRAGMA slice.synchronous = OFF; PRAGMA slice.journal_mode = MEMORY;"
-                          "PRAGMA slice.cache_size = -65536; PRAGMA main.cache_size = -65536;"
-                          "PRAGMA temp_store = MEMORY; BEGIN"));
+      database->script("PRAGMA slice.synchronous = OFF; PRAGMA slice.journal_mode = MEMORY;"
+                       "PRAGMA slice.cache_size = -65536; PRAGMA main.cache_size = -65536;"
+                       "PRAGMA temp_store = MEMORY; BEGIN"));
   const std::string name = std::filesystem::path(from).filename().string();
-  absl::StatusOr<Sliced> sliced = Slicing(**database, asked, name, progress).run();
+  absl::StatusOr<Sliced> sliced = Slicing(*database, asked, name, progress).run();
   if (!sliced.ok()) return sliced;
-  IRSIG_STORE_TRY((*database)->script("COMMIT"));
+  IRSIG_STORE_TRY(database->script("COMMIT"));
   return sliced;
 }
 
@@ -251,14 +242,11 @@ absl::StatusOr<Sliced> slice_database(const std::string& from, const SliceAsked&
     // What is wrong with the source comes first.
     if (const auto source = open_for_reading(from); !source.ok()) return source.status();
     IRSIG_STORE_TRY(make_empty_database(beside));
-    absl::StatusOr<Sliced> sliced = copy(from, asked, beside, progress);
-    if (!sliced.ok()) return sliced.status();
-    const auto reader = StoreReader::open(beside);
-    if (!reader.ok()) return reader.status();
-    auto digest = (*reader)->digest();
-    if (!digest.ok()) return digest.status();
-    out = *std::move(sliced);
-    out.digest = *std::move(digest);
+    ASSIGN_OR_RETURN(Sliced sliced, copy(from, asked, beside, progress));
+    ASSIGN_OR_RETURN(const auto reader, StoreReader::open(beside));
+    ASSIGN_OR_RETURN(auto digest, reader->digest());
+    out = std::move(sliced);
+    out.digest = std::move(digest);
     return absl::OkStatus();
   });
   if (!made.ok()) return made;

@@ -84,7 +84,7 @@ struct StoredJobCost {
   std::uint64_t job_index = 0, viewpoint_index = 0;
   double cpu_s = 0;
   std::uint64_t samples = 0, replicates = 0, target_paths = 0, rays = 0;
-  std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_path_limit = 0;
+  std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, truncated_paths = 0;
   std::optional<std::uint64_t> guarded_negative;  // nullopt: was not counted
   std::string worker_name;
   double leased_unix_s = 0;
@@ -115,8 +115,8 @@ struct StoredHeatJob {
 // How the rows of a sweep ended.
 struct StoredOutcome {
   std::vector<std::pair<std::string, std::uint64_t>> stop;  // by reason, in the table's order
-  std::uint64_t backface_views = 0;                         // with a backface_share above 0
-  double largest_backface_share = 0;
+  std::uint64_t backface_views = 0;                         // with a backface_fraction above 0
+  double largest_backface_fraction = 0;
 };
 
 // The writing side of a signature database: the coordinator is its only user. Not thread-safe: one
@@ -183,10 +183,11 @@ class StoreWriter {
   // Keeps a result that differs from what is stored of its job; of equal ones the first. False:
   // there are kMostAside already.
   static constexpr std::int64_t kMostAside = 1000;
-  virtual absl::StatusOr<bool> keep_aside(const std::string& sweep_sha256,
-                                          const schema::JobResult& result,
-                                          const std::string& content_sha256,
-                                          const std::string& worker_name, double now_s) = 0;
+  virtual absl::StatusOr<bool> store_conflicting_result(const std::string& sweep_sha256,
+                                                        const schema::JobResult& result,
+                                                        const std::string& content_sha256,
+                                                        const std::string& worker_name,
+                                                        double now_s) = 0;
   virtual absl::StatusOr<std::uint64_t> results_aside() = 0;
   // A done job waits again: another result than the stored one turned out to be right.
   virtual absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key) = 0;
@@ -274,7 +275,7 @@ struct StoredSignature {
   std::uint64_t samples, target_paths, rays;
   std::uint32_t replicates;
   double seconds;
-  std::uint64_t guarded_backface_hits, guarded_nonfinite, guarded_path_limit;
+  std::uint64_t guarded_backface_hits, guarded_nonfinite, truncated_paths;
   std::optional<std::uint64_t> guarded_negative;  // nullopt: was not counted
   std::string job_key, seed_hex, determinism_class, build_id;
   bool superseded;  // of an earlier version of its sweep, until its replacement is stored
@@ -300,10 +301,10 @@ struct StoredEffect {
   std::string effect;
   std::string
       state;  // on, off (its bound is part of the numerical error), absent (nothing causes it)
-  std::string reason;  // always, not_in_scene, within_share, above_share, other_row, no_goal,
+  std::string reason;  // always, not_in_scene, within_fraction, above_fraction, other_row, no_goal,
                        // unbounded, forced, not_worth
   double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
-  double share_w_sr;
+  double fraction_w_sr;
   double time_s;  // of the whole view, an estimate: spent (on) or saved (off)
 };
 
@@ -319,8 +320,8 @@ struct StoredInput {
 
 // Where light that the sensor would send out ends.
 struct StoredEnergy {
-  double absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower,
-      escaped_to_lower_stderr, cut_off, cut_off_stderr, balance, balance_stderr;
+  double absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_surface,
+      escaped_to_surface_stderr, cut_off, cut_off_stderr, balance, balance_stderr;
 };
 
 struct StoredLedger {

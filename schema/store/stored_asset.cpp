@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
 
@@ -11,9 +12,8 @@ namespace irsig {
 namespace {
 
 absl::Status damaged(Database& database, const std::string& sha256) {
-  const absl::StatusOr<std::string> what = describe_asset(database, sha256);
-  if (!what.ok()) return what.status();
-  return absl::DataLossError(absl::StrCat(database.path(), ": the asset ", *what,
+  ASSIGN_OR_RETURN(const std::string what, describe_asset(database, sha256));
+  return absl::DataLossError(absl::StrCat(database.path(), ": the asset ", what,
                                           " is damaged: its bytes have another SHA-256; ",
                                           how_to_replace_asset(database.path())));
 }
@@ -22,12 +22,10 @@ absl::Status damaged(Database& database, const std::string& sha256) {
 template <typename Read>
 absl::Status with_asset(Database& database, const std::string& sha256, const Read& read) {
   {
-    absl::StatusOr<Rows> row = database.query(sql::asset_bytes, sha256);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::NotFoundError(absl::StrCat("no asset ", sha256));
-    const std::string_view bytes = row->blob();
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::asset_bytes, sha256));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::NotFoundError(absl::StrCat("no asset ", sha256));
+    const std::string_view bytes = row.blob();
     if (sha256_of(bytes) == sha256) {
       read(bytes);
       return absl::OkStatus();
@@ -40,12 +38,10 @@ absl::Status with_asset(Database& database, const std::string& sha256, const Rea
 absl::Status store_file(Database& database, const Asset& asset, const char* make_room) {
   constexpr std::size_t kPieceBytes = 1 << 20;
   const std::uint64_t size = asset.file->size();
-  const absl::StatusOr<std::int64_t> row = database.integer(make_room, asset.sha256, size);
-  if (!row.ok()) return row.status();
+  ASSIGN_OR_RETURN(const std::int64_t row, database.integer(make_room, asset.sha256, size));
   for (std::uint64_t at = 0; at < size; at += kPieceBytes) {
-    const absl::StatusOr<std::string> piece = asset.file->read(at, kPieceBytes);
-    if (!piece.ok()) return piece.status();
-    IRSIG_STORE_TRY(database.write_blob("asset", "bytes", *row, at, *piece));
+    ASSIGN_OR_RETURN(const std::string piece, asset.file->read(at, kPieceBytes));
+    IRSIG_STORE_TRY(database.write_blob("asset", "bytes", row, at, piece));
   }
   return absl::OkStatus();
 }
@@ -66,12 +62,10 @@ absl::Status check_asset(Database& database, const std::string& sha256) {
 absl::Status check_heat_output(Database& database, std::int64_t job_id) {
   std::string sha256;
   {
-    absl::StatusOr<Rows> row = database.query(sql::heat_output_of_job, job_id);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::NotFoundError(absl::StrCat("no output of the job ", job_id));
-    sha256 = row->text();
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::heat_output_of_job, job_id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return absl::NotFoundError(absl::StrCat("no output of the job ", job_id));
+    sha256 = row.text();
   }
   return check_asset(database, sha256);
 }
@@ -79,13 +73,11 @@ absl::Status check_heat_output(Database& database, std::int64_t job_id) {
 absl::Status check_assets(Database& database, const char* listed) {
   std::vector<std::string> hashes;
   {
-    absl::StatusOr<Rows> row = database.query(listed);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database.query(listed));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
-      hashes.push_back(row->text());
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
+      hashes.push_back(row.text());
     }
   }
   for (const std::string& sha256 : hashes) IRSIG_STORE_TRY(check_asset(database, sha256));
@@ -108,14 +100,12 @@ absl::Status store_asset(Database& database, const std::string& sha256, std::str
 }
 
 absl::StatusOr<std::string> describe_asset(Database& database, const std::string& sha256) {
-  absl::StatusOr<Rows> row = database.query(sql::asset_use, sha256);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::StrCat(sha256, " (of no sweep)");
-  const std::string sweep = row->text();
-  if (row->is_null()) return absl::StrCat(sha256, " (a file of the sweep \"", sweep, "\")");
-  return absl::StrCat(sha256, " (temperatures computed for the season \"", row->text(),
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::asset_use, sha256));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return absl::StrCat(sha256, " (of no sweep)");
+  const std::string sweep = row.text();
+  if (row.is_null()) return absl::StrCat(sha256, " (a file of the sweep \"", sweep, "\")");
+  return absl::StrCat(sha256, " (temperatures computed for the season \"", row.text(),
                       "\" of the sweep \"", sweep, "\")");
 }
 
@@ -128,13 +118,11 @@ std::string how_to_replace_asset(const std::string& database_path) {
 absl::StatusOr<std::uint64_t> reopen_damaged_heat_jobs(Database& database) {
   std::vector<std::string> outputs;
   {
-    absl::StatusOr<Rows> row = database.query(sql::heat_outputs);
-    if (!row.ok()) return row.status();
+    ASSIGN_OR_RETURN(Rows row, database.query(sql::heat_outputs));
     for (;;) {
-      const absl::StatusOr<bool> found = row->next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
-      outputs.push_back(row->text());
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
+      outputs.push_back(row.text());
     }
   }
   std::uint64_t jobs = 0;

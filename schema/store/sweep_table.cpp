@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/status_macros.h"
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/util/json_util.h"
@@ -295,20 +296,17 @@ class SweepUpdate {
   }
 
   absl::StatusOr<std::uint64_t> count_jobs_to_compute() {
-    const absl::StatusOr<std::int64_t> count =
-        database_.integer(sql::count_jobs_to_compute, sweep_id_);
-    if (!count.ok()) return count.status();
-    return static_cast<std::uint64_t>(*count);
+    ASSIGN_OR_RETURN(const std::int64_t count,
+                     database_.integer(sql::count_jobs_to_compute, sweep_id_));
+    return static_cast<std::uint64_t>(count);
   }
 
  private:
   absl::Status check_shard() {
-    absl::StatusOr<Rows> row = database_.query(sql::resolved_sweep_by_id, sweep_id_);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::resolved_sweep_by_id, sweep_id_));
+    ASSIGN_OR_RETURN(const bool found, row.next());
     schema::ResolvedSweep stored;
-    if (!stored.ParseFromString(row->text()))
+    if (!stored.ParseFromString(row.text()))
       return absl::DataLossError(
           absl::StrCat("the sweep \"", sweep_.sweep().name(), "\" cannot be read"));
     return check_may_replace(stored, sweep_);
@@ -318,27 +316,29 @@ class SweepUpdate {
     const schema::Condition& condition = sweep_.condition(index);
     const schema::Surroundings& around = condition.surroundings();
     using S = schema::Surroundings;
-    const absl::StatusOr<std::optional<std::string>> weather = weather_text(condition);
-    if (!weather.ok()) return weather.status();
+    ASSIGN_OR_RETURN(const std::optional<std::string> weather, weather_text(condition));
     const HeatPlace place = heat_place(condition, sweep_);
-    const absl::StatusOr<std::int64_t> id = database_.integer(
-        sql::insert_condition, sweep_id_, definition, index, condition.season(),
-        condition.time_utc(), condition.sun_irradiance_w_m2(), condition.air_temperature_k(),
-        around.kind(), if_key_stated(around.has_sky_temperature_k(), &S::sky_temperature_k, around),
-        if_key_stated(around.has_sky_radiance_w_m2_sr_um(), &S::sky_radiance_w_m2_sr_um, around),
-        if_key_stated(around.has_sea_temperature_k(), &S::sea_temperature_k, around),
-        if_key_stated(around.has_sea_emissivity(), &S::sea_emissivity, around),
-        if_key_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um,
-                      around),
-        around.has_sea_model() ? std::optional<std::string>(around.sea_model()) : std::nullopt,
-        if_key_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
-        if_key_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), *weather,
-        warnings(condition), field_text(condition), place.heat_index, place.time_index);
-    if (!id.ok()) return id.status();
+    ASSIGN_OR_RETURN(
+        const std::int64_t id,
+        database_.integer(
+            sql::insert_condition, sweep_id_, definition, index, condition.season(),
+            condition.time_utc(), condition.sun_irradiance_w_m2(), condition.air_temperature_k(),
+            around.kind(),
+            if_key_stated(around.has_sky_temperature_k(), &S::sky_temperature_k, around),
+            if_key_stated(around.has_sky_radiance_w_m2_sr_um(), &S::sky_radiance_w_m2_sr_um,
+                          around),
+            if_key_stated(around.has_sea_temperature_k(), &S::sea_temperature_k, around),
+            if_key_stated(around.has_sea_emissivity(), &S::sea_emissivity, around),
+            if_key_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um,
+                          around),
+            around.has_sea_model() ? std::optional<std::string>(around.sea_model()) : std::nullopt,
+            if_key_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
+            if_key_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), weather,
+            warnings(condition), field_text(condition), place.heat_index, place.time_index));
     const auto& by_field = condition.temperature_field().part();
     for (std::size_t part = 0; part < part_ids_.size(); ++part) {
       if (std::find(by_field.begin(), by_field.end(), part) != by_field.end()) continue;
-      IRSIG_STORE_TRY(database_.run(sql::insert_part_temperature, *id, part_ids_[part],
+      IRSIG_STORE_TRY(database_.run(sql::insert_part_temperature, id, part_ids_[part],
                                     condition.part_temperature_k(static_cast<int>(part))));
     }
     return absl::OkStatus();
@@ -353,31 +353,27 @@ class SweepUpdate {
   };
 
   absl::StatusOr<std::optional<KnownJob>> known_job(const std::string& job_key) {
-    absl::StatusOr<Rows> row = database_.query(sql::job_by_key, sweep_id_, job_key);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return std::nullopt;
+    ASSIGN_OR_RETURN(Rows row, database_.query(sql::job_by_key, sweep_id_, job_key));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return std::nullopt;
     KnownJob job;
-    job.job_id = row->integer();
-    job.state = static_cast<JobState>(row->integer());
-    const absl::StatusOr<JobKind> kind = job_kind(row->integer());
-    if (!kind.ok()) return kind.status();
-    job.kind = *kind;
-    job.viewpoint_id = row->integer();
-    job.condition_index = row->text();
-    job.band_index = row->text();
+    job.job_id = row.integer();
+    job.state = static_cast<JobState>(row.integer());
+    ASSIGN_OR_RETURN(const JobKind kind, job_kind(row.integer()));
+    job.kind = kind;
+    job.viewpoint_id = row.integer();
+    job.condition_index = row.text();
+    job.band_index = row.text();
     return job;
   }
 
   absl::Status put_job(const schema::JobSpec& spec, std::size_t index) {
-    const absl::StatusOr<std::optional<KnownJob>> known = known_job(spec.job_key());
-    if (!known.ok()) return known.status();
+    ASSIGN_OR_RETURN(const std::optional<KnownJob> known, known_job(spec.job_key()));
     switch (spec.kind_case()) {
       case schema::JobSpec::kView:
-        return put_view_job(spec.job_key(), spec.view(), index, *known);
+        return put_view_job(spec.job_key(), spec.view(), index, known);
       case schema::JobSpec::kHeat:
-        return put_heat_job(spec.job_key(), spec.heat(), index, *known);
+        return put_heat_job(spec.job_key(), spec.heat(), index, known);
       case schema::JobSpec::KIND_NOT_SET:
         break;
     }
@@ -401,11 +397,10 @@ class SweepUpdate {
     if (job.state == JobState::kDone) {
       // All its signatures must still be there (a version of the sweep in between may have replaced
       // some) and mean what they meant.
-      const absl::StatusOr<std::int64_t> signatures =
-          database_.integer(sql::count_current_signatures, job.job_id);
-      if (!signatures.ok()) return signatures.status();
+      ASSIGN_OR_RETURN(const std::int64_t signatures,
+                       database_.integer(sql::count_current_signatures, job.job_id));
       const int expected = spec.condition_index_size() * spec.band_index_size();
-      if (*signatures == expected && job.viewpoint_id == viewpoint_id) state = JobState::kDone;
+      if (signatures == expected && job.viewpoint_id == viewpoint_id) state = JobState::kDone;
     } else if (job.state == JobState::kLeased) {
       // The worker's result will name conditions and bands by the indices that it was given.
       const bool same = job.condition_index == condition_index && job.band_index == band_index;
@@ -423,10 +418,9 @@ class SweepUpdate {
                             std::size_t index, const std::optional<KnownJob>& known) {
     const schema::HeatRun& run = sweep_.heat(static_cast<int>(spec.heat()));
     if (!known) {
-      const absl::StatusOr<std::int64_t> id =
-          database_.integer(sql::insert_heat_job, sweep_id_, job_key, index);
-      if (!id.ok()) return id.status();
-      return database_.run(sql::insert_heat_run, *id, spec.heat(), run.season());
+      ASSIGN_OR_RETURN(const std::int64_t id,
+                       database_.integer(sql::insert_heat_job, sweep_id_, job_key, index));
+      return database_.run(sql::insert_heat_run, id, spec.heat(), run.season());
     }
     if (known->kind != JobKind::kHeat)
       return absl::InvalidArgumentError(
@@ -436,12 +430,11 @@ class SweepUpdate {
       state = JobState::kLeased;  // its result names parts and times of the run, which are the same
     } else if (known->state == JobState::kDone) {
       // A version of the sweep in between may have had fewer times.
-      const absl::StatusOr<std::int64_t> stored =
-          database_.integer(sql::count_computed_temperatures, known->job_id);
-      if (!stored.ok()) return stored.status();
+      ASSIGN_OR_RETURN(const std::int64_t stored,
+                       database_.integer(sql::count_computed_temperatures, known->job_id));
       const absl::Status output = check_heat_output(database_, known->job_id);
       if (!output.ok() && !absl::IsNotFound(output) && !absl::IsDataLoss(output)) return output;
-      if (*stored == computed_temperatures_of(run) && output.ok()) state = JobState::kDone;
+      if (stored == computed_temperatures_of(run) && output.ok()) state = JobState::kDone;
     }
     IRSIG_STORE_TRY(database_.run(sql::place_heat_run, known->job_id, spec.heat()));
     return database_.run(sql::revive_job, known->job_id, index, static_cast<int>(state));
@@ -461,8 +454,7 @@ absl::StatusOr<StoreWriter::Added> store_sweep(Database& database,
                                                const std::vector<schema::JobSpec>& jobs,
                                                const std::vector<Asset>& assets) {
   IRSIG_STORE_TRY(check_sweep(sweep, sweep_sha256, jobs));
-  absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
-  if (!savepoint.ok()) return savepoint.status();
+  ASSIGN_OR_RETURN(std::unique_ptr<Savepoint> savepoint, Savepoint::open(database));
   SweepUpdate update(database, sweep);
   IRSIG_STORE_TRY(update.put_sweep(sweep_sha256));
   IRSIG_STORE_TRY(update.put_assets(assets, sweep_sha256));
@@ -473,10 +465,9 @@ absl::StatusOr<StoreWriter::Added> store_sweep(Database& database,
   IRSIG_STORE_TRY(update.put_viewpoints());
   IRSIG_STORE_TRY(update.put_jobs(jobs));
   IRSIG_STORE_TRY(update.remove_what_is_gone());
-  const absl::StatusOr<std::uint64_t> to_compute = update.count_jobs_to_compute();
-  if (!to_compute.ok()) return to_compute.status();
-  IRSIG_STORE_TRY((*savepoint)->keep());
-  return StoreWriter::Added{.jobs = jobs.size(), .to_compute = *to_compute};
+  ASSIGN_OR_RETURN(const std::uint64_t to_compute, update.count_jobs_to_compute());
+  IRSIG_STORE_TRY(savepoint->keep());
+  return StoreWriter::Added{.jobs = jobs.size(), .to_compute = to_compute};
 }
 
 UnitVector unit_vector(double aspect_azimuth_deg, double aspect_elevation_deg) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/database.h"
 #include "schema/store/store.h"
 #include "schema/store/writer_lock.h"
@@ -55,10 +56,9 @@ bool has_writer_lock(const std::string& path) { return exists(lock_path(real_pat
 absl::Status check_has_its_journal(const std::string& name, const std::string& path,
                                    bool holds_lock) {
   for (int look = 0; look < kLooks; ++look) {
-    const absl::StatusOr<FileHeader> header = read_file_header(path);
-    if (!header.ok()) return header.status();
+    ASSIGN_OR_RETURN(const FileHeader header, read_file_header(path));
     // A rollback journal: the header itself is being changed, or was when its writer was killed.
-    if (!header->write_ahead_log || has_journal(path) || exists(path + "-journal"))
+    if (!header.write_ahead_log || has_journal(path) || exists(path + "-journal"))
       return absl::OkStatus();
     const LockFile lock = read_lock_file(path);
     if ((lock.held && !holds_lock) || lock.whole_without_journal) return absl::OkStatus();

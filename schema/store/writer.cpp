@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "schema/store/content.h"
 #include "schema/store/cost.h"
 #include "schema/store/ingest.h"
@@ -19,12 +20,10 @@ namespace {
 constexpr int kPatienceAtTheEnd_ms = 1000;
 
 absl::StatusOr<std::string> resolved_sweep(Database& database, const std::string& sha256) {
-  absl::StatusOr<Rows> row = database.query(sql::resolved_sweep_by_sha256, sha256);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  if (!*found) return absl::NotFoundError(absl::StrCat("no asset ", sha256));
-  return row->text();
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::resolved_sweep_by_sha256, sha256));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return absl::NotFoundError(absl::StrCat("no asset ", sha256));
+  return row.text();
 }
 
 class SqliteWriter final : public StoreWriter {
@@ -98,11 +97,10 @@ class SqliteWriter final : public StoreWriter {
 
   absl::Status release(std::uint64_t fencing_token, const std::string& reason) override {
     IRSIG_STORE_TRY(require_transaction());
-    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
-    if (!job.ok()) return job.status();
-    IRSIG_STORE_TRY(end_lease(database_, fencing_token, job->job_id, AttemptOutcome::kReleased,
+    ASSIGN_OR_RETURN(const LeasedJob job, leased_job(database_, fencing_token));
+    IRSIG_STORE_TRY(end_lease(database_, fencing_token, job.job_id, AttemptOutcome::kReleased,
                               JobState::kWaiting, reason, ""));
-    counters_.released(job->sweep_id);
+    counters_.released(job.sweep_id);
     return absl::OkStatus();
   }
 
@@ -126,9 +124,8 @@ class SqliteWriter final : public StoreWriter {
                                           double now_s) override {
     IRSIG_STORE_TRY(require_transaction());
     // After a restart every worker returns what it had leased before: nothing is counted anew.
-    const auto known = known_job(database_, sweep_sha256, job_key);
-    if (!known.ok()) return known.status();
-    const bool waits = known->has_value() && (*known)->job.state == JobState::kWaiting;
+    ASSIGN_OR_RETURN(const auto known, known_job(database_, sweep_sha256, job_key));
+    const bool waits = known.has_value() && known->job.state == JobState::kWaiting;
     const auto token = lease_this_job(database_, sweep_sha256, job_key, worker_id, now_s);
     if (waits && token.ok()) {
       counters_.leased(sweep_sha256);
@@ -138,22 +135,22 @@ class SqliteWriter final : public StoreWriter {
     return token;
   }
 
-  absl::StatusOr<bool> keep_aside(const std::string& sweep_sha256, const schema::JobResult& result,
-                                  const std::string& content, const std::string& worker_name,
-                                  double now_s) override {
+  absl::StatusOr<bool> store_conflicting_result(const std::string& sweep_sha256,
+                                                const schema::JobResult& result,
+                                                const std::string& content,
+                                                const std::string& worker_name,
+                                                double now_s) override {
     IRSIG_STORE_TRY(require_transaction());
-    const absl::StatusOr<std::uint64_t> there = results_aside();
-    if (!there.ok()) return there.status();
-    if (*there >= static_cast<std::uint64_t>(kMostAside)) return false;
+    ASSIGN_OR_RETURN(const std::uint64_t there, results_aside());
+    if (there >= static_cast<std::uint64_t>(kMostAside)) return false;
     IRSIG_STORE_TRY(database_.run(sql::insert_result_aside, sweep_sha256, result.job_key(),
                                   worker_name, now_s, content, Blob{result.SerializeAsString()}));
     return true;
   }
 
   absl::StatusOr<std::uint64_t> results_aside() override {
-    const absl::StatusOr<std::int64_t> count = database_.integer(sql::count_results_aside);
-    if (!count.ok()) return count.status();
-    return static_cast<std::uint64_t>(*count);
+    ASSIGN_OR_RETURN(const std::int64_t count, database_.integer(sql::count_results_aside));
+    return static_cast<std::uint64_t>(count);
   }
 
   absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key) override {
@@ -174,24 +171,21 @@ class SqliteWriter final : public StoreWriter {
   absl::Status fail(std::uint64_t fencing_token, const std::string& worker_name,
                     const std::string& message, bool for_good) override {
     IRSIG_STORE_TRY(require_transaction());
-    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
-    if (!job.ok()) return job.status();
-    const absl::StatusOr<std::uint64_t> quarantined =
-        fail_lease(database_, fencing_token, *job, worker_name, message, for_good);
-    if (!quarantined.ok()) return quarantined.status();
-    counters_.failed(job->sweep_id, *quarantined);
+    ASSIGN_OR_RETURN(const LeasedJob job, leased_job(database_, fencing_token));
+    ASSIGN_OR_RETURN(const std::uint64_t quarantined,
+                     fail_lease(database_, fencing_token, job, worker_name, message, for_good));
+    counters_.failed(job.sweep_id, quarantined);
     return absl::OkStatus();
   }
 
   absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
                         const std::string& worker_name, const std::string& content) override {
     IRSIG_STORE_TRY(require_transaction());
-    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
-    if (!job.ok()) return job.status();
-    IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name,
+    ASSIGN_OR_RETURN(const LeasedJob job, leased_job(database_, fencing_token));
+    IRSIG_STORE_TRY(store_result(database_, job, result, worker_name,
                                  content.empty() ? content_sha256(result) : content));
-    IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job->job_id, worker_name));
-    counters_.done(*job, result.rays(), worst_relative_error(result));
+    IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job.job_id, worker_name));
+    counters_.done(job, result.rays(), worst_relative_error(result));
     return absl::OkStatus();
   }
 
@@ -204,12 +198,11 @@ class SqliteWriter final : public StoreWriter {
   absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
                                  const std::string& determinism_class) override {
     IRSIG_STORE_TRY(require_transaction());
-    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
-    if (!job.ok()) return job.status();
-    const absl::StatusOr<bool> copied = copy_twin(database_, *job, determinism_class);
+    ASSIGN_OR_RETURN(const LeasedJob job, leased_job(database_, fencing_token));
+    const absl::StatusOr<bool> copied = copy_twin(database_, job, determinism_class);
     if (!copied.ok() || !*copied) return copied;
-    IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job->job_id, "another sweep's"));
-    counters_.done(*job, 0, 0);  // of a heat job, at no cost
+    IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job.job_id, "another sweep's"));
+    counters_.done(job, 0, 0);  // of a heat job, at no cost
     return true;
   }
 
@@ -227,9 +220,8 @@ class SqliteWriter final : public StoreWriter {
   }
 
   absl::StatusOr<std::uint32_t> physics_version(const std::string& sweep_sha256) override {
-    const auto version = database_.integer(sql::physics_version, sweep_sha256);
-    if (!version.ok()) return version.status();
-    return static_cast<std::uint32_t>(*version);
+    ASSIGN_OR_RETURN(const auto version, database_.integer(sql::physics_version, sweep_sha256));
+    return static_cast<std::uint32_t>(version);
   }
 
   absl::Status set_priority(const std::string& sweep_sha256, int priority) override {
@@ -252,11 +244,10 @@ class SqliteWriter final : public StoreWriter {
 
   absl::Status bind_determinism_class(const std::string& determinism_class) override {
     IRSIG_STORE_TRY(require_transaction());
-    const absl::StatusOr<std::string> bound = counters_.bound_class(database_);
-    if (!bound.ok()) return bound.status();
-    if (!bound->empty() && *bound != determinism_class) {
+    ASSIGN_OR_RETURN(const std::string bound, counters_.bound_class(database_));
+    if (!bound.empty() && bound != determinism_class) {
       return absl::FailedPreconditionError(
-          absl::StrCat("the unfinished sweeps are bound to the determinism class \"", *bound,
+          absl::StrCat("the unfinished sweeps are bound to the determinism class \"", bound,
                        "\", not \"", determinism_class, "\""));
     }
     if (determinism_class.empty())
@@ -282,9 +273,8 @@ class SqliteWriter final : public StoreWriter {
   absl::StatusOr<bool> remove_if_unused() override {
     if (!opened_.created) return false;
     rollback();
-    const absl::StatusOr<std::int64_t> content = database_.integer(sql::content_count);
-    if (!content.ok()) return content.status();
-    if (*content > 0 || !opened_.lock->holds()) return false;
+    ASSIGN_OR_RETURN(const std::int64_t content, database_.integer(sql::content_count));
+    if (content > 0 || !opened_.lock->holds()) return false;
     opened_.database.reset();
     remove_database(opened_.path);
     return true;
@@ -319,9 +309,8 @@ absl::Status check_priority(int priority) {
 }
 
 absl::StatusOr<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::string& path) {
-  absl::StatusOr<WritableDatabase> opened = open_for_writing(path);
-  if (!opened.ok()) return opened.status();
-  return std::make_unique<SqliteWriter>(*std::move(opened));
+  ASSIGN_OR_RETURN(WritableDatabase opened, open_for_writing(path));
+  return std::make_unique<SqliteWriter>(std::move(opened));
 }
 
 }  // namespace irsig

@@ -65,9 +65,17 @@ export function budget(row) {
 }
 
 const REASONS = {
-  always: "cannot be left out", not_in_scene: "nothing here causes it", within_share: "its bound fits into the error asked for",
-  above_share: "it matters", other_row: "another row of the view needs it", no_goal: "a number of samples was asked for",
-  unbounded: "no bound is known", forced: "asked for", not_worth: "leaving it out saves nothing", not_asked: "the sweep asks to leave it out" };
+  always: 'cannot be left out',
+  not_in_scene: 'nothing here causes it',
+  within_fraction: 'its bound fits into the error asked for',
+  above_fraction: 'it matters',
+  other_row: 'another row of the view needs it',
+  no_goal: 'a number of samples was asked for',
+  unbounded: 'no bound is known',
+  forced: 'asked for',
+  not_worth: 'leaving it out saves nothing',
+  not_asked: 'the sweep asks to leave it out'
+};
 
 // A bound of what is simulated is in no error, however large it is.
 function bound(effect, value) {
@@ -79,7 +87,8 @@ export function ledger(row) {
   const { effects, energy, parts, temperatures } = row.explained;
   const signature = row.explained.signature[0];
   const out = [];
-  const cause = ["emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected"];
+  const cause =
+      ['emitted', 'sun_reflected', 'sky_reflected', 'surface_reflected', 'interreflected'];
   out.push(table("Intensity by cause", ["Cause", "W/sr"], cause.map((c) => [c.replaceAll("_", " "), html("span", { "data-column": `${c}_w_sr`, "data-value": signature[`${c}_w_sr`] }, withError(signature[`${c}_w_sr`], signature[`${c}_stderr_w_sr`], ""))])));
   if (parts.length > 0)
     out.push(table("Intensity by the part that the sensor sees", ["Part", "W/sr"], parts.map((p) => [p.part, withError(p.part_intensity_w_sr, p.part_intensity_stderr_w_sr, "")])));
@@ -89,16 +98,30 @@ export function ledger(row) {
   if (effects.length > 0) {
     const words = (e) => e.effect.replaceAll("_", " ");
     const absent = effects.filter((e) => e.state === "absent");
-    out.push(html("div", { class: "effects" },
-      table("Effects", ["Effect", "State", "If left out, at most W/sr", "Share in W/sr", "Why"], effects.filter((e) => e.state !== "absent").map((e) => [
-        words(e), html("span", { class: `state ${e.state}` }, e.state), bound(e, signature.intensity_w_sr), brief(e.share_w_sr, 4), REASONS[e.reason] ?? e.reason])),
-      html("p", { class: "hint" }, "What an effect could change at most, had it been left out: what is simulated (on) has no part of this in its error."),
-      absent.length > 0 ? html("p", { class: "hint absent" }, `Nothing here causes: ${absent.map(words).join(", ")}.`) : null));
+    out.push(html(
+        'div', {class: 'effects'},
+        table(
+            'Effects', ['Effect', 'State', 'If left out, at most W/sr', 'Share in W/sr', 'Why'],
+            effects.filter((e) => e.state !== 'absent')
+                .map(
+                    (e) =>
+                        [words(e), html('span', {class: `state ${e.state}`}, e.state),
+                         bound(e, signature.intensity_w_sr), brief(e.fraction_w_sr, 4),
+                         REASONS[e.reason] ?? e.reason])),
+        html(
+            'p', {class: 'hint'},
+            'What an effect could change at most, had it been left out: what is simulated (on) has no part of this in its error.'),
+        absent.length > 0 ? html(
+                                'p', {class: 'hint absent'},
+                                `Nothing here causes: ${absent.map(words).join(', ')}.`) :
+                            null));
   } else out.push(html("p", { class: "note" }, "No ledger of effects: an older irsig stored this row."));
   if (energy.length > 0)
-    out.push(table("Where light that the sensor would send out ends", ["", "Share"], [
-      ["absorbed", brief(energy[0].absorbed)], ["to the sky", brief(energy[0].escaped_to_sky)], ["to sea or ground", brief(energy[0].escaped_to_lower)],
-      ["cut off", brief(energy[0].cut_off)], ["sum", brief(energy[0].balance)]]));
+    out.push(table('Where light that the sensor would send out ends', ['', 'Share'], [
+      ['absorbed', brief(energy[0].absorbed)], ['to the sky', brief(energy[0].escaped_to_sky)],
+      ['to sea or ground', brief(energy[0].escaped_to_surface)],
+      ['cut off', brief(energy[0].cut_off)], ['sum', brief(energy[0].balance)]
+    ]));
   return [html("details", { open: true }, html("summary", {}, "Causes, parts, effects, energy"), html("div", { class: "tables" }, ...out))];
 }
 

@@ -6,8 +6,9 @@ import { nearest, readOut } from "./readout.js";
 
 const WIDTH = 560, HEIGHT = 320, LEFT = 58, RIGHT = 10, TOP = 26, BOTTOM = 40;
 export const CAUSES = [
-  ["emitted", "emitted"], ["sun_reflected", "sun reflected"], ["sky_reflected", "sky reflected"],
-  ["sea_reflected", "sea reflected"], ["parts_reflected", "other parts reflected"]];
+  ['emitted', 'emitted'], ['sun_reflected', 'sun reflected'], ['sky_reflected', 'sky reflected'],
+  ['surface_reflected', 'sea reflected'], ['interreflected', 'other parts reflected']
+];
 
 const band = (x, value, error) => path([
   ...value.map((v, k) => [x[k], v + 2 * error[k]]), ...value.map((v, k) => [x[k], v - 2 * error[k]]).reverse()]) + "Z";

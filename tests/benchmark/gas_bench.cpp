@@ -143,7 +143,7 @@ int run(int across) {
           ->amounts(level_path(10, 5000));
 
   std::printf(
-      "temperature_step,columns,layers_per_column,near_end_us,formulas_us,ratio,behind_air_us,"
+      "temperature_step,columns,layers_per_column,near_end_us,formulas_us,ratio,background_air_us,"
       "formulas_us,ratio,air_once_us\n");
   for (const double step : {0.06, 0.01, 0.003}) {
     SegmentSteps steps;

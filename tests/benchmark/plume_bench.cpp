@@ -19,7 +19,7 @@
 #include "core/plume/march.h"
 #include "core/plume/plume_field.h"
 #include "core/plume/plume_silhouette.h"
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {

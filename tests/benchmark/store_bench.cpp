@@ -95,13 +95,13 @@ schema::JobResult make_result(std::mt19937_64& random) {
            {row.mutable_intensity_w_sr(), row.mutable_apparent_intensity_w_sr(),
             row.mutable_projected_area_m2(), row.mutable_emitted_w_sr(),
             row.mutable_sun_reflected_w_sr(), row.mutable_sky_reflected_w_sr(),
-            row.mutable_sea_reflected_w_sr(), row.mutable_parts_reflected_w_sr(),
+            row.mutable_surface_reflected_w_sr(), row.mutable_interreflected_w_sr(),
             row.mutable_contrast_intensity_w_sr(), row.mutable_background_radiance_w_m2_sr()}) {
         estimate->set_value(value(random));
         estimate->set_stderr(1e-3 * value(random));
       }
       row.set_numerical_error_w_sr(1e-3 * value(random));
-      row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
+      row.set_stop_reason(schema::STOP_REASON_ACCURACY_REACHED);
       add_synthetic_ledger(row, [&] { return value(random); });
       for (std::uint32_t p = 0; p < 8; ++p) {
         schema::PartIntensity& part = *row.add_part();

@@ -38,14 +38,14 @@ WorkCounts work_of(std::uint64_t facets) {
   EXPECT_TRUE(simulator->simulate(r).ok());
   // What a view does that aims at facets which may be bright: find them, and where they are seen.
   const Target& target = simulator->target();
-  const UnseenLight unseen(target, simulator->scene().places, simulator->materials(),
-                           make_aimed_view(target, r.viewpoint).frame);
+  const UndersampledSources unseen(target, simulator->scene().places, simulator->materials(),
+                                   make_aimed_view(target, r.viewpoint).frame);
   const SunDirection sun{day.sun_direction, 0.00465};
   BrightFacets bright;
   bright.past_others = true;
   auto& group = bright.group.emplace_back();
   for (const double least_m2_per_sr : {1e-6, 1e-2, 1.0, 100.0})
-    for (const UnseenLight::Facet& f : unseen.facets(&sun, least_m2_per_sr))
+    for (const UndersampledSources::Facet& f : unseen.facets(&sun, least_m2_per_sr))
       if (least_m2_per_sr == 1e-6 && f.later > 0 && group.size() < 100) group.push_back(f.facet);
   const AimedView aimed = make_aimed_view(target, r.viewpoint, bright);
   EXPECT_EQ(unseen.by_stratum(aimed, std::array{sun}).size(), aimed.stratum.size());

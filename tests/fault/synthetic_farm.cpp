@@ -26,28 +26,28 @@ namespace {
 void make_plausible(schema::SignatureRow& row) {
   const double intensity_w_sr = row.emitted_w_sr().value() + row.sun_reflected_w_sr().value() +
                                 row.sky_reflected_w_sr().value() +
-                                row.sea_reflected_w_sr().value() +
-                                row.parts_reflected_w_sr().value();
+                                row.surface_reflected_w_sr().value() +
+                                row.interreflected_w_sr().value();
   row.mutable_intensity_w_sr()->set_value(intensity_w_sr);
   for (schema::PartIntensity& part : *row.mutable_part())
     part.mutable_intensity_w_sr()->set_value(intensity_w_sr / row.part_size());
   schema::EnergyLedger& energy = *row.mutable_energy();
   energy.mutable_balance()->set_value(
       energy.absorbed().value() / 100 + energy.escaped_to_sky().value() / 100 +
-      energy.escaped_to_lower().value() / 100 + energy.cut_off().value() / 100);
+      energy.escaped_to_surface().value() / 100 + energy.cut_off().value() / 100);
   for (schema::Estimate* share : {energy.mutable_absorbed(), energy.mutable_escaped_to_sky(),
-                                  energy.mutable_escaped_to_lower(), energy.mutable_cut_off()})
+                                  energy.mutable_escaped_to_surface(), energy.mutable_cut_off()})
     share->set_value(share->value() / 100);
   for (schema::Estimate* share :
        {energy.mutable_absorbed(), energy.mutable_escaped_to_sky(),
-        energy.mutable_escaped_to_lower(), energy.mutable_cut_off(), energy.mutable_balance()})
+        energy.mutable_escaped_to_surface(), energy.mutable_cut_off(), energy.mutable_balance()})
     share->set_stderr(1e-3);
   schema::Spectrum& s = *row.mutable_spectrum();
   for (int i = 0; i < s.lambda_um_size(); ++i) {
     s.set_path_transmittance(i, s.path_transmittance(i) / 100);
     s.set_spectral_intensity_w_sr_um(
         i, s.emitted_w_sr_um(i) + s.sun_reflected_w_sr_um(i) + s.sky_reflected_w_sr_um(i) +
-               s.sea_reflected_w_sr_um(i) + s.parts_reflected_w_sr_um(i));
+               s.surface_reflected_w_sr_um(i) + s.interreflected_w_sr_um(i));
   }
 }
 
@@ -204,8 +204,8 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       estimate(row->mutable_emitted_w_sr());
       estimate(row->mutable_sun_reflected_w_sr());
       estimate(row->mutable_sky_reflected_w_sr());
-      estimate(row->mutable_sea_reflected_w_sr());
-      estimate(row->mutable_parts_reflected_w_sr());
+      estimate(row->mutable_surface_reflected_w_sr());
+      estimate(row->mutable_interreflected_w_sr());
       for (int part = 0; part < sweep.sweep().part_size(); ++part) {
         auto* out = row->add_part();
         out->set_part_index(static_cast<std::uint32_t>(part));
@@ -230,7 +230,7 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       thumbnail->set_pixel_rad(1e-4);
       thumbnail->set_png(synthetic_png(128, 40, random));
       thumbnail->set_exr(synthetic_exr(128, 40, 20480, random));
-      row->set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
+      row->set_stop_reason(schema::STOP_REASON_ACCURACY_REACHED);
       row->set_sun_azimuth_deg(150);
       row->set_sun_zenith_deg(50);
       make_plausible(*row);

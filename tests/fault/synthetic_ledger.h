@@ -19,20 +19,20 @@ inline void add_synthetic_ledger(schema::SignatureRow& row, const std::function<
     e.set_state(off      ? schema::EFFECT_STATE_OFF
                 : absent ? schema::EFFECT_STATE_ABSENT
                          : schema::EFFECT_STATE_ON);
-    e.set_reason(off ? "within_share" : absent ? "not_in_scene" : "always");
+    e.set_reason(off ? "within_fraction" : absent ? "not_in_scene" : "always");
     if (off) {
       e.set_bound_w_sr(next());
       e.set_apparent_bound_w_sr(next());
       e.set_contrast_bound_w_sr(next());
     }
-    if (!off && !absent && i % 2 == 0) e.set_share_w_sr(next());
+    if (!off && !absent && i % 2 == 0) e.set_fraction_w_sr(next());
     if (info.switchable && !absent) e.set_time_s(next());
     ++i;
   }
   schema::EnergyLedger& energy = *row.mutable_energy();
   for (schema::Estimate* share :
        {energy.mutable_absorbed(), energy.mutable_escaped_to_sky(),
-        energy.mutable_escaped_to_lower(), energy.mutable_cut_off(), energy.mutable_balance()}) {
+        energy.mutable_escaped_to_surface(), energy.mutable_cut_off(), energy.mutable_balance()}) {
     share->set_value(next());
     share->set_stderr(next());
   }

@@ -296,7 +296,7 @@ class Babel {
   std::mt19937_64 random_;
   fuzz::MessageMutator fields_;
   double now_s_ = 0;
-  Farm farm_{store_, FarmRules{.audit_share = 0}, [this] { return now_s_; },
+  Farm farm_{store_, FarmRules{.audit_fraction = 0}, [this] { return now_s_; },
              [this] { return 1e9 + now_s_; }, "c"};
   schema::RegisterRequest registration_;
   std::map<std::string, std::uint64_t> held_;  // worker id -> token

@@ -24,7 +24,7 @@
 #include "bridge/job_runner.h"
 #include "core/base/problems.h"
 #include "core/plume/generate_plume.h"
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "jobs/resolve_plume.h"

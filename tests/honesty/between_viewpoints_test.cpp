@@ -31,7 +31,7 @@ struct Scene {
   // Instead of a convex body: its intensity less that of the background it hides.  [W/sr]
   std::function<double(Vec<Body>, double background_w_m2_sr)> other = {};
   std::vector<double> relative_noise = {0, 1e-3, 1e-3, 5e-3};
-  double noisy_share = 0;  // of the viewpoints, with a standard error of 30 %
+  double noisy_fraction = 0;  // of the viewpoints, with a standard error of 30 %
 };
 
 constexpr int kAspects = 5;
@@ -413,7 +413,7 @@ const std::vector<Family>& families() {
       {"any body, one viewpoint in five of a large standard error",
        [](SceneRandom& r) {
          Scene out{any_fibonacci(r), anywhere(r), any_body(r)};
-         out.noisy_share = 0.2;
+         out.noisy_fraction = 0.2;
          return out;
        }},
   };
@@ -473,7 +473,7 @@ TEST_P(Between, NoValueBeyondFiveErrorsAndErrorsOfUse) {
       s.aspect_elevation_deg = v.aspect_elevation_deg;
       std::tie(s.unit_x, s.unit_y, s.unit_z) = std::tuple(d.x, d.y, d.z);
       // The samples of an emitter's contrast are those of its intensity.
-      const bool is_noisy = scene.noisy_share > 0 && happens(random, scene.noisy_share);
+      const bool is_noisy = scene.noisy_fraction > 0 && happens(random, scene.noisy_fraction);
       const double sigma = (is_noisy ? 0.3 : noise) * truth(d, false), off = sigma * normal(random);
       s.intensity_w_sr = truth(d, false) + off;
       s.contrast_intensity_w_sr = truth(d, true) + off;

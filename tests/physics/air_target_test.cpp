@@ -22,7 +22,7 @@ const AirProfile& air() { return afgl_profile(AfglProfile::kMidlatitudeSummer); 
 constexpr double kGroundK = 300, kSphereK = 320;
 
 WeatherSpec weather(double above_m, bool refraction = true,
-                    LowerSpec lower = {LowerSpec::Kind::kGround, kGroundK, 1, 0}) {
+                    SurfaceBoundary lower = {SurfaceBoundary::Kind::kGround, kGroundK, 1, 0}) {
   return {{air(), {}}, refraction, lower, nullptr, above_m};
 }
 
@@ -193,7 +193,7 @@ TEST(AirTarget, NodesBelowTheHorizontalAreTheSkyDownToTheHorizon) {
     auto made = Environment::make({weather(above_m)}, {{}}, 1, um);
     ASSERT_TRUE(made.ok()) << made.status();
     const std::vector<std::uint32_t> all = {0};
-    const auto view = (*made)->view({5000, 0, {1, 0, 0}, BehindNodes({0.0f})}, all);
+    const auto view = (*made)->view({5000, 0, {1, 0, 0}, BackgroundDirections({0.0f})}, all);
     ASSERT_TRUE(view.ok()) << view.status();
     const DirectionNodes& nodes = (*made)->nodes();
     ASSERT_TRUE(nodes.has_limb());
@@ -258,8 +258,9 @@ TEST(HullDown, WhatTheSeaHidesDoesNotCountAndTheRestIsComputed) {
   scene.spectral_breaks_um = air_band_edges_um(7.5, 12.5);
   const auto simulator = simulator_of(scene);
   for (const bool refraction : {false, true}) {
-    auto made = Environment::make({weather(0, refraction, {LowerSpec::Kind::kRoughSea, 292, 1, 5})},
-                                  {{}}, 10, simulator->band_grids()[0].node_um);
+    auto made =
+        Environment::make({weather(0, refraction, {SurfaceBoundary::Kind::kRoughSea, 292, 1, 5})},
+                          {{}}, 10, simulator->band_grids()[0].node_um);
     ASSERT_TRUE(made.ok()) << made.status();
     const std::shared_ptr<const Environment> environment = *std::move(made);
     const double bent =

@@ -21,7 +21,7 @@ constexpr double kWorldK = 290;
 WeatherSpec weather(AerosolKind aerosol, double visibility_m, double wind_m_s) {
   WeatherSpec w{{afgl_profile(AfglProfile::kMidlatitudeSummer), {aerosol, visibility_m}},
                 true,
-                {LowerSpec::Kind::kRoughSea, kWorldK, 1, wind_m_s},
+                {SurfaceBoundary::Kind::kRoughSea, kWorldK, 1, wind_m_s},
                 nullptr};
   return w;
 }

@@ -100,7 +100,7 @@ TEST(AtmosphereLimits, BandsThatAreLeftOutChangeNoOther) {
     EXPECT_EQ(of_whole[b], wanted[b] ? t[b] : 0) << b;
     EXPECT_EQ(of_twice[b], wanted[b] ? t_twice[b] : 0) << b;
     EXPECT_EQ(fewer.thermal_w_m2_sr_um[b], wanted[b] ? layers.thermal_w_m2_sr_um[b] : 0) << b;
-    EXPECT_EQ(fewer.surroundings_share[b], wanted[b] ? layers.surroundings_share[b] : 0) << b;
+    EXPECT_EQ(fewer.surroundings_fraction[b], wanted[b] ? layers.surroundings_fraction[b] : 0) << b;
     opaque += t[b] < 0.5 ? 1 : 0;
   }
   EXPECT_GT(opaque, 20U);

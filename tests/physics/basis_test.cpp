@@ -66,7 +66,7 @@ TEST(SpectralBasis, ExpandsWhatPathsCarry) {
   s.max_reflections = 3;
   s.samples = 512;
   s.seed = 99;
-  s.persistence = 1e9;
+  s.roulette_survival_scale = 1e9;
   const SourceGeometry sunny = lit_by({{normalized(Vec<Body>{0.2, 0.6, -0.7}), 0.005}});
   const PathTracer few(simulator->target(), simulator->carried_materials(), view, sunny, s);
   const PathTracer all(simulator->target(), simulator->materials(), view, sunny, s);
@@ -120,8 +120,8 @@ TEST(SpectralBasis, RowsAreConsistent) {
   EXPECT_NEAR(causes, s.intensity_w_sr.value, 1e-9 * causes);
   EXPECT_NEAR(parts, s.intensity_w_sr.value, 1e-9 * causes);
   EXPECT_NEAR(spectrum * 0.1, s.intensity_w_sr.value, 0.02 * causes);
-  EXPECT_GT(s.basis_bound_w_sr, 0);
-  EXPECT_LT(s.basis_bound_w_sr, 5e-5 * causes);
+  EXPECT_GT(s.spectral_basis_bound_w_sr, 0);
+  EXPECT_LT(s.spectral_basis_bound_w_sr, 5e-5 * causes);
   double image = 0;
   for (const float v : s.image_w_m2_sr) image += static_cast<double>(v);
   EXPECT_GT(image, 0);
@@ -211,7 +211,7 @@ TEST(Truncation, SpectralThroughputIsThatOfTheBrightestWavelength) {
     PathSettings s;
     s.samples = 1024;
     s.seed = 7;
-    s.persistence = 1e9;
+    s.roulette_survival_scale = 1e9;
     for (const std::uint32_t n : {1u, 3u, 5u}) {
       s.max_reflections = n;
       const PathTracer tracer(simulator->target(), simulator->carried_materials(), view, {}, s);
@@ -302,14 +302,14 @@ TEST(Unseen, ACausticThatWasNotMetIsBounded) {
   const SignatureResult s = only_row(*simulator, r);
   // What the mirror could throw onto the floor, and what a sample of it could miss, are in the
   // error.
-  const double unseen = numerical_error(0, s.unseen_stderr_w_sr, s.unseen_bound_w_sr);
+  const double unseen = numerical_error(0, s.undersampling_stderr_w_sr, s.undersampling_bound_w_sr);
   EXPECT_GT(unseen, 0.001 * s.intensity_w_sr.value);
   r.accuracy.relative_error = 0;
   r.accuracy.samples_per_replicate = 1u << 18;
   const SignatureResult seen = only_row(*simulator, r);
   std::printf("asked for: %.4g +- %.2g, unseen %.2g; many samples: %.4g +- %.2g, unseen %.2g\n",
               s.intensity_w_sr.value, s.intensity_w_sr.stderr_, unseen, seen.intensity_w_sr.value,
-              seen.intensity_w_sr.stderr_, seen.unseen_stderr_w_sr);
+              seen.intensity_w_sr.stderr_, seen.undersampling_stderr_w_sr);
   EXPECT_LT(std::abs(seen.intensity_w_sr.value - s.intensity_w_sr.value),
             5 * std::hypot(s.numerical_error_w_sr, seen.numerical_error_w_sr));
 }

@@ -119,7 +119,8 @@ TEST(TabulatedBrdf, ReproducesItsPointsAndIsLinearBetweenThem) {
   const auto findings = examine(table);
   ASSERT_TRUE(findings.ok());
   EXPECT_EQ(findings->last_zenith_deg, 80);
-  EXPECT_NEAR(findings->clamped_share, std::pow(std::cos(80 * std::numbers::pi / 180), 2), 1e-12);
+  EXPECT_NEAR(findings->clamped_fraction, std::pow(std::cos(80 * std::numbers::pi / 180), 2),
+              1e-12);
 }
 
 TEST(TabulatedBrdf, IsMadeReciprocalAndSaysByHowMuchItWasNot) {

@@ -65,7 +65,7 @@ TEST(BrdfSampling, DirectionsFollowTheirDensity) {
       EXPECT_GT(test.p_value, 0.01 / tests) << entry.name << " at " << theta_deg << " deg";
       EXPECT_GE(test.bins, 8) << entry.name << " at " << theta_deg << " deg";
       // 5 standard errors of the share, and the quadrature of the bins.
-      EXPECT_NEAR(test.integral, test.share_above, 0.01) << entry.name << " " << theta_deg;
+      EXPECT_NEAR(test.integral, test.fraction_above, 0.01) << entry.name << " " << theta_deg;
       smallest = std::min(smallest, test.p_value);
       below_5_percent += test.p_value < 0.05 ? 1 : 0;
       double& of = smallest_of.try_emplace(entry.family, 1).first->second;

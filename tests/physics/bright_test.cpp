@@ -13,7 +13,7 @@
 #include "core/accuracy/replicates.h"
 #include "core/base/sobol.h"
 #include "core/spectral/planck.h"
-#include "core/stability/rare_light.h"
+#include "core/stability/small_bright_sources.h"
 #include "core/transport/visible_cells.h"
 #include "tests/physics/scene_fixture.h"
 

@@ -67,7 +67,7 @@ Orders trace(const Simulator& simulator, std::uint32_t max_reflections, std::uin
   settings.by_order = true;
   // Following paths for longer costs 2.5 times the rays and takes 55 times the variance away
   // (sphere, emissivity 0.5).
-  settings.persistence = 30;
+  settings.roulette_survival_scale = 30;
   const AimedView whole = make_aimed_view(target, {0, 0, 1e5});
   const PathTracer tracer(target, simulator.materials(), field_m > 0 ? footprint.view : whole, {},
                           settings);

@@ -66,7 +66,7 @@ void check(const Case& c, bool atmosphere) {
     node_um.insert(node_um.end(), g.node_um.begin(), g.node_um.end());
   const WeatherSpec weather{{afgl_profile(AfglProfile::kMidlatitudeSummer), {}},
                             true,
-                            {LowerSpec::Kind::kRoughSea, 292, 1, 5},
+                            {SurfaceBoundary::Kind::kRoughSea, 292, 1, 5},
                             nullptr};
   const auto environment_at = [&](double height_m) {
     auto made = Environment::make({weather}, {{0, false, {0, 0, -1}, 1}}, height_m, node_um);
@@ -120,12 +120,12 @@ void check(const Case& c, bool atmosphere) {
                            std::to_string(c.elevation_deg) + " deg, plates " +
                            std::to_string(c.plate.size());
     std::printf("%s: %.3g of %.4g W/sr, bound %.3g\n", of.c_str(), error, expected[b],
-                row.depth_bound_w_sr);
-    EXPECT_LE(error, 1.02 * row.depth_bound_w_sr + 4 * row.apparent_intensity_w_sr.stderr_ +
-                         4 * row.apparent_unseen_stderr_w_sr + 1e-6 * expected[b])
+                row.target_depth_bound_w_sr);
+    EXPECT_LE(error, 1.02 * row.target_depth_bound_w_sr + 4 * row.apparent_intensity_w_sr.stderr_ +
+                         4 * row.apparent_undersampling_stderr_w_sr + 1e-6 * expected[b])
         << of;
     if (c.plate.size() == 1) {
-      EXPECT_LT(row.depth_bound_w_sr, 3 * error + 1e-4 * expected[b]) << of;
+      EXPECT_LT(row.target_depth_bound_w_sr, 3 * error + 1e-4 * expected[b]) << of;
     }
   }
 }
@@ -195,7 +195,7 @@ std::vector<Face> faces_of(const Box& box) {
 // What the program states of a box, and what is true: the faces cut into 24 x 24 pieces, each
 // through the air of its own range by Bouguer's law.
 struct Judged {
-  double area_m2 = 0, depth_bound_w_sr = 0;
+  double area_m2 = 0, target_depth_bound_w_sr = 0;
   // Of apparent and contrast intensity. [W/sr]
   std::array<double, 2> value{}, stated{}, truth{};
 };
@@ -265,7 +265,7 @@ Judged judged(const Box& box, std::uint64_t seed) {
   const SignatureResult& row = view->row[0];
   EXPECT_NEAR(row.projected_area_m2.value, out.area_m2,
               5 * row.projected_area_m2.stderr_ + 1e-5 * out.area_m2);
-  out.depth_bound_w_sr = row.depth_bound_w_sr;
+  out.target_depth_bound_w_sr = row.target_depth_bound_w_sr;
   out.value = {row.apparent_intensity_w_sr.value, row.contrast_intensity_w_sr.value};
   out.stated = {row.apparent_numerical_error_w_sr, row.contrast_numerical_error_w_sr};
   return out;
@@ -288,9 +288,10 @@ TEST(Depth, ADeckIsSeenThroughTheAirOfItsMiddle) {
                there = seen_w_m2_sr(deck, grid, deck.emissivity, 310, deck.range_m - end_m),
                here = seen_w_m2_sr(deck, grid, deck.emissivity, 310, deck.range_m),
                changes_w_sr = of.area_m2 * std::abs(there - here);
-  std::printf("deck: bound %.3g W/sr, its end %.3g W/sr\n", of.depth_bound_w_sr, changes_w_sr);
-  EXPECT_GT(of.depth_bound_w_sr, 0);
-  EXPECT_LT(of.depth_bound_w_sr, 0.4 * changes_w_sr);
+  std::printf("deck: bound %.3g W/sr, its end %.3g W/sr\n", of.target_depth_bound_w_sr,
+              changes_w_sr);
+  EXPECT_GT(of.target_depth_bound_w_sr, 0);
+  EXPECT_LT(of.target_depth_bound_w_sr, 0.4 * changes_w_sr);
   EXPECT_LT(std::abs(of.value[0] - of.truth[0]), 5 * of.stated[0]);
 }
 

@@ -84,7 +84,7 @@ TEST(Effects, AConvexTargetNeedsNoReflectedRays) {
   EXPECT_EQ(state(plan, 0, Effect::kInterReflection), EffectState::kAbsent);
   EXPECT_EQ(plan.effects.max_reflections, 1u);
   ViewPlan traced = plan;
-  traced.effects.no_second_hit = false;
+  traced.effects.skip_self_intersection = false;
   traced.effects.max_reflections = 8;
   const ViewResult with = measured(s, traced), without = measured(s, plan);
   EXPECT_LT(without.rays, 0.6 * static_cast<double>(with.rays));
@@ -222,7 +222,7 @@ TEST(EnergyLedger, AddsUpToOne) {
     for (const SignatureResult& r : measured(s, plan_of(s)).row) {
       expect_within_t(r.energy.balance, 1, 8, "balance");
       EXPECT_NEAR(r.energy.absorbed.value + r.energy.escaped_to_sky.value +
-                      r.energy.escaped_to_lower.value + r.energy.cut_off.value,
+                      r.energy.escaped_to_surface.value + r.energy.cut_off.value,
                   r.energy.balance.value, 1e-12);
       EXPECT_GT(r.energy.absorbed.value, emissivity);
     }

@@ -124,8 +124,8 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
   e.transmittance = std::vector<double>(axis.nodes(), 0.5);
   e.path_radiance = std::vector<double>(axis.nodes(), 0.0);
   e.sun = e.sun_apparent = one;
-  e.behind_apparent = {sky, sky};
-  e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
+  e.background_apparent = {sky, sky};
+  e.around = IncidentRadiance::of_spectra(e.background_apparent, e.background_apparent);
   const std::vector<std::uint32_t> wanted{0};
   const auto values_of = [&](const SourceGeometry& around,
                              const std::vector<PathWeights>& weights) {
@@ -233,8 +233,8 @@ TEST(Emitters, TemperaturesOfTheirOwn) {
     ASSERT_EQ(b.image_w_m2_sr.size(), a.image_w_m2_sr.size());
     for (std::size_t i = 0; i < a.image_w_m2_sr.size(); ++i)
       EXPECT_NEAR(b.image_w_m2_sr[i], a.image_w_m2_sr[i], 1e-5F * a.image_w_m2_sr[i]) << i;
-    EXPECT_GT(b.basis_bound_w_sr, a.basis_bound_w_sr);
-    EXPECT_LT(b.basis_bound_w_sr, a.basis_bound_w_sr + within);
+    EXPECT_GT(b.spectral_basis_bound_w_sr, a.spectral_basis_bound_w_sr);
+    EXPECT_LT(b.spectral_basis_bound_w_sr, a.spectral_basis_bound_w_sr + within);
     EXPECT_EQ(b.temperature_bound_w_sr, 0);
 
     const ViewResult uncertain = simulate({290, 330, 420}, 2, true),

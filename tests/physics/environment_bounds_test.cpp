@@ -30,7 +30,8 @@ std::vector<double> wavelengths() {
   return um;
 }
 
-WeatherSpec weather(AfglProfile profile, AerosolKind kind, double visibility_m, LowerSpec lower) {
+WeatherSpec weather(AfglProfile profile, AerosolKind kind, double visibility_m,
+                    SurfaceBoundary lower) {
   WeatherSpec w{{afgl_profile(profile), {}}, true, lower, nullptr};
   w.air.aerosol.kind = kind;
   w.air.aerosol.visibility_m = visibility_m;
@@ -43,7 +44,7 @@ struct Named {
 };
 std::vector<Named> weathers() {
   const auto sea = [](double temperature_k, double wind_m_s) {
-    return LowerSpec{LowerSpec::Kind::kRoughSea, temperature_k, 1, wind_m_s};
+    return SurfaceBoundary{SurfaceBoundary::Kind::kRoughSea, temperature_k, 1, wind_m_s};
   };
   std::vector<Named> all = {
       {"clear",
@@ -52,9 +53,9 @@ std::vector<Named> weathers() {
        weather(AfglProfile::kSubarcticWinter, AerosolKind::kRural, 80e3, sea(275, 18))},
       {"no aerosol", weather(AfglProfile::kTropical, AerosolKind::kNone, 0, sea(300, 7))},
       {"haze, ground", weather(AfglProfile::kTropical, AerosolKind::kUrban, 3e3,
-                               {LowerSpec::Kind::kGround, 310, 0.8, 0})},
+                               {SurfaceBoundary::Kind::kGround, 310, 0.8, 0})},
       {"fog, flat", weather(AfglProfile::kMidlatitudeWinter, AerosolKind::kAdvectionFog, 300,
-                            {LowerSpec::Kind::kFlatSea, 278, 1, 0})},
+                            {SurfaceBoundary::Kind::kFlatSea, 278, 1, 0})},
       {"radiation fog",
        weather(AfglProfile::kMidlatitudeSummer, AerosolKind::kRadiationFog, 1e3, sea(288, 5))}};
   WeatherSpec navy = weather(AfglProfile::kTropical, AerosolKind::kNavyMaritime, 0, sea(302, 12));
@@ -66,7 +67,7 @@ std::vector<Named> weathers() {
   cold.air.profile = *bend_to_surface(cold.air.profile, {213.15, 0, 103e3});
   all.push_back({"cold air over the sea", cold});
   WeatherSpec hot = weather(AfglProfile::kTropical, AerosolKind::kMaritime, 50e3,
-                            {LowerSpec::Kind::kGreySea, 310, 0.97, 0});
+                            {SurfaceBoundary::Kind::kGreySea, 310, 0.97, 0});
   hot.air.profile = *bend_to_surface(hot.air.profile, {323.15, 30, 100e3});
   all.push_back({"hot", hot});
   return all;
@@ -82,8 +83,8 @@ ConditionEnvironment sunny(double elevation_deg, std::uint32_t of_weather = 0) {
 Environment::Line line(double range_m, double elevation_deg, double aspect_deg) {
   const Vec<Body> d = body_from_aspect(aspect_deg, elevation_deg);
   return {range_m, elevation_deg, d,
-          BehindNodes({-0.6f, -0.17f, -0.02f, 0.0f, 0.001f, 0.01f, 0.05f, 0.2f, 0.6f},
-                      std::atan2(-d.y, -d.x))};
+          BackgroundDirections({-0.6f, -0.17f, -0.02f, 0.0f, 0.001f, 0.01f, 0.05f, 0.2f, 0.6f},
+                               std::atan2(-d.y, -d.x))};
 }
 // Looking at the target with the sun behind it, beside it and behind the sensor; and from above.
 std::vector<Environment::Line> lines() {
@@ -149,7 +150,7 @@ std::vector<double> less(std::vector<double> a, const std::vector<double>& b) {
 // Of all that a line shows under all conditions.
 void expect_bounded(const Environment& e, const Environment::Line& l, const std::string& name,
                     Tightness& tight) {
-  auto look = e.look(l);
+  auto look = e.sight_line(l);
   if (!look.ok()) return;  // below the surface from so low
   const std::vector<std::uint32_t> all = {0, 1, 2, 3, 4};
   const auto views = *e.view(l, all);
@@ -165,7 +166,7 @@ void expect_bounded(const Environment& e, const Environment::Line& l, const std:
     tight.expect("air's own emission", where, b.path_radiance, night.path_radiance);
     const auto node = radiance_of(v.around), apparent = apparent_of(v.around),
                night_node = radiance_of(night.around), night_apparent = apparent_of(night.around);
-    for (const auto* nodes : {&night_node, &night_apparent, &night.behind_apparent}) {
+    for (const auto* nodes : {&night_node, &night_apparent, &night.background_apparent}) {
       for (const auto& spectrum : *nodes) tight.expect("thermal", where, spectrum, b.thermal);
     }
     tight.expect("direct sun", where, v.sun, b.sun);
@@ -180,9 +181,10 @@ void expect_bounded(const Environment& e, const Environment::Line& l, const std:
     tight.expect("diffuse sun, all directions", where, over_all_directions(e.nodes(), scattered),
                  b.diffuse_sun_w_m2_um, noise);
     tight.expect("path sun", where, less(v.path_radiance, night.path_radiance), b.path_sun, noise);
-    for (std::size_t n = 0; n < v.behind_apparent.size(); ++n) {
-      tight.expect("background sun", where, less(v.behind_apparent[n], night.behind_apparent[n]),
-                   b.background_sun, noise);
+    for (std::size_t n = 0; n < v.background_apparent.size(); ++n) {
+      tight.expect("background sun", where,
+                   less(v.background_apparent[n], night.background_apparent[n]), b.background_sun,
+                   noise);
     }
     if (c != 0) continue;
     for (const auto* none : {&b.sun, &b.diffuse_sun, &b.diffuse_sun_w_m2_um, &b.path_sun,
@@ -216,7 +218,7 @@ TEST(EnvironmentBounds, NothingOfAnImportedPathExceedsThem) {
     std::printf("-- imported %s: largest part of the bound\n",
                 radiance ? "with radiance" : "transmittance");
     expect_bounded(*e, lines()[1], "imported", tight);
-    EXPECT_FALSE(e->look(lines()[0]).ok());  // not covered
+    EXPECT_FALSE(e->sight_line(lines()[0]).ok());  // not covered
   }
 }
 
@@ -230,7 +232,7 @@ TEST(EnvironmentBounds, NoGlitterExceedsThem) {
     Tightness tight;
     std::printf("-- wind %g m/s: largest part of the bound\n", wind_m_s);
     for (std::uint32_t c = 1; c <= 4; ++c) {
-      auto look = *e->look(lines()[1]);
+      auto look = *e->sight_line(lines()[1]);
       const ViewEnvironment v = (*e->view(lines()[1], std::vector<std::uint32_t>{c}))[0];
       const Vec<Body> to_sun = sunny(kElevationsDeg[c - 1]).sun_direction;
       const std::vector<double> um = wavelengths();
@@ -291,7 +293,7 @@ TEST(EnvironmentLooks, WhatIsAskedForHasTheBitsOfTheWholeViewAndTheRestIsZero) {
       const auto own = alone ? environment(w.spec) : nullptr;
       const Environment* fresh = alone ? own.get() : e.get();
       for (const bool with_azimuths : {true, false}) {
-        const auto seen = fresh->look(l)->see(3, effects, with_azimuths);
+        const auto seen = fresh->sight_line(l)->evaluate(3, effects, with_azimuths);
         if (scattered && !with_azimuths) {
           EXPECT_EQ(seen.status().code(), absl::StatusCode::kInvalidArgument);
           continue;
@@ -299,8 +301,8 @@ TEST(EnvironmentLooks, WhatIsAskedForHasTheBitsOfTheWholeViewAndTheRestIsZero) {
         ASSERT_TRUE(seen.ok()) << seen.status();
         EXPECT_EQ(seen->transmittance, day.transmittance);
         EXPECT_EQ(seen->path_radiance, use.path ? day.path_radiance : night.path_radiance);
-        EXPECT_EQ(seen->behind_apparent,
-                  use.background ? day.behind_apparent : night.behind_apparent);
+        EXPECT_EQ(seen->background_apparent,
+                  use.background ? day.background_apparent : night.background_apparent);
         if (use.direct) {
           EXPECT_EQ(seen->sun, day.sun);
           EXPECT_EQ(seen->sun_apparent, day.sun_apparent);
@@ -329,21 +331,21 @@ TEST(EnvironmentLooks, WhatIsAskedForHasTheBitsOfTheWholeViewAndTheRestIsZero) {
 TEST(EnvironmentLooks, BoundsAndLightOfManyConditionsInAnyOrder) {
   const auto e = environment(weathers()[3].spec);
   const Environment::Line l = lines()[2];
-  auto a = *e->look(l), b = *e->look(l);
+  auto a = *e->sight_line(l), b = *e->sight_line(l);
   const EffectSet everything = EffectSet::everything(e->conditions(), 1);
   const LightBounds first = a.bounds(2);
-  const ViewEnvironment after = *a.see(2, everything, true);
-  for (const std::uint32_t c : {4u, 0u, 1u}) ASSERT_TRUE(b.see(c, everything, true).ok());
-  EXPECT_EQ(apparent_of(b.see(2, everything, true)->around), apparent_of(after.around));
+  const ViewEnvironment after = *a.evaluate(2, everything, true);
+  for (const std::uint32_t c : {4u, 0u, 1u}) ASSERT_TRUE(b.evaluate(c, everything, true).ok());
+  EXPECT_EQ(apparent_of(b.evaluate(2, everything, true)->around), apparent_of(after.around));
   EXPECT_EQ(b.bounds(2).diffuse_sun, first.diffuse_sun);
   EXPECT_EQ(b.bounds(2).background_sun, first.background_sun);
-  EXPECT_EQ(b.see(9, everything, true).status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_FALSE(e->look(line(1000, -5, 0)).ok());
+  EXPECT_EQ(b.evaluate(9, everything, true).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_FALSE(e->sight_line(line(1000, -5, 0)).ok());
 }
 
 // In quarters of a micrometre: |difference| / reflected, largest.
-double largest_share(const std::vector<double>& is, const std::vector<double>& should,
-                     const std::vector<double>& of) {
+double largest_fraction(const std::vector<double>& is, const std::vector<double>& should,
+                        const std::vector<double>& of) {
   const std::vector<double> um = wavelengths();
   std::map<int, std::array<double, 2>> quarter;
   for (std::size_t i = 0; i < um.size(); ++i) {
@@ -366,16 +368,16 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
       const DirectionNodes& nodes = e->nodes();
       for (const Environment::Line& l :
            {line(500, 5, 0), line(5000, 0.03, 0), line(50e3, 10, 0), line(15e3, 60, 90)}) {
-        auto look = *e->look(l);
+        auto look = *e->sight_line(l);
         for (const std::uint32_t c : {0u, 1u, 3u}) {
           EffectSet effects = EffectSet::everything(e->conditions(), 1);
-          const ViewEnvironment all = *look.see(c, effects, true);
+          const ViewEnvironment all = *look.evaluate(c, effects, true);
           effects.joined_lines = false;
-          const ViewEnvironment three = *look.see(c, effects, true);
+          const ViewEnvironment three = *look.evaluate(c, effects, true);
           const auto all_node = radiance_of(all.around), all_apparent = apparent_of(all.around),
                      three_apparent = apparent_of(three.around);
           EXPECT_EQ(radiance_of(three.around), all_node);
-          EXPECT_EQ(three.behind_apparent, all.behind_apparent);
+          EXPECT_EQ(three.background_apparent, all.background_apparent);
           EXPECT_EQ(all.joined_lines_bound, 0);
           // What planes reflect: the cosine to their normal, which lies level or straight up.
           double largest = 0;
@@ -392,15 +394,15 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
               should.push_back(times(all_apparent[n]));
               of.push_back(times(all_node[n]));
             }
-            largest = std::max(largest, largest_share(over_all_directions(nodes, is),
-                                                      over_all_directions(nodes, should),
-                                                      over_all_directions(nodes, of)));
+            largest = std::max(largest, largest_fraction(over_all_directions(nodes, is),
+                                                         over_all_directions(nodes, should),
+                                                         over_all_directions(nodes, of)));
           }
           // A mirror that sees a single direction.
           double in_one = 0;
           for (std::uint32_t n = 0; n < nodes.count(); ++n) {
             in_one =
-                std::max(in_one, largest_share(three_apparent[n], all_apparent[n], all_node[n]));
+                std::max(in_one, largest_fraction(three_apparent[n], all_apparent[n], all_node[n]));
           }
           EXPECT_LE(largest, three.joined_lines_bound) << w.name << " " << l.range_m << " " << c;
           EXPECT_LE(in_one, three.joined_lines_bound) << w.name << " " << l.range_m << " " << c;

@@ -43,7 +43,7 @@ ConditionEnvironment limit_sunny(double zenith_deg, double azimuth_deg, std::uin
 
 Environment::Line limit_line(double range_m, double elevation_deg) {
   return {range_m, elevation_deg, body_from_aspect(30, elevation_deg),
-          BehindNodes({-0.5f, -0.1f, 0.0f, 0.05f, 0.2f, 0.7f})};
+          BackgroundDirections({-0.5f, -0.1f, 0.0f, 0.05f, 0.2f, 0.7f})};
 }
 
 std::unique_ptr<const Environment> limit_environment(std::vector<WeatherSpec> weather,
@@ -129,10 +129,11 @@ AirProfile isothermal() {
 TEST(EnvironmentLimits, InFogOfOneTemperatureAllIsABlackbody) {
   // Opaque, and half of it scatters: emission, reflection and scattering have to add up.
   WeatherSpec w{{isothermal(), {AerosolKind::kAdvectionFog, 200}}, true, {}, nullptr};
-  w.lower = {LowerSpec::Kind::kRoughSea, 290, 1, 7};
+  w.lower = {SurfaceBoundary::Kind::kRoughSea, 290, 1, 7};
   const std::vector<double> um = limit_wavelengths();
-  for (const LowerSpec::Kind kind :
-       {LowerSpec::Kind::kRoughSea, LowerSpec::Kind::kFlatSea, LowerSpec::Kind::kGround}) {
+  for (const SurfaceBoundary::Kind kind :
+       {SurfaceBoundary::Kind::kRoughSea, SurfaceBoundary::Kind::kFlatSea,
+        SurfaceBoundary::Kind::kGround}) {
     w.lower.kind = kind;
     w.lower.emissivity = 0.7;
     const auto e = limit_environment({w}, {{}});
@@ -148,7 +149,7 @@ TEST(EnvironmentLimits, InFogOfOneTemperatureAllIsABlackbody) {
           EXPECT_NEAR((apparent[n][i] + v.path_radiance[i]) / planck, 1, 2e-3)
               << um[i] << " node " << n;
         }
-        for (const auto& b : v.behind_apparent) {
+        for (const auto& b : v.background_apparent) {
           EXPECT_NEAR((b[i] + v.path_radiance[i]) / planck, 1, 2e-3) << um[i];
         }
       }
@@ -159,7 +160,7 @@ TEST(EnvironmentLimits, InFogOfOneTemperatureAllIsABlackbody) {
 TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
   // Black sea, no scattering but the molecules': what is seen below the horizon is the blackbody
   // at the target and, with the path's radiance, at the sensor.
-  WeatherSpec w{{isothermal(), {}}, true, {LowerSpec::Kind::kGreySea, 290, 1, 0}, nullptr};
+  WeatherSpec w{{isothermal(), {}}, true, {SurfaceBoundary::Kind::kGreySea, 290, 1, 0}, nullptr};
   const auto e = limit_environment({w}, {{}});
   const std::vector<double> um = limit_wavelengths();
   const std::size_t sky = e->nodes().sky();
@@ -341,7 +342,7 @@ TEST(EnvironmentLimits, HardCasesAreFiniteAndNotNegative) {
           check(*spectrum);
         }
         const auto node = radiance_of(v.around), apparent = apparent_of(v.around);
-        for (const auto* nodes : {&node, &apparent, &v.behind_apparent}) {
+        for (const auto* nodes : {&node, &apparent, &v.background_apparent}) {
           for (const auto& spectrum : *nodes) check(spectrum);
         }
         for (const double x : v.transmittance) ASSERT_LE(x, 1);
@@ -377,7 +378,7 @@ TEST(EnvironmentLimits, SameBitsInAnyOrderAndFromAnyThread) {
     EXPECT_EQ(radiance_of(all[c].around), radiance_of(one[c].around));
     EXPECT_EQ(apparent_of(all[c].around), apparent_of(one[c].around));
     EXPECT_EQ(interpolation_of(all[c].around), interpolation_of(one[c].around));
-    EXPECT_EQ(all[c].behind_apparent, one[c].behind_apparent);
+    EXPECT_EQ(all[c].background_apparent, one[c].background_apparent);
     EXPECT_EQ(all[c].path_radiance, one[c].path_radiance);
     EXPECT_EQ(all[c].sun_apparent, one[c].sun_apparent);
   }
@@ -395,10 +396,11 @@ TEST(EnvironmentLimits, AStormIsTheSeaOf20WithALargerError) {
   };
   const ViewEnvironment strong = of_wind(20), storm = of_wind(26);
   double largest = 0, smallest = 1e9;
-  for (std::size_t node = 0; node < strong.behind_model_error.size(); ++node)
-    for (std::size_t i = 0; i < strong.behind_model_error[node].size(); ++i) {
-      const double ratio = storm.behind_model_error[node][i] / strong.behind_model_error[node][i];
-      if (!(strong.behind_model_error[node][i] > 0)) continue;
+  for (std::size_t node = 0; node < strong.background_model_error.size(); ++node)
+    for (std::size_t i = 0; i < strong.background_model_error[node].size(); ++i) {
+      const double ratio =
+          storm.background_model_error[node][i] / strong.background_model_error[node][i];
+      if (!(strong.background_model_error[node][i] > 0)) continue;
       largest = std::max(largest, ratio);
       smallest = std::min(smallest, ratio);
     }

@@ -9,7 +9,7 @@
 
 #include "core/atmosphere/path_sums.h"
 #include "core/environment/environment.h"
-#include "core/environment/weather_light.h"
+#include "core/environment/thermal_surroundings.h"
 #include "core/spectral/solar.h"
 #include "tests/physics/around_spectra.h"
 
@@ -52,11 +52,12 @@ struct Light {
   Atmosphere air = *Atmosphere::make(spec.air);
   std::unique_ptr<const Environment> environment;
   BandChoice choice = bands();
-  std::unique_ptr<WeatherLight> light;
+  std::unique_ptr<ThermalSurroundings> light;
 
   explicit Light(std::vector<ConditionEnvironment> conditions) {
     environment = *Environment::make({spec}, std::move(conditions), kHeightM, node_wavelengths());
-    light = std::make_unique<WeatherLight>(spec, air, kHeightM, environment->nodes(), choice, 1);
+    light =
+        std::make_unique<ThermalSurroundings>(spec, air, kHeightM, environment->nodes(), choice, 1);
   }
 };
 
@@ -96,7 +97,7 @@ TEST(EnvironmentNodes, AThousandDirectionsOfTheNightSky) {
     const PathLayers path(l.air, look(l.air.profile(), kHeightM, zenith_deg, INFINITY), l.choice);
     AirSpectrum direct = path.thermal_w_m2_sr_um;
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      direct[b] += path.surroundings_share[b] * l.light->surroundings[b];
+      direct[b] += path.surroundings_fraction[b] * l.light->surroundings[b];
     }
     if (k < 20) {
       const AirSpectrum same = l.air.sky_radiance(kHeightM, zenith_deg, light).total_w_m2_sr_um;
@@ -141,7 +142,7 @@ TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
     const PathLayers path(l.air, look(l.air.profile(), kHeightM, zenith_deg, INFINITY), l.choice);
     const ScatteredSun source = path.scattered(sun);
     const double thermal =
-        path.thermal_w_m2_sr_um[b] + path.surroundings_share[b] * l.light->surroundings[b];
+        path.thermal_w_m2_sr_um[b] + path.surroundings_fraction[b] * l.light->surroundings[b];
     for (int j = 0; j < kAzimuths; ++j) {
       const double a = 2 * M_PI * (j + 0.5) / kAzimuths;
       const Vec<Body> d = {level * std::cos(a), level * std::sin(a), -up};
@@ -198,7 +199,7 @@ TEST(EnvironmentNodes, EveryDirectionOfTheSunlitSkyIsWithinItsNodesErrors) {
       for (std::size_t i = 0; i < um.size(); ++i) {
         const std::size_t b = *air_band(um[i]);
         const double direct =
-            path.thermal_w_m2_sr_um[b] + path.surroundings_share[b] * l.light->surroundings[b] +
+            path.thermal_w_m2_sr_um[b] + path.surroundings_fraction[b] * l.light->surroundings[b] +
             solar_irradiance_w_m2_um(air_band_lambda_um(b)) * source.per_sr(b, dot(d, towards_sun));
         const double error = std::abs(read(node, nodes, d, i) - direct),
                      stated = read(interpolation, nodes, d, i);
@@ -268,7 +269,7 @@ TEST(EnvironmentNodes, SunlitSkyInOneDirectionAsSummedOverEveryStep) {
   for (const auto& [range_m, elevation_deg] : {std::pair{0.0, 5.0}, std::pair{8e3, 2.0}}) {
     for (const double azimuth : {0.1, 1.0, 1.9, 2.8, 3.7, 4.6, 5.5}) {
       Environment::Line line{range_m, elevation_deg, body_from_aspect(0, elevation_deg),
-                             BehindNodes({-0.95f, -0.6f, -0.2f, -0.02f}, azimuth)};
+                             BackgroundDirections({-0.95f, -0.6f, -0.2f, -0.02f}, azimuth)};
       const ViewEnvironment v = (*day.environment->view(line, std::vector<std::uint32_t>{0}))[0];
       const AbsorberAmounts near = day.air.amounts(*look_between(
           day.air.profile(), sensor_height_m(range_m, elevation_deg), kHeightM, range_m));
@@ -284,7 +285,7 @@ TEST(EnvironmentNodes, SunlitSkyInOneDirectionAsSummedOverEveryStep) {
         for (std::size_t i = 0; i < um.size(); ++i) {
           const std::size_t b = *air_band(um[i]);
           if (all[b] < 1e-3 * v.path_radiance[i]) continue;
-          worst = std::max(worst, std::abs(v.behind_apparent[n][i] / all[b] - 1));
+          worst = std::max(worst, std::abs(v.background_apparent[n][i] / all[b] - 1));
         }
       }
     }
@@ -395,9 +396,9 @@ TEST(EnvironmentNodes, SeaFromFacetsRayByRay) {
   const Light l(std::vector<ConditionEnvironment>(1));
   const DirectionNodes& nodes = l.environment->nodes();
   const float between = 0.147f;  // half way between two rings
-  const ViewEnvironment v =
-      (*l.environment->view({0, 10, body_from_aspect(0, 10), BehindNodes({-0.5f, between})},
-                            std::vector<std::uint32_t>{0}))[0];
+  const ViewEnvironment v = (*l.environment->view(
+      {0, 10, body_from_aspect(0, 10), BackgroundDirections({-0.5f, between})},
+      std::vector<std::uint32_t>{0}))[0];
   const auto radiance = radiance_of(v.around);
   std::uint32_t node = nodes.sky();
   while (nodes.sin_elevation(node) > -0.2) node += nodes.azimuths();
@@ -406,9 +407,9 @@ TEST(EnvironmentNodes, SeaFromFacetsRayByRay) {
   double worst = 0;
   for (std::size_t i = 0; i < at_node.size(); ++i) {
     EXPECT_NEAR(radiance[node][i] / at_node[i], 1, 0.005) << i;
-    EXPECT_NEAR(v.behind_apparent[1][i] / behind[i], 1, 0.005) << i;
+    EXPECT_NEAR(v.background_apparent[1][i] / behind[i], 1, 0.005) << i;
     worst = std::max({worst, std::abs(radiance[node][i] / at_node[i] - 1),
-                      std::abs(v.behind_apparent[1][i] / behind[i] - 1)});
+                      std::abs(v.background_apparent[1][i] / behind[i] - 1)});
   }
   std::printf("sea by its facets: largest error %.4f\n", worst);
 }

@@ -230,7 +230,7 @@ std::vector<std::vector<Layer>> slow_walls() {
 }
 
 // The share of temperatures that differ by at most the two stated errors.
-double share_within(const HeatResult& a, const HeatResult& b) {
+double fraction_within(const HeatResult& a, const HeatResult& b) {
   double within = 0;
   for (std::size_t i = 0; i < a.error_k.size(); ++i) {
     within += std::abs(a.temperature_k[i] - b.temperature_k[i]) <= a.error_k[i] + b.error_k[i];
@@ -246,7 +246,7 @@ TEST(HardHeat, TwoStartsAgree) {
     const HeatResult cold = solved(request, weather);
     request.start = PeriodicStart{330, 24, 1e-3, 60};
     const HeatResult warm = solved(request, weather);
-    EXPECT_GE(share_within(cold, warm), 0.95) << layers.size();
+    EXPECT_GE(fraction_within(cold, warm), 0.95) << layers.size();
     EXPECT_LE(std::ranges::max(cold.error_k), 0.02);
     // The day closes.
     for (std::size_t e = 0; e < 4; ++e) {
@@ -260,10 +260,10 @@ TEST(HardHeat, TwoStartsAgree) {
     run_up.start = StatedStart{{280}, 40};
     const HeatResult from_cold = solved(run_up, days);
     run_up.start = StatedStart{{310}, 40};
-    EXPECT_GE(share_within(from_cold, solved(run_up, days)), 0.95);
+    EXPECT_GE(fraction_within(from_cold, solved(run_up, days)), 0.95);
     HeatRequest last_day = request;
     last_day.output_knot = {0, 8, 16, 24};
-    EXPECT_GE(share_within(from_cold, solved(last_day, weather)), 0.95);
+    EXPECT_GE(fraction_within(from_cold, solved(last_day, weather)), 0.95);
   }
 }
 
@@ -274,7 +274,7 @@ TEST(HardHeat, TwoGridsAgree) {
     const HeatResult coarse = solved(request, continuous(request.knot_s, day, day));
     request.accuracy = {1e-9, 3};
     const HeatResult fine = solved(request, continuous(request.knot_s, day, day));
-    EXPECT_GE(share_within(coarse, fine), 0.95) << layers.size();
+    EXPECT_GE(fraction_within(coarse, fine), 0.95) << layers.size();
     EXPECT_EQ(fine.level[0], 3);
   }
 }

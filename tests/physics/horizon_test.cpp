@@ -11,7 +11,7 @@
 
 #include "core/environment/environment.h"
 #include "core/environment/line_horizon.h"
-#include "core/environment/weather_light.h"
+#include "core/environment/thermal_surroundings.h"
 
 namespace irsig {
 namespace {
@@ -188,8 +188,8 @@ std::unique_ptr<const Environment> horizon_environment(bool refraction = true,
 // At the sensor, without the air in front: [wavelength].
 std::vector<double> behind(const Environment& e, Environment::Line line, double z,
                            std::uint32_t condition) {
-  line.behind = BehindNodes({static_cast<float>(z)});
-  return (*e.view(line, std::vector<std::uint32_t>{condition}))[0].behind_apparent[0];
+  line.behind = BackgroundDirections({static_cast<float>(z)});
+  return (*e.view(line, std::vector<std::uint32_t>{condition}))[0].background_apparent[0];
 }
 
 double mwir(const std::vector<double>& spectrum) {
@@ -227,7 +227,8 @@ TEST(Behind, SkyBelowTheHorizontalAsSummedOverEveryStep) {
   const Atmosphere atmosphere = *Atmosphere::make(spec.air);
   std::vector<unsigned char> wanted(kAirBandCount, 0);
   for (const double um : horizon_wavelengths()) wanted[*air_band(um)] = 1;
-  const WeatherLight of_weather(spec, atmosphere, kHorizonHeightM, e->nodes(), BandChoice(wanted), 0);
+  const ThermalSurroundings of_weather(spec, atmosphere, kHorizonHeightM, e->nodes(),
+                                       BandChoice(wanted), 0);
   PathLight light;
   light.surroundings_w_m2_sr_um = of_weather.surroundings;
   const std::vector<double> um = horizon_wavelengths();
@@ -297,21 +298,21 @@ TEST(Behind, InterpolatesWithinItsBound) {
   for (const auto& [sensor_m, along_m] : {std::pair{10.0, 5e3}, {25.0, 5e3}, {300.0, 8e3}}) {
     Environment::Line line = line_of(sensor_m, kHorizonHeightM, along_m);
     const double z = -line.direction.z;
-    line.behind = BehindNodes::spanning(z - 0.012, z + 0.012, e->horizons_z(line), 0);
+    line.behind = BackgroundDirections::spanning(z - 0.012, z + 0.012, e->horizons_z(line), 0);
     for (const std::uint32_t condition : {0u, 1u}) {
       const ViewEnvironment v = (*e->view(line, std::vector<std::uint32_t>{condition}))[0];
       double worst = 0, error = 0, bound = 0;
       for (int i = 0; i < 400; ++i) {
         const double at = z - 0.012 + 0.024 * (i + 0.5) / 400;
-        BehindNodes::Share share[2];
+        BackgroundDirections::Share share[2];
         const int n = line.behind.shares(static_cast<float>(at), share);
         const std::vector<double> direct = behind(*e, line, at, condition);
         for (std::size_t k = 0; k < direct.size(); ++k) {
           double linear = 0, allowed = 0;
           for (int j = 0; j < n; ++j) {
             const auto w = static_cast<double>(share[j].weight);
-            linear += w * v.behind_apparent[share[j].node][k];
-            allowed += w * v.behind_interpolation[share[j].node][k];
+            linear += w * v.background_apparent[share[j].node][k];
+            allowed += w * v.background_interpolation[share[j].node][k];
           }
           error += std::abs(linear - direct[k]);
           bound += allowed;

@@ -76,7 +76,7 @@ Seen look_at(const Mesh& mesh, const Viewpoint& viewpoint, int refraction,
   if (refraction >= 0) {
     WeatherSpec w{{air(), {AerosolKind::kMaritime, 50e3}},
                   refraction > 0,
-                  {LowerSpec::Kind::kRoughSea, 292, 1, 5},
+                  {SurfaceBoundary::Kind::kRoughSea, 292, 1, 5},
                   nullptr};
     std::vector<double> node_um = simulator->band_grids()[0].node_um;
     auto made = Environment::make({w}, {{0, condition.sun, condition.sun_direction, 1}}, 10,
@@ -162,7 +162,7 @@ TEST(HorizonView, TheSunsDiskIsCutByTheApparentHorizon) {
   for (const bool refraction : {false, true}) {
     WeatherSpec w{{air(), {AerosolKind::kMaritime, 50e3}},
                   refraction,
-                  {LowerSpec::Kind::kRoughSea, 292, 1, 5},
+                  {SurfaceBoundary::Kind::kRoughSea, 292, 1, 5},
                   nullptr};
     // Where the sea ends, and where a ray that leaves there for the sun goes in the end.
     double above = 90, below = 91;
@@ -222,7 +222,7 @@ TEST(HorizonView, AMirrorsSkyIsWithinItsErrorHoweverTheWorldIsTurned) {
     r.accuracy.samples_per_replicate = 4096;
     const WeatherSpec w{{air(), {AerosolKind::kMaritime, 23e3}},
                         true,
-                        {LowerSpec::Kind::kRoughSea, 290, 1, 5},
+                        {SurfaceBoundary::Kind::kRoughSea, 290, 1, 5},
                         nullptr};
     auto made = Environment::make({w}, {{0, true, sun, 1}}, 5, simulator->band_grids()[0].node_um);
     ASSERT_TRUE(made.ok()) << made.status();

@@ -153,12 +153,12 @@ TEST(PlumeClosedForms, AllRowsOfTheTable) {
 // Series and closed form of a linear source meet, and keep their digits.
 TEST(PlumeClosedForms, LinearSourceFromThinToThick) {
   for (const double tau : {1e-300, 1e-12, 1e-6}) {
-    EXPECT_NEAR(linear_source_share(tau), -tau * tau / 12 * (1 - tau / 2), 1e-12 * tau * tau);
+    EXPECT_NEAR(linear_source_fraction(tau), -tau * tau / 12 * (1 - tau / 2), 1e-12 * tau * tau);
   }
-  EXPECT_NEAR(linear_source_share(0.7), linear_source_share(std::nextafter(0.7, 1)), 1e-16);
-  EXPECT_NEAR(linear_source_share(1), 0.5 - 1.5 / std::numbers::e, 1e-15);
-  EXPECT_NEAR(linear_source_share(1e4), 1e-4 - 0.5, 1e-15);
-  EXPECT_EQ(linear_source_share(0), 0);
+  EXPECT_NEAR(linear_source_fraction(0.7), linear_source_fraction(std::nextafter(0.7, 1)), 1e-16);
+  EXPECT_NEAR(linear_source_fraction(1), 0.5 - 1.5 / std::numbers::e, 1e-15);
+  EXPECT_NEAR(linear_source_fraction(1e4), 1e-4 - 0.5, 1e-15);
+  EXPECT_EQ(linear_source_fraction(0), 0);
 }
 
 // Voxels of a sphere: the share of 6^3 points inside. What a picture of it sends, against 8.4.

@@ -86,20 +86,20 @@ TEST(PlumeOnHull, APlateReflectsTheColumnsOverIt) {
     const SignatureResult& row = view->row[b];
     // The lattice of directions: the slab's edges. Not the row's bound: most of that is of the slab
     // in sight.
-    expect_within_t(row.plume_on_hull_w_sr, plate_m2() / std::numbers::pi * expected[b], 4, "plate",
-                    0.01, 0.003 * row.plume_on_hull_w_sr.value);
+    expect_within_t(row.plume_reflected_w_sr, plate_m2() / std::numbers::pi * expected[b], 4,
+                    "plate", 0.01, 0.003 * row.plume_reflected_w_sr.value);
     EXPECT_LT(row.plume_bound_w_sr, 0.02 * row.plume_emitted_w_sr);
     // The row's gas is this and what is seen of the slab itself, off to the side.
-    EXPECT_NEAR(row.plume_w_sr.value - row.plume_on_hull_w_sr.value, row.plume_emitted_w_sr,
+    EXPECT_NEAR(row.plume_w_sr.value - row.plume_reflected_w_sr.value, row.plume_emitted_w_sr,
                 1e-6 * row.plume_emitted_w_sr);
     const LedgerEntry& hull = entry(row, Effect::kPlumeOnHull);
-    EXPECT_EQ(hull.share_w_sr, row.plume_on_hull_w_sr.value);
+    EXPECT_EQ(hull.fraction_w_sr, row.plume_reflected_w_sr.value);
     EXPECT_GE(hull.bound_w_sr,
-              row.plume_on_hull_w_sr.value + 3.99 * row.plume_on_hull_w_sr.stderr_);
+              row.plume_reflected_w_sr.value + 3.99 * row.plume_reflected_w_sr.stderr_);
     // No air, and nothing behind.
     for (const Estimate& same : {row.apparent_plume_w_sr, row.contrast_plume_w_sr})
       EXPECT_NEAR(same.value, row.plume_w_sr.value, 1e-9 * row.plume_w_sr.value);
-    EXPECT_EQ(entry(row, Effect::kPlume).share_w_sr, row.plume_w_sr.value);
+    EXPECT_EQ(entry(row, Effect::kPlume).fraction_w_sr, row.plume_w_sr.value);
     EXPECT_EQ(entry(row, Effect::kPlume).reason, EffectReason::kNotAsked);
   }
 }
@@ -116,8 +116,8 @@ TEST(PlumeOnHull, ReflectionsAreSpectral) {
   ASSERT_TRUE(view.ok()) << view.status();
   const auto expected = reflected(*simulator, *r.condition[0].gas, reflectance);
   for (std::size_t b = 0; b < 2; ++b)
-    expect_within_t(view->row[b].plume_on_hull_w_sr, plate_m2() / std::numbers::pi * expected[b], 2,
-                    "painted plate", 0.01, 0.003 * view->row[b].plume_on_hull_w_sr.value);
+    expect_within_t(view->row[b].plume_reflected_w_sr, plate_m2() / std::numbers::pi * expected[b],
+                    2, "painted plate", 0.01, 0.003 * view->row[b].plume_reflected_w_sr.value);
 }
 
 // The sun ahead shines on the plate through the slab.
@@ -147,7 +147,7 @@ TEST(PlumeOnHull, TheSunLosesWhatAColumnTakes) {
   const double share = in_band_of(*simulator, 0, taken) / in_band_of(*simulator, 0, sun);
   const double lost = share * row.cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)].value;
   EXPECT_GT(lost, 3 * sent);
-  expect_within_t(row.plume_on_hull_w_sr, sent - lost, 1, "plate in the sun", 0.02, 0.005 * lost);
+  expect_within_t(row.plume_reflected_w_sr, sent - lost, 1, "plate in the sun", 0.02, 0.005 * lost);
 }
 
 // All of one temperature: whatever gas sends it takes of what is behind it.
@@ -164,8 +164,8 @@ TEST(PlumeOnHull, InAWorldOfOneTemperatureNothingChanges) {
   const auto cold = simulator->simulate(r);
   ASSERT_TRUE(hot.ok() && cold.ok());
   for (std::size_t b = 0; b < 2; ++b) {
-    const double sent = cold->row[b].plume_on_hull_w_sr.value;
-    const Estimate& left = hot->row[b].plume_on_hull_w_sr;
+    const double sent = cold->row[b].plume_reflected_w_sr.value;
+    const Estimate& left = hot->row[b].plume_reflected_w_sr;
     EXPECT_GT(sent, 0);
     EXPECT_LT(std::abs(left.value), 0.12 * sent + 4 * left.stderr_);
     EXPECT_LT(std::abs(left.value), hot->row[b].plume_bound_w_sr + 4 * left.stderr_);
@@ -188,7 +188,7 @@ TEST(PlumeOnHull, WhatIsLeftOutIsBounded) {
       const double off = std::abs(full.intensity_w_sr.value - row.intensity_w_sr.value);
       EXPECT_LE(off, row.omitted_bound_w_sr);
       EXPECT_GT(off, 0.5 * row.omitted_bound_w_sr);
-      EXPECT_EQ(row.plume_on_hull_w_sr.value, 0);
+      EXPECT_EQ(row.plume_reflected_w_sr.value, 0);
       EXPECT_GE(row.numerical_error_w_sr, 0.5 * off);
       const LedgerEntry& e = entry(row, r.effects.without_plume.front());
       EXPECT_EQ(e.state, EffectState::kOff);
@@ -213,7 +213,7 @@ TEST(PlumeOnHull, WhereItHardlyMattersItIsLeftOut) {
       const LedgerEntry& e = entry(row, Effect::kPlumeOnHull);
       EXPECT_EQ(e.state, hot ? EffectState::kOn : EffectState::kOff) << row.band;
       EXPECT_EQ(e.reason, hot ? EffectReason::kAboveShare : EffectReason::kWithinShare) << row.band;
-      EXPECT_EQ(row.plume_on_hull_w_sr.value > 0, hot);
+      EXPECT_EQ(row.plume_reflected_w_sr.value > 0, hot);
       EXPECT_EQ(row.omitted_bound_w_sr > 0, !hot);
     }
   }
@@ -230,7 +230,7 @@ TEST(PlumeOnHull, WhatNoRayHasMetIsBounded) {
     const auto view = simulator->simulate(r);
     ASSERT_TRUE(view.ok()) << view.status();
     const SignatureResult& row = view->row[0];
-    EXPECT_EQ(row.plume_on_hull_w_sr.value, 0);
+    EXPECT_EQ(row.plume_reflected_w_sr.value, 0);
     EXPECT_EQ(entry(row, Effect::kPlumeOnHull).state, EffectState::kOn);
     bound.push_back(row.omitted_bound_w_sr);
   }
@@ -243,7 +243,7 @@ TEST(PlumeOnHull, SeedsScatterAsTheyState) {
   ViewRequest r = seen_from_the_side(*simulator, 300);
   r.condition[0].gas = slab(3);
   r.accuracy.samples_per_replicate = 64;
-  expect_seeds_scatter_as_stated(*simulator, r, &SignatureResult::plume_on_hull_w_sr);
+  expect_seeds_scatter_as_stated(*simulator, r, &SignatureResult::plume_reflected_w_sr);
 }
 
 }  // namespace

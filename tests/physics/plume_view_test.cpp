@@ -235,7 +235,7 @@ TEST(PlumeView, AFunnelsPlumeIsTheSumOfItsRays) {
   WeatherSpec weather{
       {afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kMaritime, 23000}},
       true,
-      {LowerSpec::Kind::kRoughSea, 290, 1, 6},
+      {SurfaceBoundary::Kind::kRoughSea, 290, 1, 6},
       nullptr};
   auto environment = Environment::make({weather}, {{0, false, {0, 0, -1}, 1}}, 10, um);
   ASSERT_TRUE(environment.ok()) << environment.status();

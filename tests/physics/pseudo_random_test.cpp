@@ -35,7 +35,7 @@ struct Disk {
     EXPECT_TRUE(made.ok()) << made.status();
     estimator = *std::move(made);
   }
-  [[nodiscard]] ViewValue estimate(const EstimatorKnobs& knobs, std::uint64_t samples,
+  [[nodiscard]] ViewValue estimate(const EstimatorOptions& knobs, std::uint64_t samples,
                                    std::uint64_t seed) const {
     const ViewRow row{0, 0};
     return estimator->estimate(knobs, {&row, 1}, samples, seed);
@@ -43,7 +43,7 @@ struct Disk {
 };
 
 // Exponent of the standard error between n = 64 and 16384 samples per replicate, by least squares.
-double slope(const Disk& disk, const EstimatorKnobs& knobs) {
+double slope(const Disk& disk, const EstimatorOptions& knobs) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (std::uint64_t samples = 64; samples <= 16384; samples *= 4) {
     double square = 0;
@@ -63,7 +63,7 @@ double slope(const Disk& disk, const EstimatorKnobs& knobs) {
 
 TEST(PseudoRandom, AgreesWithTheClosedForm) {
   const Disk disk;
-  EstimatorKnobs knobs;
+  EstimatorOptions knobs;
   knobs.max_reflections = 0;
   expect_within_t(disk.estimate(knobs, 4096, 1).intensity_w_sr.front(), kDisk_w_sr, kRows,
                   "quasi-random", 1e-3, 2e-5 * kDisk_w_sr);
@@ -85,7 +85,7 @@ TEST(PseudoRandom, PlainMonteCarloAgreesWithTheClosedForm) {
 
 TEST(PseudoRandom, ErrorFallsAsTheSquareRootAndOursFaster) {
   const Disk disk;
-  EstimatorKnobs knobs;
+  EstimatorOptions knobs;
   knobs.max_reflections = 0;
   const double masked = slope(disk, knobs);
   knobs.coverage_mask = knobs.hot_parts = false;

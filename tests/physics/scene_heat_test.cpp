@@ -145,7 +145,7 @@ TEST(SceneHeat, RedHotPlatesAreNotOutOfRange) {
 // Of what a plate of 1 m, which looks up from z = 25 m, sends: how much arrives at a convex body
 // above the middle of it, but for what a screen 1 m below the body hides. By 40 x 40 places of the
 // plate.
-double share_above(const Mesh& body, double screen_from_m, double screen_to_m) {
+double fraction_above(const Mesh& body, double screen_from_m, double screen_to_m) {
   double sum = 0;
   constexpr int kPlaces = 40;
   const int pieces = body.triangle.size() > 100 ? 1 : 12;
@@ -203,10 +203,10 @@ TEST(SceneHeat, WhatIsSmallAndFarAndHotIsNotMissed) {
     r.part = {{0.7, 0.9, 0u, 0}, {0.7, 0.9, std::nullopt, c.kelvin}, {0.7, 1, std::nullopt, 290}};
     if (c.kept_hot) r.part[1] = {0.7, 0.9, 1u, 0};
     const double air_w_m2 = kStefanBoltzmannWM2K4 * std::pow(290, 4),
-                 share = share_above(c.body, from_m, to_m),
+                 share = fraction_above(c.body, from_m, to_m),
                  screen = c.half_hidden
-                              ? share_above(plate("", {from_m, -1.5, 1}, {1.5, 0, 0}, {0, 3, 0}, 9),
-                                            9, 9)
+                              ? fraction_above(
+                                    plate("", {from_m, -1.5, 1}, {1.5, 0, 0}, {0, 3, 0}, 9), 9, 9)
                               : 0,
                  sent = 0.9 * kStefanBoltzmannWM2K4 * std::pow(c.kelvin, 4) + 0.1 * air_w_m2,
                  incoming = 300 + share * (sent - 300) + screen * (air_w_m2 - 300);

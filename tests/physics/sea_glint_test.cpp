@@ -86,8 +86,8 @@ Lit lit_by_glitter(bool roofed, double elevation_deg, double wind_m_s) {
   e.transmittance = e.sun = one;
   e.path_radiance = zero;
   e.sun_apparent.assign(node_um.size(), 0.25);
-  e.behind_apparent = {zero, zero};
-  e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
+  e.background_apparent = {zero, zero};
+  e.around = IncidentRadiance::of_spectra(e.background_apparent, e.background_apparent);
   ViewEnvironments environments;
   environments.condition = {e};
   const ViewPlan plan = plan_with_everything(r);
@@ -125,7 +125,7 @@ TEST(SeaGlint, ReflectanceBetweenItsNodes) {
     for (int i = 0; i <= 1000; ++i) {
       const double cosine = i / 1000.0;
       const std::complex<double> index = sea_water_index(lambda_um);
-      const GlintShare at = glint_share(static_cast<float>(cosine));
+      const GlintShare at = glint_fraction(static_cast<float>(cosine));
       const auto node = [&](std::size_t k) {
         return water_reflectance(index, static_cast<double>(kGlintCosines[k]));
       };

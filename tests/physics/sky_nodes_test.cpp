@@ -50,8 +50,8 @@ struct Fake {
       node.emplace_back(n, radiance);
       apparent.emplace_back(n, 0.7 * radiance);
     }
-    e.around = LightAround::of_spectra(node, apparent, directions.sky());
-    e.behind_apparent.assign(environments.behind.count(), std::vector<double>(n, 0.0));
+    e.around = IncidentRadiance::of_spectra(node, apparent, directions.sky());
+    e.background_apparent.assign(environments.behind.count(), std::vector<double>(n, 0.0));
     environments.condition = {std::move(e)};
   }
   std::vector<Estimate> run(std::uint64_t samples) {
@@ -156,12 +156,12 @@ TEST(Contrast, IsADifferenceRayByRay) {
     const Vec<Body> line = 1000 * body_from_aspect(30, elevation_deg) - Vec<Body>{0, 0, -3};
     const double s = -line.z / length(line);
     const std::vector<float> rings{static_cast<float>(s) - 0.01f, static_cast<float>(s) + 0.01f};
-    f.environments.behind = BehindNodes({0, rings[0], rings[1]});
+    f.environments.behind = BackgroundDirections({0, rings[0], rings[1]});
     // 4 W/(m2 sr um) at the mean elevation, the sky's node must not be met.
     ViewEnvironment& e = f.environments.condition[0];
-    e.behind_apparent.clear();
+    e.background_apparent.clear();
     for (const double radiance : {1e9, 3.5, 4.5})
-      e.behind_apparent.emplace_back(f.node_um.size(), radiance);
+      e.background_apparent.emplace_back(f.node_um.size(), radiance);
     const std::vector<Estimate> q = f.run(4096);
     const double emitted = planck_band_radiance_w_m2_sr(8, 12, 300);
     const double expected = q[kArea].value * (0.5 * emitted - 4 * 4);

@@ -28,17 +28,17 @@ TEST(Unseen, FacetsTogetherAreBoundedAsEachOfThemIs) {
       for (const Viewpoint& viewpoint :
            {Viewpoint{70, 4, 5000}, Viewpoint{0, 30, 500}, Viewpoint{200, 80, 20000}}) {
         const AimedView view = make_aimed_view(target, viewpoint);
-        const UnseenLight unseen(target, simulator->scene().places, simulator->materials(),
-                                 view.frame);
+        const UndersampledSources unseen(target, simulator->scene().places, simulator->materials(),
+                                         view.frame);
         for (const double zenith_deg : {20.0, 75.0, 89.5, 90.1})
           for (const double azimuth_deg : {0.0, 80.0, 245.0}) {
             const double z = zenith_deg * std::numbers::pi / 180,
                          a = azimuth_deg * std::numbers::pi / 180;
             SunDirection sun{{std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)},
                              0.00465};
-            const UnseenLight::Sun& together = unseen.of(sun);
+            const UndersampledSources::Sun& together = unseen.of(sun);
             sun.distance_m = kFar;
-            const UnseenLight::Sun& each = unseen.of(sun);
+            const UndersampledSources::Sun& each = unseen.of(sun);
             const auto expect = [&](double is, double least, const char* what) {
               EXPECT_GE(is, least * (1 - 1e-6)) << what << " " << shape << " " << zenith_deg;
               if (least > 0) loosest = std::max(loosest, is / least);

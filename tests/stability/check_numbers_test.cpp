@@ -56,7 +56,7 @@ TEST(CheckNumbers, FailsWhereWeightsWereDropped) {
 TEST(CheckNumbers, FacetsFromBehindAndCutPathsAreOrdinary) {
   ViewResult view = good();
   view.guarded_backface_hits = 1000;
-  view.guarded_path_limit = 1000;
+  view.truncated_paths = 1000;
   EXPECT_TRUE(check_numbers(view).ok());
 }
 
@@ -129,7 +129,8 @@ TEST(CheckNumbers, ContrastHasAnySignAndTransmittanceNone) {
          [](auto& r) {
            r.path_transmittance_spectral = {0.5, 1.5};
          }},
-        {"sky_bound_w_sr is not", [](auto& r) { r.sky_bound_w_sr = NAN; }}}) {
+        {"direction_interpolation_bound_w_sr is not",
+         [](auto& r) { r.direction_interpolation_bound_w_sr = NAN; }}}) {
     ViewResult bad = good();
     wrong.make(bad.row[0]);
     EXPECT_THAT(reason(bad), HasSubstr(wrong.named));
@@ -146,23 +147,23 @@ TEST(CheckNumbers, WhatWasLeftOutIsFiniteAndPartOfTheError) {
         {"contrast_omitted_bound_w_sr is negative",
          [](auto& r) { r.contrast_omitted_bound_w_sr = -1e-3; }},
         // A bound of 0.2 makes an error of 0.2 / sqrt(3) at least.
-        {"band 0: omitted_bound_w_sr or unseen_stderr_w_sr is no part",
+        {"band 0: omitted_bound_w_sr or undersampling_stderr_w_sr is no part",
          [](auto& r) { r.omitted_bound_w_sr = 0.2; }},
-        {"apparent_omitted_bound_w_sr or apparent_unseen_stderr_w_sr is no part",
+        {"apparent_omitted_bound_w_sr or apparent_undersampling_stderr_w_sr is no part",
          [](auto& r) { r.apparent_omitted_bound_w_sr = 0.2; }},
-        {"contrast_omitted_bound_w_sr or contrast_unseen_stderr_w_sr is no part",
+        {"contrast_omitted_bound_w_sr or contrast_undersampling_stderr_w_sr is no part",
          [](auto& r) { r.contrast_omitted_bound_w_sr = 0.2; }},
-        {"contrast_omitted_bound_w_sr or contrast_unseen_stderr_w_sr is no part",
-         [](auto& r) { r.contrast_unseen_stderr_w_sr = 0.2; }},
-        {"apparent_unseen_stderr_w_sr is not a finite",
-         [](auto& r) { r.apparent_unseen_stderr_w_sr = NAN; }},
+        {"contrast_omitted_bound_w_sr or contrast_undersampling_stderr_w_sr is no part",
+         [](auto& r) { r.contrast_undersampling_stderr_w_sr = 0.2; }},
+        {"apparent_undersampling_stderr_w_sr is not a finite",
+         [](auto& r) { r.apparent_undersampling_stderr_w_sr = NAN; }},
         {"absolute_floor_w_sr is negative", [](auto& r) { r.absolute_floor_w_sr = -1; }},
         {"direct_sun's bound_w_sr is not a finite",
          [](auto& r) { r.effect[1].bound_w_sr = INFINITY; }},
         {"direct_sun's contrast_bound_w_sr is negative",
          [](auto& r) { r.effect[1].contrast_bound_w_sr = -1; }},
-        {"self_emission's share_w_sr is not a finite",
-         [](auto& r) { r.effect[0].share_w_sr = -INFINITY; }},
+        {"self_emission's fraction_w_sr is not a finite",
+         [](auto& r) { r.effect[0].fraction_w_sr = -INFINITY; }},
         {"direct_sun's time_s is negative", [](auto& r) { r.effect[1].time_s = -1; }},
         {"energy.absorbed is not a finite", [](auto& r) { r.energy.absorbed.value = NAN; }},
         {"energy.cut_off is negative", [](auto& r) { r.energy.cut_off.value = -1e-3; }},

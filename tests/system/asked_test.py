@@ -131,9 +131,9 @@ class Asked(unittest.TestCase):
         done = self.irsig("run", self.write("small.toml", QUICK), "--db", self.db)
         self.assertRegex(done.stdout, r"worst error [\d.]+ %, ")
         self.assertNotIn("floor", done.stdout + done.stderr + self.irsig("query", self.db).stderr)
-        self.assertEqual({row["stop_reason"] for row in self.rows()}, {"target_reached"})
+        self.assertEqual({row["stop_reason"] for row in self.rows()}, {"accuracy_reached"})
         # A closed mesh has no back faces: not one.
-        self.assertEqual({float(row["backface_share"]) for row in self.rows()}, {0.0})
+        self.assertEqual({float(row["backface_fraction"]) for row in self.rows()}, {0.0})
 
     # --- meshes seen from behind ---
 
@@ -142,18 +142,18 @@ class Asked(unittest.TestCase):
         said = re.search(r"([\d.]+) % of the silhouette are one-sided facets seen from behind", done.stderr)
         self.assertTrue(said, done.stderr)
         self.assertAlmostEqual(float(said[1]), 20, delta=1)
-        for remedy in ("two_sided = true", "irsig model check FILE --repair", "model.accepted_backface_share"):
+        for remedy in ("two_sided = true", "irsig model check FILE --repair", "model.accepted_backface_fraction"):
             self.assertIn(remedy, done.stderr)
         # Before it ran, the sweep's own place was named.
         self.assertRegex(done.stderr, r"panels.toml:\d+:\d+: warning: part\[1\]: 2 facets of \"back\" belong to open shells")
         self.irsig("plan", self.path / "panels.toml", code=1)
 
     def test_accepted_back_faces_are_a_warning_everywhere(self):
-        sweep = self.panels(model="accepted_backface_share = 0.25")
+        sweep = self.panels(model="accepted_backface_fraction = 0.25")
         done = self.irsig("run", sweep, "--db", self.db)
         self.assertRegex(done.stderr, r"irsig: warning: panels: back faces: seen from 1 viewpoint, up to (19|20)[.\d]* % of the silhouette")
         (row,) = self.rows()
-        self.assertAlmostEqual(float(row["backface_share"]), 0.2, delta=0.01)
+        self.assertAlmostEqual(float(row["backface_fraction"]), 0.2, delta=0.01)
         self.assertAlmostEqual(float(row["projected_area_m2"]), 4, delta=0.05)
         self.assertIn("back faces: ", row["warning"])
         query = self.irsig("query", self.db).stderr
@@ -172,7 +172,7 @@ class Asked(unittest.TestCase):
     def test_a_few_back_faces_are_a_warning(self):
         self.irsig("run", self.panels(back_m2=0.02), "--db", self.db)
         (row,) = self.rows()
-        self.assertAlmostEqual(float(row["backface_share"]), 0.02 / 4.02, delta=0.002)
+        self.assertAlmostEqual(float(row["backface_fraction"]), 0.02 / 4.02, delta=0.002)
         self.assertIn("back faces: ", row["warning"])
 
     def test_two_sides_are_the_remedy(self):
@@ -180,12 +180,12 @@ class Asked(unittest.TestCase):
         self.assertNotIn("back faces", done.stderr)
         self.assertNotIn("part[1]", done.stderr)
         (row,) = self.rows()
-        self.assertEqual((float(row["backface_share"]), row["warning"]), (0, ""))
+        self.assertEqual((float(row["backface_fraction"]), row["warning"]), (0, ""))
         self.assertAlmostEqual(float(row["projected_area_m2"]), 5, delta=0.05)
 
     def test_the_share_is_a_share(self):
         for value in ("1.5", "-0.1"):
-            self.assertIn("accepted_backface_share", self.irsig("run", self.panels(model=f"accepted_backface_share = {value}"),
+            self.assertIn("accepted_backface_fraction", self.irsig("run", self.panels(model=f"accepted_backface_fraction = {value}"),
                                                                 "--db", self.db, code=2).stderr)
 
     def test_a_check_of_the_model_proposes_two_sides(self):

@@ -55,7 +55,7 @@ class Gas(unittest.TestCase):
         thinner = rows(irsig(*FUNNEL, "--pressure-atm", "0.5"))
         self.assertLess(at(thinner, 2235)["emissivity"], at(table, 2235)["emissivity"])
 
-    def test_behind_air(self):
+    def test_background_air(self):
         table = rows(irsig(*FUNNEL, "--range-m", "1000", "--profile", "midlatitude_summer", "--aerosol", "none"))
         self.assertEqual(len(table), 275)
         spike = max(r["apparent_radiance_w_m2_sr_um"] for r in table if 2220 < r["wavenumber_cm1"] < 2290)

@@ -184,7 +184,7 @@ class Views(unittest.TestCase):
         self.assertEqual(len(rows), 160)
         r = rows[0]
         causes = sum(r[c] for c in ("emitted_w_sr", "sun_reflected_w_sr", "sky_reflected_w_sr",
-                                    "sea_reflected_w_sr", "parts_reflected_w_sr"))
+                                    "surface_reflected_w_sr", "interreflected_w_sr"))
         self.assertAlmostEqual(causes / r["intensity_w_sr"], 1, delta=1e-6)
         self.assertIn("[W/sr]", irsig("query", self.db).stdout)
 

@@ -76,7 +76,7 @@ class Conditions(unittest.TestCase):
         db = sqlite3.connect(folder / f"{name}.sigdb")
         rows = {(season, time, view): values for season, time, view, *values in db.execute(
             """SELECT season, time_utc, aspect_azimuth_deg, intensity_w_sr, intensity_stderr_w_sr, apparent_intensity_w_sr,
-                      contrast_intensity_w_sr, numerical_error_w_sr, depth_bound_w_sr FROM signature_view""")}
+                      contrast_intensity_w_sr, numerical_error_w_sr, target_depth_bound_w_sr FROM signature_view""")}
         paths, rays = db.execute("SELECT sum(target_paths), sum(rays) FROM provenance").fetchone()
         db.close()
         return rows, paths, rays

@@ -5,13 +5,13 @@ usage: error_budget_test.py <irsig> <repository>
 import math, pathlib, re, sqlite3, subprocess, sys, tempfile, unittest
 
 IRSIG, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-COMMON = "truncation_bound_w_sr + quadrature_bound_w_sr + unseen_bound_w_sr + sky_bound_w_sr"
+COMMON = "truncation_bound_w_sr + quadrature_bound_w_sr + undersampling_bound_w_sr + direction_interpolation_bound_w_sr"
 ERRORS = {  # numerical error: standard error, sum of bounds; the basis is contained in the quadrature
     "numerical_error_w_sr": ("intensity_stderr_w_sr", f"{COMMON} + omitted_bound_w_sr + temperature_bound_w_sr"),
     "apparent_numerical_error_w_sr":
-        ("apparent_intensity_stderr_w_sr", f"{COMMON} + apparent_omitted_bound_w_sr + depth_bound_w_sr + apparent_temperature_bound_w_sr"),
+        ("apparent_intensity_stderr_w_sr", f"{COMMON} + apparent_omitted_bound_w_sr + target_depth_bound_w_sr + apparent_temperature_bound_w_sr"),
     "contrast_numerical_error_w_sr":
-        ("contrast_intensity_stderr_w_sr", f"{COMMON} + contrast_omitted_bound_w_sr + depth_bound_w_sr"
+        ("contrast_intensity_stderr_w_sr", f"{COMMON} + contrast_omitted_bound_w_sr + target_depth_bound_w_sr"
                                             " + background_bound_w_sr + apparent_temperature_bound_w_sr"),
 }
 
@@ -35,8 +35,8 @@ class ErrorBudget(unittest.TestCase):
                     again = math.sqrt(sampled**2 + missed**2 + bound**2 / 3)
                     self.assertLessEqual(abs(stated - again), 1e-12 * again, (error, stated, again))
             counted = {column: db.execute(f"SELECT count(*) FROM signature WHERE {column} > 0").fetchone()[0]
-                       for column in ("truncation_bound_w_sr", "unseen_bound_w_sr", "sky_bound_w_sr",
-                                      "omitted_bound_w_sr", "depth_bound_w_sr", "background_bound_w_sr")}
+                       for column in ("truncation_bound_w_sr", "undersampling_bound_w_sr", "direction_interpolation_bound_w_sr",
+                                      "omitted_bound_w_sr", "target_depth_bound_w_sr", "background_bound_w_sr")}
             explained = subprocess.run([IRSIG, "explain", "x.sigdb", "--row", "1"], cwd=path, capture_output=True,
                                        text=True, timeout=600)
             self.assertEqual(explained.returncode, 0, explained.stderr)

@@ -87,13 +87,13 @@ class Explain(unittest.TestCase):
             self.assertEqual(signature, stored)
             self.assertEqual(len(d["effects"]), 19)
             # Where the light ends: parts of a whole, which is one.
-            parts = [energy[k] for k in ("absorbed", "escaped_to_sky", "escaped_to_lower", "cut_off")]
+            parts = [energy[k] for k in ("absorbed", "escaped_to_sky", "escaped_to_surface", "cut_off")]
             self.assertAlmostEqual(sum(parts), energy["balance"], delta=1e-9)
             self.assertLess(abs(energy["balance"] - 1), 5 * energy["balance_stderr"] + 1e-6)
             # By cause and by part: the intensity.
             intensity = stored["intensity_w_sr"]
             causes = sum(stored[f"{c}_w_sr"] for c in
-                         ("emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected"))
+                         ("emitted", "sun_reflected", "sky_reflected", "surface_reflected", "interreflected"))
             self.assertAlmostEqual(causes / intensity, 1, delta=1e-9)
             self.assertAlmostEqual(sum(p["part_intensity_w_sr"] for p in d["parts"]) / intensity, 1, delta=1e-9)
             # What is off is in the omitted bound, and that in the numerical error.
@@ -111,7 +111,7 @@ class Explain(unittest.TestCase):
         self.assertRegex(text, r"(?m)^intensity +[\d.]+ W/sr, at the target$")
         self.assertRegex(text, r"(?m)^  omitted bound +[\d.e-]+ +[\d.e-]+ %")
         self.assertRegex(text, r"(?m)^asked     1 % of the intensity: [\d.]+ W/sr, or the floor of 0.05 K: [\d.]+ W/sr$")
-        self.assertRegex(text, r"(?m)^stopped   target_reached$")
+        self.assertRegex(text, r"(?m)^stopped   accuracy_reached$")
         self.assertRegex(text, r"(?m)^self_emission +on .* cannot be left out$")
         self.assertRegex(text, r"(?m)^path_sun +absent .* nothing in this scene and condition causes it$")
         self.assertRegex(text, r"(?m)^  sum +[\d.]+ \+- ")
@@ -125,7 +125,7 @@ class Explain(unittest.TestCase):
         (signature,) = self.explained(1)["signature"]
         effects = self.effects(1)
         for name in ("sky_reflected", "lower_reflected"):
-            self.assertEqual((effects[name]["state"], effects[name]["reason"]), ("off", "within_share"))
+            self.assertEqual((effects[name]["state"], effects[name]["reason"]), ("off", "within_fraction"))
             self.assertGreater(effects[name]["bound_w_sr"], 0)
         self.assertGreater(signature["omitted_bound_w_sr"], 0)
         self.assertEqual(signature["reflections"], 0)
@@ -148,7 +148,7 @@ class Explain(unittest.TestCase):
         self.assertEqual({effects[n]["reason"] for n in ("sky_reflected", "lower_reflected")}, {"forced"})
         (signature,) = self.explained(1)["signature"]
         self.assertGreater(signature["sky_reflected_w_sr"], 0)
-        self.assertEqual(signature["sea_reflected_w_sr"], 0)
+        self.assertEqual(signature["surface_reflected_w_sr"], 0)
         self.assertIn("forced: the user's word", irsig("explain", self.db, "--row", 1))
         # The file's table says the same; it is another sweep than the automatic one.
         by_option = irsig("digest", self.db)

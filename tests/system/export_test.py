@@ -139,7 +139,7 @@ class Export(unittest.TestCase):
         return rows
 
     def pixels(self, exr):
-        """As core/image/apart/picture_apart.h has it."""
+        """As core/image/apart/picture_subprocess.h has it."""
         image = exr.read_bytes()
         task = b"irsig pictures 1\n" + struct.pack("=I3B2f4dQ", 4096, 0, 1, 0, 0, 0, 0, 0, 0, 0, len(image)) + image
         done = subprocess.run([PICTURE, str(len(task))], input=task, capture_output=True, check=True)

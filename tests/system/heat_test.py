@@ -329,7 +329,7 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
             f"# radiation_interval_s: {interval}\ntime,air_temperature_k,dew_point_k,pressure_pa,wind_speed_m_s,wind_from_deg,"
             "direct_normal_w_m2,diffuse_horizontal_w_m2,sky_w_m2\n" + "".join(f"{time},{weather},0,0,{sky}\n" for time, sky in records))
         (self.path / "p.obj").write_text(mesh)
-        text = sweep(MODEL='file = "p.obj"\nunit_m = 1\nforward_axis = "+x"\nup_axis = "+z"\naccepted_backface_share = 1',
+        text = sweep(MODEL='file = "p.obj"\nunit_m = 1\nforward_axis = "+x"\nup_axis = "+z"\naccepted_backface_fraction = 1',
                      LATITUDE="45", LAYER=layer, HEAT='history = "days"\nhistory_days = 1', ACCURACY=accuracy,
                      ABSORPTANCE=f"solar_absorptance = 0.5\nthermal_emissivity = {emissivity}", RANGE=str(range_m),
                      SURROUNDINGS=f'kind = "ground"\nground_emissivity = {ground}\nsolar_albedo = 0.2')

@@ -64,7 +64,7 @@ thumbnail_px = 0
 """
 PLATE = """
 time = ["12:00Z"]
-model = { file = "plate.obj", unit_m = 1, forward_axis = "+x", up_axis = "+z", accepted_backface_share = 1 }
+model = { file = "plate.obj", unit_m = 1, forward_axis = "+x", up_axis = "+z", accepted_backface_fraction = 1 }
 material = [{ name = "grey", kind = "lambert", emissivity = %g }]
 part = [{ name = "plate", match = ["*"], material = "grey", temperature_k = %g }]
 season = [{ name = "any", date = 2025-06-21 }]

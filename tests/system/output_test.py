@@ -83,7 +83,7 @@ class Output(unittest.TestCase):
         rows = json.loads(self.irsig("query", "a.sigdb", "--json"))
         self.assertEqual((report["sweep"], report["jobs"], report["predicted_jobs"], report["rows"]),
                          ("quickstart", 3, 3, len(rows)))
-        for reason in ("target_reached", "target_missed", "floor_reached", "sample_limit", "fixed_samples"):
+        for reason in ("accuracy_reached", "accuracy_not_reached", "floor_reached", "sample_limit", "fixed_samples"):
             self.assertEqual(report[reason + "_rows"], sum(r["stop_reason"] == reason for r in rows), reason)
         worst = max(r["numerical_error_w_sr"] / r["intensity_w_sr"] for r in rows)
         self.assertAlmostEqual(report["relative_error_largest"], worst, 12)

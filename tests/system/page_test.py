@@ -23,7 +23,7 @@ class PageTest(PageCase):
             self.assertEqual(page.text("#map-title"), "In-band intensity")
             row = self.row_of(page)
             self.check_values(page, row)
-            for cause in ("emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected"):
+            for cause in ("emitted", "sun_reflected", "sky_reflected", "surface_reflected", "interreflected"):
                 self.assertEqual(self.shown(page, f"{cause}_w_sr", "#ledger"), row[f"{cause}_w_sr"])
             self.assertIn("24 of 24 jobs, complete", page.text("#progress"))
             self.check_layout(page)
@@ -120,7 +120,7 @@ class PageTest(PageCase):
             self.assertEqual(page.run("document.querySelectorAll('#spectrum path.band.a').length"), 1)
             # The stack's areas are the causes that are not zero; its top is the whole.
             causes = page.run("[...document.querySelectorAll('#spectrum path.cause')].map(p => p.dataset.cause)")
-            self.assertEqual(causes, [c for c in ("emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected")
+            self.assertEqual(causes, [c for c in ("emitted", "sun_reflected", "sky_reflected", "surface_reflected", "interreflected")
                                       if any(s[f"spectral_{c}_w_sr_um"] for s in spectrum)])
             top, line = (page.run(f"document.querySelector('#spectrum path.{c}').getAttribute('d').split('L')[40].split(' ').map(Number)[1]")
                          for c in (f"cause.{causes[-1]}", "curve.a"))

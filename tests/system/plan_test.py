@@ -123,7 +123,7 @@ class Plan(unittest.TestCase):
         # Sizes do not depend on the machine's load.
         self.assertAlmostEqual(stored["database_bytes"] / self.db.stat().st_size, 1, delta=0.15)
         self.assertIn("relative error asked: 1 %", report)
-        self.assertRegex(report, r"stopped by:.* target_reached \d+")
+        self.assertRegex(report, r"stopped by:.* accuracy_reached \d+")
         shares = [float(share) for share in re.findall(r"(?:statistical|unseen hits|truncation|quadrature|unseen|basis|sky|omitted|temperature|plume) (\S+) %",
                                                        report)]
         self.assertIn(len(shares), range(2, 9))  # those that are not 0

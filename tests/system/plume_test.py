@@ -55,7 +55,7 @@ class Plumes(unittest.TestCase):
         return self.irsig("run", "bad.toml", "--db", "bad.sigdb", exit_code=2)
 
     def add_up(self, row):
-        parts = [row[f"{c}_w_sr"] for c in ("emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected",
+        parts = [row[f"{c}_w_sr"] for c in ("emitted", "sun_reflected", "sky_reflected", "surface_reflected", "interreflected",
                                             "plume")]
         self.assertAlmostEqual(sum(parts) / row["intensity_w_sr"], 1, delta=1e-5)
 

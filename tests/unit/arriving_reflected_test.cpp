@@ -23,7 +23,7 @@ struct World {
     const Viewpoint from{0, elevation_deg, range_m};
     Environment::Line line = environment->line(from);
     const Vec<Body> towards = body_from_aspect(0, elevation_deg);
-    line.behind = BehindNodes({static_cast<float>(-towards.z)});
+    line.behind = BackgroundDirections({static_cast<float>(-towards.z)});
     const auto views = environment->view(line, conditions);
     if (!views.ok()) return views.status();
     std::vector<SightLine> out;
@@ -33,7 +33,8 @@ struct World {
   }
 };
 
-WeatherSpec weather(double visibility_m, LowerSpec::Kind below = LowerSpec::Kind::kRoughSea) {
+WeatherSpec weather(double visibility_m,
+                    SurfaceBoundary::Kind below = SurfaceBoundary::Kind::kRoughSea) {
   WeatherSpec w{{afgl_profile(AfglProfile::kMidlatitudeSummer), {}}, true, {}, nullptr};
   w.air.aerosol.kind = AerosolKind::kMaritime;
   w.air.aerosol.visibility_m = visibility_m;
@@ -65,9 +66,9 @@ World at_sea(const Band& band) {
 }
 // Over the sun at the horizon: a mirror, without refraction; ground in haze.
 World at_sunset(const Band& band, double height_m) {
-  WeatherSpec straight = weather(50e3, LowerSpec::Kind::kFlatSea);
+  WeatherSpec straight = weather(50e3, SurfaceBoundary::Kind::kFlatSea);
   straight.refraction = false;
-  return world(band, height_m, {straight, weather(4e3, LowerSpec::Kind::kGround)},
+  return world(band, height_m, {straight, weather(4e3, SurfaceBoundary::Kind::kGround)},
                {{0, true, sun(0.3), 1}, {1, true, sun(-0.2), 1}, {0, true, sun(-3), 1}});
 }
 

@@ -81,10 +81,10 @@ TEST(BandMargins, OfBoundsUnseenLightAndModels) {
               0.1 / 2 * std::sqrt(0.5 * (kShape * kShape / 3 + kSlope * kSlope)));
   EXPECT_DOUBLE_EQ(m.half.total_error, m.half.numerical_error);
   t.bias_bound_w_sr = 0;
-  t.unseen_stderr_w_sr = 0.1;
+  t.undersampling_stderr_w_sr = 0.1;
   m = margins(population(t));
   expect_near(m.half.numerical_error, 0.1 / 2 * kShape);
-  t.unseen_stderr_w_sr = 0;
+  t.undersampling_stderr_w_sr = 0;
   t.model_error_w_sr = 0.1;
   m = margins(population(t));
   EXPECT_EQ(m.half.numerical_error, 0);

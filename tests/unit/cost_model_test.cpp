@@ -85,7 +85,7 @@ TEST(CostModel, AFloorIsEnoughWhateverTheValue) {
   EXPECT_LT(4 * with.samples, without.samples);
   EXPECT_EQ(with.reached, 0u) << "the relative error is not reached";
   EXPECT_EQ(with.at_floor, 1u);
-  EXPECT_DOUBLE_EQ(sweep_cost(std::vector{with}, 1, 1, 1, 0).at_floor_share, 1);
+  EXPECT_DOUBLE_EQ(sweep_cost(std::vector{with}, 1, 1, 1, 0).at_floor_fraction, 1);
   // A floor below the relative error changes nothing.
   pilot.row[0].floor_w_sr = 0.05;
   EXPECT_EQ(view_cost(pilot, relative(0.001), 0).samples, without.samples);
@@ -185,8 +185,8 @@ TEST(CostModel, ASweepIsItsViews) {
   EXPECT_DOUBLE_EQ(cost.job_cpu_median_s, 2.5);
   EXPECT_DOUBLE_EQ(cost.job_cpu_quartile1_s, 1.75);
   EXPECT_DOUBLE_EQ(cost.job_cpu_quartile3_s, 3.25);
-  EXPECT_DOUBLE_EQ(cost.reached_share, 0.75);
-  EXPECT_DOUBLE_EQ(cost.kept_by_bias_share, 0.25);
+  EXPECT_DOUBLE_EQ(cost.reached_fraction, 0.75);
+  EXPECT_DOUBLE_EQ(cost.kept_by_bias_fraction, 0.25);
   // 1 2 3 4 1 2 3 4 by whoever of two workers is free: 1 + 3 + 1 + 2 + 4 and 2 + 4 + 3.
   EXPECT_DOUBLE_EQ(sweep_cost(views, 8, 1, 2, 0).wall_s, 11);
   // One job cannot be shared.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/environment/behind_nodes.h"
+#include "core/environment/background_directions.h"
 
 namespace irsig {
 namespace {
@@ -85,9 +85,9 @@ TEST(DirectionNodes, SkyAndLowerDoNotMix) {
   EXPECT_NEAR(at[2], 1, 1e-9);
 }
 
-TEST(BehindNodes, AreLinearBetweenAndJumpAtTheHorizon) {
-  const BehindNodes nodes({-0.5f, 0.001f, 0.001f, 0.25f});
-  BehindNodes::Share share[2];
+TEST(BackgroundDirections, AreLinearBetweenAndJumpAtTheHorizon) {
+  const BackgroundDirections nodes({-0.5f, 0.001f, 0.001f, 0.25f});
+  BackgroundDirections::Share share[2];
   const auto at = [&](float z) {
     double sum = 0, mean = 0;
     for (int i = 0, n = nodes.shares(z, share); i < n; ++i) {
@@ -109,9 +109,9 @@ TEST(BehindNodes, AreLinearBetweenAndJumpAtTheHorizon) {
   EXPECT_FALSE(nodes.above(3, 0.1f));
 }
 
-TEST(BehindNodes, SpanWhatIsLookedAtWithAJumpAtEachHorizon) {
+TEST(BackgroundDirections, SpanWhatIsLookedAtWithAJumpAtEachHorizon) {
   const std::vector<float> horizon = {0.0012f, 0.0011f, 0.0012f};
-  const BehindNodes nodes = BehindNodes::spanning(-0.02, 0.03, horizon, 0);
+  const BackgroundDirections nodes = BackgroundDirections::spanning(-0.02, 0.03, horizon, 0);
   EXPECT_EQ(nodes.z(0), -0.02f);
   EXPECT_EQ(nodes.z(nodes.count() - 1), 0.03f);
   int jumps = 0;
@@ -121,7 +121,7 @@ TEST(BehindNodes, SpanWhatIsLookedAtWithAJumpAtEachHorizon) {
   }
   EXPECT_EQ(jumps, 2);
   // No horizon in sight: no jump.
-  const BehindNodes sky = BehindNodes::spanning(-0.9, -0.7, horizon, 0);
+  const BackgroundDirections sky = BackgroundDirections::spanning(-0.9, -0.7, horizon, 0);
   for (std::uint32_t n = 1; n < sky.count(); ++n) EXPECT_LT(sky.z(n - 1), sky.z(n));
 }
 

@@ -38,7 +38,7 @@ TEST(DoubleCheckShare, IsWhatIsAskedFor) {
 class AuditTest : public FarmTest {
  protected:
   void SetUp() override {
-    rules_.audit_share = 1;
+    rules_.audit_fraction = 1;
     FarmTest::SetUp();
   }
   CheckedWorker::State state_of(const std::string& name) {
@@ -161,7 +161,7 @@ TEST_F(AuditTest, AThirdWorkerDecidesAgainstWhatIsStored) {
   const auto here = StoreReader::open(folder_ + "/test.sigdb");
   ASSERT_TRUE(here.ok());
   const auto digest = (*here)->digest();
-  rules_.audit_share = 0;
+  rules_.audit_fraction = 0;
   folder_ += "/calm";
   std::filesystem::create_directories(folder_);
   open("calm");
@@ -175,7 +175,7 @@ TEST_F(AuditTest, AThirdWorkerDecidesAgainstWhatIsStored) {
 
 // Whoever was wrong once may have been before: others compute again what it had computed.
 TEST_F(AuditTest, WhatAContradictedWorkerHadComputedIsComputedAgain) {
-  rules_.audit_share = 0;
+  rules_.audit_fraction = 0;
   open("no audits");
   submit(6);
   const auto a = worker("a"), b = worker("b"), c = worker("c");

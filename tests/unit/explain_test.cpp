@@ -27,10 +27,10 @@ StoredLedger some_ledger(double scale) {
   StoredLedger ledger;
   ledger.effect = {
       {"self_emission", "on", "always", kUnknown, kUnknown, kUnknown, 0.75 * scale, kUnknown},
-      {"direct_sun", "on", "above_share", 0.5 * scale, 0.45 * scale, 0.45 * scale, 0.25 * scale,
+      {"direct_sun", "on", "above_fraction", 0.5 * scale, 0.45 * scale, 0.45 * scale, 0.25 * scale,
        0.02},
-      {"sky_reflected", "off", "within_share", 2e-4 * scale, 1e-4 * scale, 1e-4 * scale, kUnknown,
-       0.5},
+      {"sky_reflected", "off", "within_fraction", 2e-4 * scale, 1e-4 * scale, 1e-4 * scale,
+       kUnknown, 0.5},
       {"mirrored_sun", "absent", "not_in_scene", 0, 0, 0, kUnknown, kUnknown},
       {"joined_lines", "off", "forced", kUnknown, kUnknown, kUnknown, kUnknown, kUnknown}};
   ledger.energy = StoredEnergy{0.9, 1e-3, 0.06, 1e-3, 0.03, 1e-3, 0.01, 1e-4, 1, 2e-5};
@@ -100,7 +100,7 @@ TEST(Explain, SaysWhatTheRowIsAndEveryErrorOfIt) {
        {"standard error +[0-9.]+ +0.1 %", "truncation bound +[0-9.]+ +0.1 %",
         "omitted bound +[0-9.]+ +0.02 %", "numerical error +[0-9.]+ +0.125 %",
         "asked +1 % of the intensity: [0-9.e+]+ W/sr, or the floor of 0.05 K: 3 W/sr",
-        "stopped +TARGET_REACHED", "samples +65536 in 32 replicates", "of at most 4 reflections"})
+        "stopped +ACCURACY_REACHED", "samples +65536 in 32 replicates", "of at most 4 reflections"})
     EXPECT_THAT(text, ContainsRegex(line)) << line;
 }
 
@@ -189,7 +189,7 @@ TEST(EffectSummary, CountsRowsAndEachViewsTimeOnce) {
   EXPECT_EQ(sky.off, 2U);
   EXPECT_EQ(sky.absent, 0U);
   EXPECT_NEAR(sky.largest_bound, 6e-4, 1e-12);
-  EXPECT_THAT(sky.reason, ElementsAre(Pair("other_row", 1), Pair("within_share", 2)));
+  EXPECT_THAT(sky.reason, ElementsAre(Pair("other_row", 1), Pair("within_fraction", 2)));
   EXPECT_DOUBLE_EQ(sky.saved_s, 0.5);
   EXPECT_DOUBLE_EQ(sky.spent_s, 0.5);
   EXPECT_EQ(summary[3].absent, 3U);

@@ -256,7 +256,7 @@ inline FakeStoreReader fake_database(const FakeSweep& sweep = {}) {
         s.apparent_temperature_k = 300 * std::sqrt(std::sqrt(season.factor));
         s.emitted_w_sr = 0.75 * s.intensity_w_sr;
         s.sun_reflected_w_sr = 0.25 * s.intensity_w_sr;
-        s.stop_reason = "TARGET_REACHED";
+        s.stop_reason = "ACCURACY_REACHED";
         s.samples = 65536;
         s.replicates = 32;
         s.build_id = "test";
@@ -288,10 +288,10 @@ inline FakeStoreReader fake_database(const FakeSweep& sweep = {}) {
           spectrum.add_sun_reflected_stderr_w_sr_um(0.0005F * value);
           for (auto add : {&schema::Spectrum::add_sky_reflected_w_sr_um,
                            &schema::Spectrum::add_sky_reflected_stderr_w_sr_um,
-                           &schema::Spectrum::add_sea_reflected_w_sr_um,
-                           &schema::Spectrum::add_sea_reflected_stderr_w_sr_um,
-                           &schema::Spectrum::add_parts_reflected_w_sr_um,
-                           &schema::Spectrum::add_parts_reflected_stderr_w_sr_um}) {
+                           &schema::Spectrum::add_surface_reflected_w_sr_um,
+                           &schema::Spectrum::add_surface_reflected_stderr_w_sr_um,
+                           &schema::Spectrum::add_interreflected_w_sr_um,
+                           &schema::Spectrum::add_interreflected_stderr_w_sr_um}) {
             (spectrum.*add)(0.0F);
           }
         }

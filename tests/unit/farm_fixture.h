@@ -155,7 +155,8 @@ class FarmTest : public testing::Test {
 
   std::string folder_;
   double now_s_ = 1000, unix_s_ = 1.7e9;
-  FarmRules rules_{.heartbeat_s = 2, .lost_after_s = 10, .tolerated_losses = 5, .audit_share = 0};
+  FarmRules rules_{
+      .heartbeat_s = 2, .lost_after_s = 10, .tolerated_losses = 5, .audit_fraction = 0};
   std::unique_ptr<StoreWriter> store_;
   std::unique_ptr<Farm> farm_;
   schema::ResolvedSweep sweep_;

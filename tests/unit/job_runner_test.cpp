@@ -154,12 +154,12 @@ TEST(JobRunner, HasTheEffectsThatTheSweepAsksFor) {
   auto result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
   const schema::SignatureRow& row = result->view().row(0);
-  EXPECT_EQ(state_of(row, "sky_reflected"), "EFFECT_STATE_OFF within_share");
+  EXPECT_EQ(state_of(row, "sky_reflected"), "EFFECT_STATE_OFF within_fraction");
   EXPECT_GT(row.omitted_bound_w_sr(), 0);
   EXPECT_GT(row.absolute_floor_w_sr(), 0);
   EXPECT_EQ(row.reflections(), 0U);
   EXPECT_FALSE(row.effect(0).has_bound_w_sr()) << "not known";
-  EXPECT_TRUE(row.effect(0).has_share_w_sr());
+  EXPECT_TRUE(row.effect(0).has_fraction_w_sr());
   EXPECT_NEAR(row.energy().balance().value(), 1, 1e-3);
 
   sweep.mutable_sweep()->mutable_effects()->set_mode("all");
@@ -189,7 +189,7 @@ TEST(JobRunner, APilotHasItsOwnNumberOfSamples) {
     const auto result = first_job(sweep, {});
     ASSERT_TRUE(result.ok()) << result.status();
     EXPECT_EQ(result->samples(), samples * result->replicates());
-    EXPECT_EQ(state_of(result->view().row(0), "sky_reflected"), "EFFECT_STATE_OFF within_share");
+    EXPECT_EQ(state_of(result->view().row(0), "sky_reflected"), "EFFECT_STATE_OFF within_fraction");
   }
 }
 
@@ -283,7 +283,7 @@ absl::StatusOr<schema::JobResult> first_job_of_plates(const schema::ResolvedSwee
 // The plates with a part whose temperature is computed, "front", at the sweep's one time.
 schema::ResolvedSweep heated_plates() {
   schema::ResolvedSweep sweep = plates();
-  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(1);
+  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_fraction(1);
   compute_temperatures(sweep, 0, 300);
   return sweep;
 }
@@ -429,22 +429,22 @@ TEST(JobRunner, FailsAViewThatIsSeenFromBehind) {
   const absl::Status failed = first_job_of_plates(sweep).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(failed)) << failed;
   for (const char* what : {"% of the silhouette", "two_sided", "--repair", "primary hits",
-                           "model.accepted_backface_share"})
+                           "model.accepted_backface_fraction"})
     EXPECT_THAT(std::string(failed.message()), HasSubstr(what));
   schema::Model& model = *sweep.mutable_sweep()->mutable_model();
-  model.set_accepted_backface_share(0.18);
+  model.set_accepted_backface_fraction(0.18);
   EXPECT_FALSE(first_job_of_plates(sweep).ok());
-  model.set_accepted_backface_share(0.22);
+  model.set_accepted_backface_fraction(0.22);
   const auto accepted = first_job_of_plates(sweep);
   ASSERT_TRUE(accepted.ok()) << accepted.status();
-  EXPECT_NEAR(accepted->view().row(0).backface_share(), 0.2, 0.01);
+  EXPECT_NEAR(accepted->view().row(0).backface_fraction(), 0.2, 0.01);
   EXPECT_NEAR(accepted->view().row(0).projected_area_m2().value(), 4, 0.05);
   // A part with two sides is seen from both.
-  model.clear_accepted_backface_share();
+  model.clear_accepted_backface_fraction();
   sweep.mutable_sweep()->mutable_part(1)->set_two_sided(true);
   const auto two_sided = first_job_of_plates(sweep);
   ASSERT_TRUE(two_sided.ok()) << two_sided.status();
-  EXPECT_EQ(two_sided->view().row(0).backface_share(), 0);
+  EXPECT_EQ(two_sided->view().row(0).backface_fraction(), 0);
   EXPECT_NEAR(two_sided->view().row(0).projected_area_m2().value(), 5, 0.05);
 }
 
@@ -477,10 +477,10 @@ f 4 8 5 1
       return (*runner)->run(expand_jobs(sweep, physics_version()).front());
     };
     EXPECT_THAT(std::string(run().status().message()), HasSubstr("100 % of the silhouette"));
-    sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(1);
+    sweep.mutable_sweep()->mutable_model()->set_accepted_backface_fraction(1);
     const auto accepted = run();
     ASSERT_TRUE(accepted.ok()) << accepted.status();
-    EXPECT_EQ(accepted->view().row(0).backface_share(), 1);
+    EXPECT_EQ(accepted->view().row(0).backface_fraction(), 1);
     EXPECT_EQ(accepted->view().row(0).intensity_w_sr().value(), 0);
   }
 }
@@ -497,14 +497,14 @@ TEST(JobRunner, ProposesTwoSidesForSheets) {
   EXPECT_THAT(both[1].text, HasSubstr("two_sided = true"));
   sweep.mutable_sweep()->mutable_part(1)->set_two_sided(true);
   EXPECT_EQ(warnings(kPlates).size(), 1U);
-  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(0.2);
+  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_fraction(0.2);
   EXPECT_EQ(warnings(kPlates).size(), 0U) << "whoever states a share knows";
 }
 
 // 8 mm of steel, with the number of millimetres where metres are asked for.
 TEST(JobRunner, WarnsOfLayersOfMetresOfMetal) {
   schema::ResolvedSweep sweep = plates();
-  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(0.2);
+  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_fraction(0.2);
   schema::Layer& layer = *sweep.mutable_sweep()->add_build_up()->add_layer();
   const auto warnings = [&](double thickness_m, double conductivity_w_m_k, double density_kg_m3) {
     layer.set_thickness_m(thickness_m);
@@ -538,7 +538,7 @@ TEST(JobRunner, SaysThatTheFloorWasReached) {
   accuracy.set_relative_error(0.05);
   const auto result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->view().row(0).stop_reason(), schema::STOP_REASON_TARGET_REACHED);
+  EXPECT_EQ(result->view().row(0).stop_reason(), schema::STOP_REASON_ACCURACY_REACHED);
 }
 
 // A hull in the sun has warm facets in every part: its mean decides whether it has rays of its own.

@@ -24,7 +24,7 @@ TEST(Measured, TheErrorIsThatOfSamplesAndAUniformBias) {
 }
 
 TEST(Measured, TheSharesOfItsSquareAddUpToOne) {
-  double sum = some().sampled_share();
+  double sum = some().sampled_fraction();
   for (std::size_t i = 0; i < kBounds; ++i) sum += some().share(static_cast<BoundOf>(i));
   EXPECT_NEAR(sum, 1, 1e-15);
   EXPECT_NEAR(some().share(BoundOf::kMoved), 4 * 7.0 / 3 / (9 + 49.0 / 3), 1e-15);

@@ -21,9 +21,10 @@ schema::Accuracy asked() {
 
 TEST(Outcome, SaysHowManyRowsStoppedAtTheFloor) {
   StoredOutcome outcome;
-  outcome.stop = {{"target_reached", 1037}, {"target_missed", 14}, {"floor_reached", 95}};
+  outcome.stop = {{"accuracy_reached", 1037}, {"accuracy_not_reached", 14}, {"floor_reached", 95}};
   EXPECT_EQ(stopped_text(outcome, asked()),
-            "1037 of 1146 rows reach 0.2 %, 14 do not (target_missed), 95 only the floor of 0.05 K "
+            "1037 of 1146 rows reach 0.2 %, 14 do not (accuracy_not_reached), 95 only the floor of "
+            "0.05 K "
             "(floor_reached)");
   outcome.stop = {{"floor_reached", 6}};
   EXPECT_EQ(stopped_text(outcome, asked()),
@@ -32,7 +33,7 @@ TEST(Outcome, SaysHowManyRowsStoppedAtTheFloor) {
 
 TEST(Outcome, SaysNothingWhereAllWasReachedOrNothingAsked) {
   StoredOutcome outcome;
-  outcome.stop = {{"target_reached", 6}};
+  outcome.stop = {{"accuracy_reached", 6}};
   EXPECT_THAT(stopped_text(outcome, asked()), IsEmpty());
   outcome.stop = {{"fixed_samples", 6}};
   EXPECT_THAT(stopped_text(outcome, schema::Accuracy()), IsEmpty());
@@ -42,7 +43,7 @@ TEST(Outcome, SaysNothingWhereAllWasReachedOrNothingAsked) {
 TEST(Outcome, WarnsOfBackFacesWithTheRemedy) {
   StoredOutcome outcome;
   outcome.backface_views = 3;
-  outcome.largest_backface_share = 0.66;
+  outcome.largest_backface_fraction = 0.66;
   const std::string text = backface_text(outcome);
   for (const char* what : {"3 viewpoints", "66 %", "two_sided = true", "--repair"})
     EXPECT_THAT(text, HasSubstr(what));
@@ -50,7 +51,7 @@ TEST(Outcome, WarnsOfBackFacesWithTheRemedy) {
 
 TEST(Outcome, NotesOfAQueryNameTheFloor) {
   FakeStoreReader db = fake_database();
-  for (StoredSignature& s : db.signatures) s.stop_reason = "target_reached";
+  for (StoredSignature& s : db.signatures) s.stop_reason = "accuracy_reached";
   const auto rows = [&] { return *run_query(db, {.row = 1}); };
   EXPECT_THAT(*floor_notes(db, rows()), IsEmpty());
   for (StoredSignature& s : db.signatures)
@@ -66,9 +67,9 @@ TEST(Outcome, NotesOfAQueryCountBackFacesOnce) {
   FakeStoreReader db = fake_database();
   double share = 0.1;
   for (StoredSignature& s : db.signatures) {
-    s.backface_share = 0;
+    s.backface_fraction = 0;
     if (s.row > 4) continue;
-    s.backface_share = share += 0.1;
+    s.backface_fraction = share += 0.1;
     s.warning = "a warm sea\nback faces: turn it";
   }
   const auto notes = notes_on(*run_query(db, {}));

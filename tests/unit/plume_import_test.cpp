@@ -7,7 +7,7 @@
 
 #include "core/plume/march.h"
 #include "core/plume/plume_field.h"
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 #include "tests/unit/vdb_files.h"
 
 namespace irsig {

@@ -63,8 +63,8 @@ Row row_at(double range_m) {
   s.path_transmittance = path.transmittance[0];
   double StoredSignature::*const in_band[] = {
       &StoredSignature::emitted_w_sr, &StoredSignature::sun_reflected_w_sr,
-      &StoredSignature::sky_reflected_w_sr, &StoredSignature::sea_reflected_w_sr,
-      &StoredSignature::parts_reflected_w_sr};
+      &StoredSignature::sky_reflected_w_sr, &StoredSignature::surface_reflected_w_sr,
+      &StoredSignature::interreflected_w_sr};
   for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
     double width = 0, radiance = 0, mean_radiance = 0, total = 0;
     for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
@@ -89,8 +89,8 @@ Row row_at(double range_m) {
     p.add_emitted_w_sr_um(f(cause(0, k)));
     p.add_sun_reflected_w_sr_um(f(cause(1, k)));
     p.add_sky_reflected_w_sr_um(f(cause(2, k)));
-    p.add_sea_reflected_w_sr_um(f(cause(3, k)));
-    p.add_parts_reflected_w_sr_um(f(cause(4, k)));
+    p.add_surface_reflected_w_sr_um(f(cause(3, k)));
+    p.add_interreflected_w_sr_um(f(cause(4, k)));
     p.add_apparent_spectral_intensity_w_sr_um(f(total * t + kArea * mean_radiance));
     p.add_contrast_spectral_intensity_w_sr_um(f(t * (total - kArea * kBehind)));
     p.add_background_radiance_w_m2_sr_um(f(t * kBehind + mean_radiance));
@@ -100,8 +100,8 @@ Row row_at(double range_m) {
                      &schema::Spectrum::add_emitted_stderr_w_sr_um,
                      &schema::Spectrum::add_sun_reflected_stderr_w_sr_um,
                      &schema::Spectrum::add_sky_reflected_stderr_w_sr_um,
-                     &schema::Spectrum::add_sea_reflected_stderr_w_sr_um,
-                     &schema::Spectrum::add_parts_reflected_stderr_w_sr_um,
+                     &schema::Spectrum::add_surface_reflected_stderr_w_sr_um,
+                     &schema::Spectrum::add_interreflected_stderr_w_sr_um,
                      &schema::Spectrum::add_apparent_spectral_intensity_stderr_w_sr_um,
                      &schema::Spectrum::add_contrast_spectral_intensity_stderr_w_sr_um,
                      &schema::Spectrum::add_background_radiance_stderr_w_m2_sr_um})
@@ -226,10 +226,11 @@ TEST_F(RangeChanged, ErrorsGoThroughTheAirAndGrowByThePerspective) {
   EXPECT_GT(s.apparent_numerical_error_w_sr, bound * seen_w_sr / std::sqrt(3.0));
   EXPECT_GT(s.numerical_error_w_sr, bound * stored.intensity_w_sr / std::sqrt(3.0));
   // What stands behind it is hidden as far.
-  const double behind_w_sr =
+  const double background_w_sr =
       stored.projected_area_m2 * (s.background_radiance_w_m2_sr - s.path_radiance_w_m2_sr);
-  EXPECT_GT(s.contrast_numerical_error_w_sr,
-            bound * (stored.intensity_w_sr * s.path_transmittance + behind_w_sr) / std::sqrt(3.0));
+  EXPECT_GT(
+      s.contrast_numerical_error_w_sr,
+      bound * (stored.intensity_w_sr * s.path_transmittance + background_w_sr) / std::sqrt(3.0));
 }
 
 TEST_F(RangeChanged, WhatCannotBeMovedIsRefused) {
@@ -399,9 +400,9 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
     const auto flat = [&](double v) { return std::vector<double>(n, v); };
     e.transmittance = flat(grey);
     e.path_radiance = e.sun = e.sun_apparent = flat(0);
-    e.around = LightAround::of_spectra({flat(2), flat(1), flat(1)},
-                                       {flat(2 * low), flat(high), flat(grey)}, nodes.sky());
-    e.behind_apparent = {flat(grey)};
+    e.around = IncidentRadiance::of_spectra({flat(2), flat(1), flat(1)},
+                                            {flat(2 * low), flat(high), flat(grey)}, nodes.sky());
+    e.background_apparent = {flat(grey)};
     return sight_line(e, nodes, grid, {{1}, {0}});
   };
   const SightLine from = line(0.8, 0.9, 0.7), to = line(0.3, 0.6, 0.4);

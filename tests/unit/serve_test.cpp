@@ -156,10 +156,10 @@ TEST(ErrorBudget, PartsMakeUpTheWhole) {
   StoredSignature s{};
   s.intensity_w_sr = 100;
   s.intensity_stderr_w_sr = 3;
-  s.unseen_stderr_w_sr = 1;
+  s.undersampling_stderr_w_sr = 1;
   s.truncation_bound_w_sr = 2;
   s.quadrature_bound_w_sr = 1.5;  // with the basis in it
-  s.basis_bound_w_sr = 0.5;
+  s.spectral_basis_bound_w_sr = 0.5;
   s.omitted_bound_w_sr = 3;
   s.numerical_error_w_sr = std::sqrt(9 + 1 + std::pow(2 + 1.5 + 3, 2) / 3);
   const auto& intensity = columns_of(SignatureQuantity::kIntensity);

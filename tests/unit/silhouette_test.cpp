@@ -41,7 +41,7 @@ TEST(SilhouetteTest, APlateIsExact) {
   const Silhouette s(shape, v, true, {&level, 1});
   const double above = 2 * corner_sr(6, 20 - up, along), below = 2 * corner_sr(6, up, along);
   EXPECT_NEAR(s.area_m2(), kRange * kRange * (above + below), 1e-5 * s.area_m2());
-  const auto fractions = s.before(BehindNodes({0, 0}));
+  const auto fractions = s.before(BackgroundDirections({0, 0}));
   EXPECT_NEAR(fractions.value[0], above / (above + below), 1e-5);
   EXPECT_NEAR(fractions.value[0] + fractions.value[1], 1, 1e-12);
   EXPECT_LT(fractions.error[0], 1e-5);

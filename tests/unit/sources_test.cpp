@@ -28,7 +28,7 @@ SourceGeometry everything_around() {
   out.boundary = Sea{{3, 6.4e6}};
   out.sun = {{{0, 0.6, -0.8}, 0.005, 0, 5}, {{0.6, 0, -0.8}, 0.005}};
   out.directions = DirectionNodes({0, 0.5f, 1}, {0, 1}, 4);
-  out.behind = BehindNodes({0, 0, 0.1f});
+  out.behind = BackgroundDirections({0, 0, 0.1f});
   return out;
 }
 
@@ -119,8 +119,8 @@ TEST(ViewSources, SunsAreSharedAndLeftOut) {
   e.transmittance = {0.5};
   e.path_radiance = {0};
   e.sun = e.sun_apparent = {1};
-  e.behind_apparent = {{0}, {0}};
-  e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
+  e.background_apparent = {{0}, {0}};
+  e.around = IncidentRadiance::of_spectra(e.background_apparent, e.background_apparent);
   environments->condition.assign(4, e);
   const auto suns_of = [&](const EffectSet& effects) {
     const ViewSources sources({.condition = condition, .wanted = all, .parts = 2}, effects,

@@ -135,15 +135,15 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.sun_reflected_stderr_w_sr, row.sun_reflected_w_sr().stderr());
       EXPECT_EQ(s.sky_reflected_w_sr, row.sky_reflected_w_sr().value());
       EXPECT_EQ(s.sky_reflected_stderr_w_sr, row.sky_reflected_w_sr().stderr());
-      EXPECT_EQ(s.sea_reflected_w_sr, row.sea_reflected_w_sr().value());
-      EXPECT_EQ(s.sea_reflected_stderr_w_sr, row.sea_reflected_w_sr().stderr());
-      EXPECT_EQ(s.parts_reflected_w_sr, row.parts_reflected_w_sr().value());
-      EXPECT_EQ(s.parts_reflected_stderr_w_sr, row.parts_reflected_w_sr().stderr());
+      EXPECT_EQ(s.surface_reflected_w_sr, row.surface_reflected_w_sr().value());
+      EXPECT_EQ(s.surface_reflected_stderr_w_sr, row.surface_reflected_w_sr().stderr());
+      EXPECT_EQ(s.interreflected_w_sr, row.interreflected_w_sr().value());
+      EXPECT_EQ(s.interreflected_stderr_w_sr, row.interreflected_w_sr().stderr());
       EXPECT_EQ(s.truncation_bound_w_sr, row.truncation_bound_w_sr());
       EXPECT_EQ(s.quadrature_bound_w_sr, row.quadrature_bound_w_sr());
-      EXPECT_EQ(s.unseen_bound_w_sr, row.unseen_bound_w_sr());
-      EXPECT_EQ(s.basis_bound_w_sr, row.basis_bound_w_sr());
-      EXPECT_EQ(s.sky_bound_w_sr, row.sky_bound_w_sr());
+      EXPECT_EQ(s.undersampling_bound_w_sr, row.undersampling_bound_w_sr());
+      EXPECT_EQ(s.spectral_basis_bound_w_sr, row.spectral_basis_bound_w_sr());
+      EXPECT_EQ(s.direction_interpolation_bound_w_sr, row.direction_interpolation_bound_w_sr());
       EXPECT_LT(s.contrast_intensity_w_sr, 0);
       EXPECT_EQ(s.contrast_intensity_w_sr, row.contrast_intensity_w_sr().value());
       EXPECT_EQ(s.contrast_intensity_stderr_w_sr, row.contrast_intensity_w_sr().stderr());
@@ -160,7 +160,7 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.absolute_floor_w_sr, row.absolute_floor_w_sr());
       EXPECT_EQ(s.reflections, 3U);
       EXPECT_EQ(s.warning, s.season + " is odd\nand so is this");
-      EXPECT_EQ(s.stop_reason, "target_reached");
+      EXPECT_EQ(s.stop_reason, "accuracy_reached");
       EXPECT_EQ(s.energy_gain, row.energy_gain());
       EXPECT_EQ(s.samples, result.samples());
       EXPECT_EQ(s.target_paths, result.target_paths());
@@ -169,7 +169,7 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.seconds, 0.5);
       EXPECT_EQ(s.guarded_backface_hits, 3U);
       EXPECT_EQ(s.guarded_nonfinite, 1U);
-      EXPECT_EQ(s.guarded_path_limit, 2U);
+      EXPECT_EQ(s.truncated_paths, 2U);
       EXPECT_EQ(s.guarded_negative, 4U);
       EXPECT_EQ(s.job_key, jobs[v].job_key());
       EXPECT_EQ(s.seed_hex, "00000000000000aa");
@@ -236,7 +236,7 @@ TEST_F(StoreContent, ViewsAreReadableByPeople) {
       sqlite_text(
           path_,
           "SELECT season || ' ' || band || ' ' || stop_reason FROM signature_view WHERE row = 7"),
-      "summer mwir target_reached");
+      "summer mwir accuracy_reached");
   EXPECT_EQ(sqlite_text(path_, "SELECT state || ' ' || done_by FROM job_view WHERE job_index = 3"),
             "done host:1");
   EXPECT_EQ(sqlite_text(path_, "SELECT done || '/' || jobs FROM sweep_view"), "4/4");

@@ -103,7 +103,7 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
       },
       [](auto& r) { r.mutable_view()->mutable_row(1)->set_sun_zenith_deg(1); },
       [](auto& r) {
-        r.mutable_view()->mutable_row(1)->mutable_parts_reflected_w_sr()->set_stderr(1e-9);
+        r.mutable_view()->mutable_row(1)->mutable_interreflected_w_sr()->set_stderr(1e-9);
       },
       [](auto& r) {
         r.mutable_view()
@@ -133,7 +133,9 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
       [](auto& r) {
         r.mutable_view()->mutable_row(2)->mutable_contrast_intensity_w_sr()->set_value(0);
       },
-      [](auto& r) { r.mutable_view()->mutable_row(0)->set_sky_bound_w_sr(1e-9); },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(0)->set_direction_interpolation_bound_w_sr(1e-9);
+      },
       [](auto& r) { r.mutable_view()->mutable_row(0)->set_path_radiance_w_m2_sr(1e-9); },
       [](auto& r) {
         r.mutable_view()->mutable_row(1)->mutable_spectrum()->set_path_radiance_w_m2_sr_um(2,
@@ -149,7 +151,7 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
       [](auto& r) {
         r.mutable_view()->mutable_row(1)->mutable_effect(2)->set_state(schema::EFFECT_STATE_ON);
       },
-      [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(0)->clear_share_w_sr(); },
+      [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(0)->clear_fraction_w_sr(); },
       [](auto& r) {
         r.mutable_view()->mutable_row(2)->mutable_energy()->mutable_cut_off()->set_value(1e-9);
       },

@@ -170,12 +170,12 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       fill_inputs(sweep, row, next);
       row.mutable_intensity_w_sr()->set_value(
           row.emitted_w_sr().value() + row.sun_reflected_w_sr().value() +
-          row.sky_reflected_w_sr().value() + row.sea_reflected_w_sr().value() +
-          row.parts_reflected_w_sr().value());
+          row.sky_reflected_w_sr().value() + row.surface_reflected_w_sr().value() +
+          row.interreflected_w_sr().value());
       row.mutable_contrast_intensity_w_sr()->set_value(-row.contrast_intensity_w_sr().value());
       row.set_path_transmittance(1 / row.path_transmittance());
-      row.set_backface_share(0);  // else a warning
-      row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
+      row.set_backface_fraction(0);  // else a warning
+      row.set_stop_reason(schema::STOP_REASON_ACCURACY_REACHED);
       row.set_energy_gain(c == 1);
       add_synthetic_ledger(row, [&next] { return next += 0.25; });
       for (int p = 0; p < sweep.sweep().part_size(); ++p) {
@@ -222,7 +222,7 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
   result.set_seconds(0.5);
   result.set_guarded_backface_hits(3);
   result.set_guarded_nonfinite(1);
-  result.set_guarded_path_limit(2);
+  result.set_truncated_paths(2);
   result.set_guarded_negative(4);
   result.set_seed_hex("00000000000000aa");
   result.set_physics_version(1);

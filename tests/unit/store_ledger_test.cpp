@@ -54,13 +54,13 @@ TEST_F(StoreLedger, ComesBackWithWhatIsNotKnown) {
                     stored.apparent_bound_w_sr);
         expect_same(sent.has_contrast_bound_w_sr(), sent.contrast_bound_w_sr(),
                     stored.contrast_bound_w_sr);
-        expect_same(sent.has_share_w_sr(), sent.share_w_sr(), stored.share_w_sr);
+        expect_same(sent.has_fraction_w_sr(), sent.fraction_w_sr(), stored.fraction_w_sr);
         expect_same(sent.has_time_s(), sent.time_s(), stored.time_s);
       }
       ASSERT_TRUE(ledger->energy.has_value());
       EXPECT_EQ(ledger->energy->absorbed, row.energy().absorbed().value());
       EXPECT_EQ(ledger->energy->escaped_to_sky_stderr, row.energy().escaped_to_sky().stderr());
-      EXPECT_EQ(ledger->energy->escaped_to_lower, row.energy().escaped_to_lower().value());
+      EXPECT_EQ(ledger->energy->escaped_to_surface, row.energy().escaped_to_surface().value());
       EXPECT_EQ(ledger->energy->cut_off_stderr, row.energy().cut_off().stderr());
       EXPECT_EQ(ledger->energy->balance, row.energy().balance().value());
       EXPECT_EQ(ledger->energy->balance_stderr, row.energy().balance().stderr());
@@ -100,7 +100,7 @@ TEST_F(StoreLedger, IsReadableByPeople) {
                         "SELECT l.state || ' ' || l.reason FROM ledger_view l"
                         " JOIN signature_view s USING (signature_id)"
                         " WHERE s.row = 7 AND l.effect = 'direct_sun'"),
-            "off within_share");
+            "off within_fraction");
   EXPECT_EQ(sqlite_text(path_, "SELECT reflections FROM signature_view WHERE row = 7"), "3");
 }
 
@@ -125,7 +125,7 @@ TEST_F(StoreLedger, WhatMayBeMissing) {
   const StoredLedger ledger = reader->ledger(reader->find({})->front().signature_id).value();
   EXPECT_EQ(ledger.effect[1].reason, "forced");
   EXPECT_TRUE(std::isnan(ledger.effect[1].bound_w_sr));
-  EXPECT_EQ(ledger.effect[7].effect, "hot_parts_reflected");
+  EXPECT_EQ(ledger.effect[7].effect, "hot_interreflected");
   EXPECT_EQ(ledger.effect[7].state, "off");
   EXPECT_TRUE(std::isnan(ledger.effect[7].bound_w_sr));
   EXPECT_FALSE(ledger.energy.has_value());

@@ -276,7 +276,7 @@ TEST_F(StoreOpen, AFileOfVersion7LearnsThatAFloorWasReached) {
   const int rows = result.view().row_size();
   for (schema::SignatureRow& row : *result.mutable_view()->mutable_row()) {
     row.set_stop_reason(schema::STOP_REASON_FLOOR_REACHED);
-    row.set_backface_share(0);
+    row.set_backface_fraction(0);
   }
   ASSERT_OK(writer->complete(job.fencing_token, result, "w"));
   ASSERT_OK(writer->commit());
@@ -309,15 +309,15 @@ TEST_F(StoreOpen, TheReasonsToStopAreThoseOfTheTable) {
 TEST_F(StoreOpen, BackFacesAreAWarningOfTheRow) {
   ASSERT_NO_FATAL_FAILURE(write());
   ASSERT_EQ(sqlite_text(path_,
-                        "UPDATE signature SET backface_share = NULL; UPDATE signature SET "
-                        "backface_share = 0.25 WHERE signature_id IN (SELECT signature_id "
+                        "UPDATE signature SET backface_fraction = NULL; UPDATE signature SET "
+                        "backface_fraction = 0.25 WHERE signature_id IN (SELECT signature_id "
                         "FROM signature_view WHERE row IN (1, 2)); SELECT 'set'"),
             "set");
   auto reader = StoreReader::open(path_).value();
   int warned = 0;
   const auto rows = reader->find({}).value();
   for (const StoredSignature& s : rows) {
-    const bool behind = s.backface_share > 0;
+    const bool behind = s.backface_fraction > 0;
     EXPECT_EQ(behind, s.row <= 2) << s.row;
     EXPECT_EQ(s.warning.find("back faces: ") != std::string::npos, behind) << s.warning;
     warned += behind ? 1 : 0;
@@ -325,7 +325,7 @@ TEST_F(StoreOpen, BackFacesAreAWarningOfTheRow) {
   EXPECT_EQ(warned, 2);
   const StoredOutcome outcome = reader->outcome(sweep_.sweep().name()).value();
   EXPECT_EQ(outcome.backface_views, 1U);
-  EXPECT_EQ(outcome.largest_backface_share, 0.25);
+  EXPECT_EQ(outcome.largest_backface_fraction, 0.25);
 }
 
 // The file's columns, the message's fields and the catalogue are one list.

@@ -22,7 +22,7 @@ void add_plume(schema::SignatureRow& row) {
   row.set_contrast_plume_bound_w_sr(next += 1);
   row.set_plume_model_error_w_sr(next += 1);
   for (schema::Estimate* e :
-       {row.mutable_plume_on_hull_w_sr(), row.mutable_apparent_plume_on_hull_w_sr()}) {
+       {row.mutable_plume_reflected_w_sr(), row.mutable_apparent_plume_reflected_w_sr()}) {
     e->set_value(-0.5);
     e->set_stderr(0.0625);
   }
@@ -79,8 +79,8 @@ TEST_F(StorePlume, ComesBackAsItCame) {
     EXPECT_EQ(s.contrast_plume_stderr_w_sr, 0.125);
     EXPECT_EQ(s.plume_emitted_w_sr, 2.75);
     EXPECT_EQ(s.plume_model_error_w_sr, 7.75);
-    EXPECT_EQ(s.plume_on_hull_w_sr, -0.5);
-    EXPECT_EQ(s.apparent_plume_on_hull_stderr_w_sr, 0.0625);
+    EXPECT_EQ(s.plume_reflected_w_sr, -0.5);
+    EXPECT_EQ(s.apparent_plume_reflected_stderr_w_sr, 0.0625);
     EXPECT_EQ(reader->ledger(s.signature_id).value().effect.size(), kEffects + kPlumeEffects);
     EXPECT_EQ(s.plume_area_m2, 8.75);
     EXPECT_EQ(s.plume_area_stderr_m2, 0.125);
@@ -133,7 +133,7 @@ TEST_F(StorePlume, PiecesOfItAreRefused) {
   refused([](auto& row) { row.clear_apparent_plume_w_sr(); }, "apparent_plume_w_sr");
   refused([](auto& row) { row.clear_plume_bound_w_sr(); }, "plume_bound_w_sr");
   refused([](auto& row) { row.clear_plume_w_sr(); }, "apparent_plume_w_sr");
-  refused([](auto& row) { row.clear_plume_on_hull_w_sr(); }, "plume_on_hull_w_sr");
+  refused([](auto& row) { row.clear_plume_reflected_w_sr(); }, "plume_reflected_w_sr");
   refused([](auto& row) { row.mutable_effect()->RemoveLast(); },
           "effect lacks hot_line_correlation");
   refused([](auto& row) { row.set_plume_bound_w_sr(-1); }, "plume_bound_w_sr is negative");

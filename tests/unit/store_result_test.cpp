@@ -125,9 +125,9 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
        }},
       {"row[1].effect[1].bound_w_sr is negative",
        [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(1)->set_bound_w_sr(-1); }},
-      {"row[1].effect[0].share_w_sr is not a finite number",
+      {"row[1].effect[0].fraction_w_sr is not a finite number",
        [](auto& r) {
-         r.mutable_view()->mutable_row(1)->mutable_effect(0)->set_share_w_sr(INFINITY);
+         r.mutable_view()->mutable_row(1)->mutable_effect(0)->set_fraction_w_sr(INFINITY);
        }},
       {"row[1].effect[1].time_s is negative",
        [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(1)->set_time_s(-1); }},

@@ -34,7 +34,7 @@ TEST(SweepEnvironment, TheWeatherIsTheConditions) {
   EXPECT_EQ(weather->air.aerosol.kind, AerosolKind::kMaritime);
   EXPECT_EQ(weather->air.aerosol.visibility_m, 23000);
   EXPECT_EQ(weather->air.co2_ppmv, 425);
-  EXPECT_EQ(weather->lower.kind, LowerSpec::Kind::kRoughSea);
+  EXPECT_EQ(weather->lower.kind, SurfaceBoundary::Kind::kRoughSea);
   EXPECT_EQ(weather->lower.temperature_k, 298.15);
   EXPECT_EQ(weather->lower.wind_speed_m_s, 5);
   EXPECT_EQ(weather->imported, nullptr);
@@ -74,7 +74,7 @@ TEST(SweepEnvironment, SeesThroughTheAirOfEachSeason) {
                         ->view({.range_m = 5000,
                                 .elevation_deg = 30,
                                 .direction = Vec<Body>{0.8660254037844386, 0, -0.5},
-                                .behind = BehindNodes({0.5f})},
+                                .behind = BackgroundDirections({0.5f})},
                                all);
   ASSERT_TRUE(seen.ok()) << seen.status();
   for (const ViewEnvironment& season : *seen) {

@@ -20,9 +20,13 @@ bool positive(const AirScaling& scaling, double reference_k) {
 class BandFit {
  public:
   BandFit(const std::vector<double>& k, const std::vector<double>& weight, double reference_k,
-          const std::array<std::vector<double>, kThroughColdAir>& hot_share,
+          const std::array<std::vector<double>, kThroughColdAir>& hot_fraction,
           const std::vector<ColdState>& states)
-      : k_(k), weight_(weight), reference_k_(reference_k), hot_share_(hot_share), states_(states) {}
+      : k_(k),
+        weight_(weight),
+        reference_k_(reference_k),
+        hot_share_(hot_fraction),
+        states_(states) {}
 
   // Parameter by parameter, in steps that halve, from several beginnings.
   ColdFit best() const {
@@ -163,9 +167,9 @@ double AirScaling::at(double pressure_atm, double x) const {
 
 ColdFit fit_cold_band(const std::vector<double>& k, const std::vector<double>& weight,
                       double reference_k,
-                      const std::array<std::vector<double>, kThroughColdAir>& hot_share,
+                      const std::array<std::vector<double>, kThroughColdAir>& hot_fraction,
                       const std::vector<ColdState>& states) {
-  return BandFit(k, weight, reference_k, hot_share, states).best();
+  return BandFit(k, weight, reference_k, hot_fraction, states).best();
 }
 
 }  // namespace irsig

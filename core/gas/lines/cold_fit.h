@@ -38,10 +38,10 @@ struct ColdState {
 // the reference's, shares follow from the ratios. One scaling of temperature for all terms lets
 // 0.8 of what comes through of gas of 400 K pass near the band's head, where weak terms change with
 // temperature otherwise than strong ones.
-//   hot_share  of each term, of what thin hot gas sends in the band
+//   hot_fraction  of each term, of what thin hot gas sends in the band
 [[nodiscard]] ColdFit fit_cold_band(
     const std::vector<double>& k, const std::vector<double>& weight, double reference_k,
-    const std::array<std::vector<double>, kThroughColdAir>& hot_share,
+    const std::array<std::vector<double>, kThroughColdAir>& hot_fraction,
     const std::vector<ColdState>& states);
 
 }  // namespace irsig

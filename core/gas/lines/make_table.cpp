@@ -85,7 +85,7 @@ std::map<int, ColdBand> cold_bands(const Plan& plan) {
     const auto first = static_cast<std::size_t>((low - plan.first_cm1) / kBandCm1) * kPoints;
     ColdBand band{terms_by_ratio(&reference[first], first, kPoints, 16), ""};
     std::vector<double> k;
-    std::array<std::vector<double>, kThroughColdAir> hot_share;
+    std::array<std::vector<double>, kThroughColdAir> hot_fraction;
     std::array<double, kThroughColdAir> sent{};
     for (std::size_t h = 0; h < hot.size(); ++h) {
       for (std::size_t i = 0; i < kPoints; ++i) sent[h] += hot[h][first + i];
@@ -95,7 +95,7 @@ std::map<int, ColdBand> cold_bands(const Plan& plan) {
       for (std::size_t h = 0; h < hot.size(); ++h) {
         double sum = 0;
         for (const std::uint32_t p : point) sum += hot[h][p];
-        hot_share[h].push_back(sum / sent[h]);
+        hot_fraction[h].push_back(sum / sent[h]);
       }
     }
     double mean = 0;
@@ -128,7 +128,7 @@ std::map<int, ColdBand> cold_bands(const Plan& plan) {
         for (std::size_t h = 0; h < hot.size(); ++h) s.hot_through[h].push_back(through[h]);
       }
     }
-    const ColdFit fit = fit_cold_band(k, band.terms.weight, kColdK, hot_share, states);
+    const ColdFit fit = fit_cold_band(k, band.terms.weight, kColdK, hot_fraction, states);
     std::ostringstream entry;
     entry.precision(6);
     entry << static_cast<int>(low) << " 101325 " << kColdK << " 0 " << fit.first.a << ' '

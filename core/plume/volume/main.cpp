@@ -1,7 +1,8 @@
 // irsig-volume: reads VDB files and makes them, for processes that must not crash with OpenVDB and
 // need not load it.
 //
-// usage: irsig-volume read BYTES GRID... < file > volume     (core/plume/vdb_apart.h starts it)
+// usage: irsig-volume read BYTES GRID... < file > volume     (core/plume/vdb_subprocess.h starts
+// it)
 //        irsig-volume write BYTES < volume > file
 #include <charconv>
 #include <cstdio>
@@ -10,8 +11,8 @@
 #include <system_error>
 #include <vector>
 
-#include "core/base/answer_apart.h"
-#include "core/plume/vdb_apart.h"
+#include "core/base/answer_subprocess.h"
+#include "core/plume/vdb_subprocess.h"
 #include "core/plume/volume/vdb_volume.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -34,14 +35,14 @@ int main(int argc, char** argv) {
   }
   const std::vector<std::string> names(argv + 3, argv + argc);
   if (what == "read")
-    irsig::answer_apart(
+    irsig::answer_subprocess(
         bytes,
         [&](std::string file) { return encode_volume(irsig::read_vdb(std::move(file), names)); },
         [](const absl::Status& why) { return irsig::encode_volume(why); });
   const auto as_file = [](const absl::StatusOr<std::string>& file) {
     return irsig::encode_vdb(file);
   };
-  irsig::answer_apart(
+  irsig::answer_subprocess(
       bytes,
       [&](const std::string& volume) {
         const absl::StatusOr<irsig::VoxelVolume> read = irsig::decode_volume(volume);

@@ -3,6 +3,7 @@
 #include <map>
 #include <sstream>
 
+#include "core/base/status_macros.h"
 #include "core/plume/volume/vdb_archive.h"
 #include "core/plume/volume/vdb_volume.h"
 #include "fmt/format.h"
@@ -87,9 +88,8 @@ std::string printed(const std::array<double, 12>& m) {
 }
 
 absl::StatusOr<FloatGrid::Ptr> read_grid(VdbArchive& archive, const std::string& name) {
-  const absl::StatusOr<VdbArchive::Entry*> found = find(archive, name);
-  if (!found.ok()) return found.status();
-  VdbArchive::Entry& entry = **found;
+  ASSIGN_OR_RETURN(const VdbArchive::Entry* found, find(archive, name));
+  VdbArchive::Entry& entry = *found;
   if (!entry.grid->isType<FloatGrid>())
     return refuse(fmt::format("grid {} is of {} ({}), expected float in the standard tree",
                               quoted(name), entry.value_type, entry.grid->type()));
@@ -170,9 +170,8 @@ absl::StatusOr<VoxelVolume> read(std::istream& in, const std::vector<std::string
   std::vector<FloatGrid::Ptr> grids;
   std::uint64_t blocks = 0;
   for (const std::string& name : names) {
-    const absl::StatusOr<FloatGrid::Ptr> grid = read_grid(archive, name);
-    if (!grid.ok()) return grid.status();
-    const absl::StatusOr<std::array<double, 12>> map = affine((*grid)->transform());
+    ASSIGN_OR_RETURN(const FloatGrid::Ptr grid, read_grid(archive, name));
+    const absl::StatusOr<std::array<double, 12>> map = affine(grid->transform());
     if (!map.ok())
       return refuse(fmt::format("grid {}: {}", quoted(name), std::string(map.status().message())));
     if (grids.empty()) out.world_from_index = *map;
@@ -180,14 +179,14 @@ absl::StatusOr<VoxelVolume> read(std::istream& in, const std::vector<std::string
       return refuse(fmt::format(
           "grids {} and {} lie on different lattices, {} and {}: expected one transform",
           quoted(names[0]), quoted(name), printed(out.world_from_index), printed(*map)));
-    blocks += count_blocks(**grid);
+    blocks += count_blocks(*grid);
     if (blocks > kMostBlocks * names.size())
       return refuse(fmt::format(
           "grid {} holds {} blocks of 8^3 voxels, expected at most {}: is a background active?",
-          quoted(name), count_blocks(**grid), kMostBlocks));
-    grids.push_back(*grid);
+          quoted(name), count_blocks(*grid), kMostBlocks));
+    grids.push_back(grid);
     out.channel.push_back(name);
-    out.background.push_back((*grid)->background());
+    out.background.push_back(grid->background());
   }
   std::vector<Coord> origins;
   origins.reserve(blocks);

@@ -1,12 +1,12 @@
 // irsig-import: reads one glTF file, for a process that must not run out of memory with it.
 //
-// usage: irsig-import NAME BYTES < file > reply     (core/scene/import_apart.h starts it)
+// usage: irsig-import NAME BYTES < file > reply     (core/scene/import_subprocess.h starts it)
 #include <charconv>
 #include <cstdio>
 #include <string>
 #include <system_error>
 
-#include "core/base/answer_apart.h"
+#include "core/base/answer_subprocess.h"
 #include "core/scene/import_formats.h"
 #include "core/scene/import_reply.h"
 
@@ -25,10 +25,8 @@ int main(int argc, char** argv) {
     std::fputs("irsig-import: started by irsig and irsig-worker, not by hand\n", stderr);
     return 2;
   }
-  irsig::answer_apart(
+  irsig::answer_subprocess(
       bytes,
-      [&](const std::string& file) {
-        return irsig::encode_reply(irsig::read_gltf(file, name));
-      },
+      [&](const std::string& file) { return irsig::encode_reply(irsig::read_gltf(file, name)); },
       [](const absl::Status& why) { return irsig::encode_reply(why); });
 }

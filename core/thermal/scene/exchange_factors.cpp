@@ -51,7 +51,7 @@ class PlaceSums {
   }
   // The same of shares of these rays: 0 where it may be chance alone (less than 1 in 100 000 for
   // rays that are independent of each other; these are nearly).
-  [[nodiscard]] double uneven_share(const OfParts& exposed) const {
+  [[nodiscard]] double uneven_fraction(const OfParts& exposed) const {
     constexpr double kBeyondChance = 4;  // chi-square of 15
     const double rays = std::accumulate(exposed.begin(), exposed.end(), 0.0);
     double chance = 0;
@@ -162,8 +162,8 @@ class RowTracer {
     if (settings_.keep_hits) keep_hits(face, out);
     if (aimed_.rays(face) > 0) out.aimed_stderr_w_m2[face] = aim(face, n, seed) / out.exposed[face];
     if (!met_.empty()) {
-      out.uneven_sky[face] = static_cast<float>(sky_.uneven_share(exposed_));
-      out.uneven_lower[face] = static_cast<float>(lower_.uneven_share(exposed_));
+      out.uneven_sky[face] = static_cast<float>(sky_.uneven_fraction(exposed_));
+      out.uneven_lower[face] = static_cast<float>(lower_.uneven_fraction(exposed_));
       out.uneven_aims_w_m2[face] = static_cast<float>(
           aims_.uneven(exposed_, faces_.area_m2[face] * static_cast<double>(out.exposed[face])));
     }

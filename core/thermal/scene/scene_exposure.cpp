@@ -82,7 +82,7 @@ std::vector<double> beyond_air(const SceneHeatRequest& request, const Target& ta
     return kStefanBoltzmannWM2K4 * std::max(std::abs(w_m2 - power4(coldest->air_k)),
                                             std::abs(w_m2 - power4(warmest->air_k)));
   };
-  const auto behind_w_m2 = [&](const WallBuildUp& wall) {
+  const auto background_w_m2 = [&](const WallBuildUp& wall) {
     if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen) return 0.0;
     const bool heat_flux = wall.inner_side == InnerSide::kHeatFlux;
     // Of a temperature as much as reaches the outer face, against some convection and radiation.
@@ -101,7 +101,7 @@ std::vector<double> beyond_air(const SceneHeatRequest& request, const Target& ta
   };
   std::vector<double> of_part, out;
   for (const HeatPart& part : request.part)
-    of_part.push_back(part.build_up ? behind_w_m2(request.build_up[*part.build_up])
+    of_part.push_back(part.build_up ? background_w_m2(request.build_up[*part.build_up])
                                     : beyond_w_m2(part.stated_k));
   for (std::uint32_t face = 0; face < faces.size(); ++face)
     out.push_back(emissivity[face] * of_part[target.facet[faces.facet[face]].part]);
@@ -138,7 +138,7 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
     windward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kWindward));
     leeward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kLeeward));
   }
-  const Beneath& b = request_.beneath;
+  const GroundBoundary& b = request_.beneath;
   if (b.water)
     in_water_w_m2_k_ =
         plate_in_flow_w_m2_k(sea_water(b.temperature_k), b.flow_m_s, 2 * target_.radius_m);
@@ -152,7 +152,7 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
   respond_to_sky();
 }
 
-void SceneExposure::share_dark(SceneExposure& a, SceneExposure& b) {
+void SceneExposure::fraction_dark(SceneExposure& a, SceneExposure& b) {
   for (std::size_t f = 0; f < a.dark_.size(); ++f)
     a.dark_[f] = b.dark_[f] = a.dark_[f] || b.dark_[f];
 }
@@ -225,7 +225,7 @@ void SceneExposure::light() {
 }
 
 void SceneExposure::send_around(std::size_t k) {
-  const Beneath& b = request_.beneath;
+  const GroundBoundary& b = request_.beneath;
   const double sky = 0.5 * (weather(k).before.sky_w_m2 + weather(k).after.sky_w_m2),
                ground = kStefanBoltzmannWM2K4 * power4(b.temperature_k),
                below = b.emissivity * ground + (1 - b.emissivity) * sky;

@@ -50,7 +50,7 @@ class SceneExposure {
   [[nodiscard]] bool dark(std::uint32_t facet) const { return dark_[facet]; }
   // Leaves out what either of two computations with rays of their own finds dark, so that both have
   // the same walls.
-  static void share_dark(SceneExposure& a, SceneExposure& b);
+  static void fraction_dark(SceneExposure& a, SceneExposure& b);
   // Whether faces send anything to each other.
   [[nodiscard]] bool exchanges() const { return request_.exchange && can_exchange(); }
   [[nodiscard]] bool can_exchange() const { return !factors_->to.empty(); }

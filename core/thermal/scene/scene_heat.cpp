@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 #include "core/thermal/scene/heat_bounds.h"
 #include "core/thermal/scene/scene_exposure.h"
 #include "core/thermal/scene/scene_walls.h"
@@ -145,7 +146,7 @@ float facet_kelvin(const SceneWalls& walls, const ThermalFaces& faces, std::size
 
 absl::Status check(const Target& target, const ThermalFaces& faces,
                    const SceneHeatRequest& request) {
-  if (const absl::Status status = check(target, request); !status.ok()) return status;
+  RETURN_IF_ERROR(check(target, request));
   if (faces.size() > kMostFaceKnots / request.knot_s.size())
     return absl::InvalidArgumentError(absl::StrCat(
         faces.size(), " faces at ", request.knot_s.size(), " times are more than ", kMostFaceKnots,
@@ -190,10 +191,7 @@ absl::Status add_effect_bounds(const Target& target, const SceneHeatRequest& req
     }
     return absl::OkStatus();
   };
-  if (const absl::Status status =
-          add("heat_exchange", request.exchange, bounds.exchange_k, out.exchange_bound_k);
-      !status.ok())
-    return status;
+  RETURN_IF_ERROR(add("heat_exchange", request.exchange, bounds.exchange_k, out.exchange_bound_k));
   return add("heat_diffuse_sun", request.diffuse_sun, bounds.diffuse_sun_k,
              out.diffuse_sun_bound_k);
 }
@@ -203,37 +201,34 @@ absl::Status add_effect_bounds(const Target& target, const SceneHeatRequest& req
 absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                  const SceneHeatRequest& request) {
   const ThermalFaces faces = make_thermal_faces(target);
-  if (const absl::Status status = check(target, faces, request); !status.ok()) return status;
+  RETURN_IF_ERROR(check(target, faces, request));
   SceneKnots all{{}, request.day_knots, request.rays, request.sun_points, request.seed};
   all.keep_hits = true;
   for (std::size_t k = 0; k < request.knot_s.size(); ++k) all.of_request.push_back(k);
   SceneExposure fine_exposure(target, faces, request, std::move(all)),
       coarse_exposure(target, faces, request, every_second_knot(request));
-  SceneExposure::share_dark(fine_exposure, coarse_exposure);
+  SceneExposure::fraction_dark(fine_exposure, coarse_exposure);
   // One grid for both, so that the one goes on from where the other's day begins.
   const double shortest_s =
       std::min(shortest_step_s(fine_exposure, request), shortest_step_s(coarse_exposure, request));
   SceneWalls fine(fine_exposure, request, shortest_s), coarse(coarse_exposure, request, shortest_s);
-  if (const absl::Status status = fine.check(); !status.ok()) return status;
-  if (const absl::Status status = coarse.settle(); !status.ok()) return status;
+  RETURN_IF_ERROR(fine.check());
+  RETURN_IF_ERROR(coarse.settle());
   const std::vector<float> roughly = coarse.kelvin();
   coarse.refine();
-  if (const absl::Status status = coarse.settle(); !status.ok()) return status;
+  RETURN_IF_ERROR(coarse.settle());
   const std::vector<float> off_k = largest_differences(roughly, coarse.kelvin(), faces.size());
   fine.start_from(coarse);
-  if (const absl::Status status = fine.settle(); !status.ok()) return status;
+  RETURN_IF_ERROR(fine.settle());
   // Both with the same cells and steps: what they differ by is not conduction's.
   const std::vector<float> fine_k = fine.kelvin();
-  if (const absl::Status status = fine.sharpen(off_k); !status.ok()) return status;
+  RETURN_IF_ERROR(fine.sharpen(off_k));
 
   SceneHeatResult out;
   std::vector<double> left_out_k(faces.fronts, 0.0);
   if (request.effect_bounds || !request.exchange || !request.diffuse_sun)
-    if (const absl::Status status =
-            add_effect_bounds(target, request, fine_exposure,
-                              heat_bounds(request, fine_exposure, fine), out, left_out_k);
-        !status.ok())
-      return status;
+    RETURN_IF_ERROR(add_effect_bounds(target, request, fine_exposure,
+                                      heat_bounds(request, fine_exposure, fine), out, left_out_k));
   out.exchange_rounds = coarse.passes() + fine.passes();
   out.exchange_left_k = fine.left_k();
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
@@ -309,26 +304,25 @@ absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
     return r;
   };
   const SceneHeatRequest base_request = finer(request);
-  if (const absl::Status status = check(target, faces, base_request); !status.ok()) return status;
+  RETURN_IF_ERROR(check(target, faces, base_request));
   SceneExposure exposure(target, faces, base_request, every_second_knot(request));
   // Without halving, both sides take the same steps, whose errors are the same.
   const double shortest_s = shortest_step_s(exposure, base_request);
   SceneWalls base(exposure, base_request, shortest_s);
-  if (const absl::Status status = base.check(); !status.ok()) return status;
-  if (const absl::Status status = base.settle(); !status.ok()) return status;
+  RETURN_IF_ERROR(base.check());
+  RETURN_IF_ERROR(base.settle());
   std::vector<TemperatureChange> out;
   for (const SceneHeatRequest& each : moved) {
     const SceneHeatRequest moved_request = finer(each);
-    if (const absl::Status status = check(target, faces, moved_request); !status.ok())
-      return status;
+    RETURN_IF_ERROR(check(target, faces, moved_request));
     if (each.knot_s != request.knot_s || each.output_knot != request.output_knot)
       return absl::InvalidArgumentError("a moved input has other knots than the temperatures");
     SceneExposure changed_exposure(target, faces, moved_request, every_second_knot(request),
                                    &exposure);
     SceneWalls changed(changed_exposure, moved_request, shortest_s);
-    if (const absl::Status status = changed.check(); !status.ok()) return status;
+    RETURN_IF_ERROR(changed.check());
     changed.start_near(base);
-    if (const absl::Status status = changed.settle(); !status.ok()) return status;
+    RETURN_IF_ERROR(changed.settle());
     TemperatureChange& change = out.emplace_back();
     for (const std::size_t knot : request.output_knot) {
       std::vector<float>& kelvin = change.emplace_back(faces.fronts, NAN);

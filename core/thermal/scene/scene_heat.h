@@ -45,7 +45,7 @@ struct WallBuildUp {
 
 // What lies below the horizon; of what lies below its surface water takes the temperature of the
 // water that flows along, ground that of the ground.
-struct Beneath {
+struct GroundBoundary {
   bool water = false;
   double surface_z_m = 0;  // of the body frame, down; infinite: no surface
   double temperature_k = 0;
@@ -70,7 +70,7 @@ struct HeatWeather {
 struct SceneHeatRequest {
   std::vector<HeatPart> part;  // of the target
   std::vector<WallBuildUp> build_up;
-  Beneath beneath;
+  GroundBoundary beneath;
   // Weather at knots, linear between. Every second one, from the first, is a knot of the
   // computation that shows the errors; so the count is odd.
   std::vector<double> knot_s;

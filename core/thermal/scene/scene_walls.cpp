@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -245,8 +246,7 @@ absl::StatusOr<double> SceneWalls::day(Incoming incoming, int level, std::span<W
   std::vector<std::optional<WallWalk>> probe(walls.size());
   for (std::size_t w = 0; w < walls.size(); ++w)
     if (!walls[w].response) probe[w] = probes(walls[w], level);
-  if (absl::Status s = pass(0, exposure_.day_intervals(), incoming, walls, walks, probe); !s.ok())
-    return s;
+  RETURN_IF_ERROR(pass(0, exposure_.day_intervals(), incoming, walls, walks, probe));
   double left_k = 0;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (probe[w]) {
@@ -329,12 +329,10 @@ absl::Status SceneWalls::settle(std::size_t first, std::size_t last, bool repeat
                                   : Incoming::kForeseen;
     double day_left_k = 0;
     if (repeats) {
-      const auto left = day(incoming, level_, wall_, walks);
-      if (!left.ok()) return left.status();
-      day_left_k = *left;
+      ASSIGN_OR_RETURN(day_left_k, day(incoming, level_, wall_, walks));
     } else {
       walks = at_first;
-      if (absl::Status s = pass(first, last, incoming, wall_, walks, {}); !s.ok()) return s;
+      RETURN_IF_ERROR(pass(first, last, incoming, wall_, walks, {}));
     }
     ++passes_;
     // The first says nothing; the second nothing of how fast changes fall.
@@ -357,9 +355,8 @@ absl::Status SceneWalls::settle() {
   left_k_ = 0;
   const std::size_t day_end = exposure_.day_intervals(), last = exposure_.knots() - 1;
   std::vector<WallWalk> walks;
-  if (absl::Status s = settle(0, day_end, true, walks); !s.ok()) return s;
-  if (day_end < last)
-    if (absl::Status s = settle(day_end, last, false, walks); !s.ok()) return s;
+  RETURN_IF_ERROR(settle(0, day_end, true, walks));
+  if (day_end < last) RETURN_IF_ERROR(settle(day_end, last, false, walks));
   incoming_known_ = true;
   closure_w_m2_ = 0;
   note_closure(walks);
@@ -406,7 +403,7 @@ void SceneWalls::start_from(const SceneWalls& coarse) {
   falls_ = coarse.falls_;
   IRSIG_CHECK(wall_.size() == coarse.wall_.size());
   for (std::size_t w = 0; w < wall_.size(); ++w) {
-    IRSIG_CHECK(wall_[w].face == coarse.wall_[w].face);  // SceneExposure::share_dark()
+    IRSIG_CHECK(wall_[w].face == coarse.wall_[w].face);  // SceneExposure::fraction_dark()
     wall_[w].begin_k = coarse.wall_[w].begin_k;
     wall_[w].response = coarse.wall_[w].response;
   }
@@ -465,13 +462,10 @@ absl::Status SceneWalls::sharpen(std::vector<float> off_k) {
     const std::vector<float> before = kelvin_;
     std::vector<WallWalk> walks;
     for (int n = 1; n <= kMostPasses; ++n) {
-      const auto left = day(Incoming::kFixed, level, open, walks);
-      if (!left.ok()) return left.status();
-      if (*left <= request_.tolerance_k) break;
+      ASSIGN_OR_RETURN(const auto left, day(Incoming::kFixed, level, open, walks));
+      if (left <= request_.tolerance_k) break;
     }
-    if (day_end < last)
-      if (absl::Status s = pass(day_end, last, Incoming::kFixed, open, walks, {}); !s.ok())
-        return s;
+    if (day_end < last) RETURN_IF_ERROR(pass(day_end, last, Incoming::kFixed, open, walks, {}));
     note_closure(walks);
     std::ranges::fill(off_k, 0.0f);
     for (std::size_t i = 0; i < kelvin_.size(); ++i) {

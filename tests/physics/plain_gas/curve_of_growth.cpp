@@ -10,7 +10,7 @@ Step doppler_deficit(Step s) {
 }
 
 // depth / X, of X > 0
-Step share_of_weak_depth(Step x, Step lorentz, Step doppler) {
+Step fraction_of_weak_depth(Step x, Step lorentz, Step doppler) {
   const Step yc = x / (4 * lorentz + x);
   const Step z = x / (1.7 * doppler);
   const Step yd = doppler_deficit(z * z);
@@ -32,7 +32,7 @@ Step CurveOfGrowth::add(double weak_depth, double lorentz, double doppler) {
       first ? Step{lorentz * weak_depth, 0} : Step{lorentz_, lorentz * weak_depth};
   const Step doppler_sum =
       first ? Step{doppler * weak_depth, 0} : Step{doppler_, doppler * weak_depth};
-  const Step depth = x * share_of_weak_depth(x, lorentz_sum / x, doppler_sum / x);
+  const Step depth = x * fraction_of_weak_depth(x, lorentz_sum / x, doppler_sum / x);
   weak_ += weak_depth;
   lorentz_ += lorentz * weak_depth;
   doppler_ += doppler * weak_depth;

@@ -47,7 +47,7 @@ double shape_of(std::size_t i) {
   return kShapeMin * std::pow(kShapeMax / kShapeMin, static_cast<double>(i) / (kShapes - 1));
 }
 // Shares dense towards 1, where the absorption is.
-double share_of(std::size_t j) {
+double fraction_of(std::size_t j) {
   const double s = 1 - static_cast<double>(j) / (kShares - 1);
   return 1 - s * s * s * s;
 }
@@ -63,7 +63,7 @@ const Curves& curves() {
         double low = std::log(1e-8), high = std::log(1e12);
         for (int n = 0; n < 70; ++n) {
           const double middle = 0.5 * (low + high);
-          (below(std::exp(middle), shape).share < share_of(j) ? low : high) = middle;
+          (below(std::exp(middle), shape).share < fraction_of(j) ? low : high) = middle;
         }
         out[i][j] = below(std::exp(low), shape).absorption;
       }
@@ -90,7 +90,8 @@ double inverse_gaussian_lorenz(double g, double shape) {
   const std::size_t j = std::min(static_cast<std::size_t>(y), kShares - 2);
   const double u = x - static_cast<double>(i);
   // Linear in the share itself, so that equal shares of a cell hold equal absorption.
-  const double v = std::clamp((g - share_of(j)) / (share_of(j + 1) - share_of(j)), 0.0, 1.0);
+  const double v =
+      std::clamp((g - fraction_of(j)) / (fraction_of(j + 1) - fraction_of(j)), 0.0, 1.0);
   const auto at = [&](std::size_t a) { return (1 - v) * curves()[a][j] + v * curves()[a][j + 1]; };
   return (1 - u) * at(i) + u * at(i + 1);
 }

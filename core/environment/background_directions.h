@@ -13,17 +13,17 @@ namespace irsig {
 //
 // A direction is that of the straight line from the sensor, by the z of its unit vector (body
 // frame, > 0: it falls away from the sensor), whatever the air makes of it; all have one azimuth.
-class BehindNodes {
+class BackgroundDirections {
  public:
   // One node above the horizontal, one below.
-  BehindNodes() : BehindNodes({0, 0}) {}
+  BackgroundDirections() : BackgroundDirections({0, 0}) {}
   // z: increasing, at least one; equal where radiance jumps. Directions beyond the first and the
   // last take its radiance.
-  explicit BehindNodes(std::vector<float> z, double azimuth_rad = 0);
+  explicit BackgroundDirections(std::vector<float> z, double azimuth_rad = 0);
   // As many as are needed from one z to another with a jump at each of `breaks` in between: close
   // to a horizon, where the way through the air changes fastest, and below it above all.
-  [[nodiscard]] static BehindNodes spanning(double from_z, double to_z, std::vector<float> breaks,
-                                            double azimuth_rad);
+  [[nodiscard]] static BackgroundDirections spanning(double from_z, double to_z,
+                                                     std::vector<float> breaks, double azimuth_rad);
 
   [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(z_.size()); }
   [[nodiscard]] float z(std::uint32_t node) const { return z_[node]; }

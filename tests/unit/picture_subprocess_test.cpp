@@ -1,5 +1,5 @@
 // Stored images are read by a process of its own: whatever they do to that, this one goes on.
-#include "core/image/apart/picture_apart.h"
+#include "core/image/apart/picture_subprocess.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST(PictureApart, LooksPaintsAndHandsOutPixels) {
   tasks[1].white_w_m2_sr = 8;
   tasks[2].pixels = true;
   tasks[2].seen = PictureTask::Seen{2, 1, 5, 3};
-  const auto answers = read_pictures_apart(picture_program(), tasks);
+  const auto answers = read_pictures_subprocess(picture_program(), tasks);
   ASSERT_TRUE(answers.ok()) << answers.status();
   ASSERT_EQ(answers->size(), 3U);
   const PictureAnswer& looked = (*answers)[0];
@@ -56,7 +56,7 @@ TEST(PictureApart, WhatIsDamagedOrTooLargeIsItsOwnImage) {
                                     {.exr = exr_of({1, 2, 3, 4, 5, 6}, 3), .most_px = 2},
                                     {.exr = "no image", .most_px = 2},
                                     {.exr = good, .most_px = 2}};
-  const auto answers = read_pictures_apart(picture_program(), tasks);
+  const auto answers = read_pictures_subprocess(picture_program(), tasks);
   ASSERT_TRUE(answers.ok()) << answers.status();
   EXPECT_EQ((*answers)[0].hottest_w_m2_sr, 4);
   EXPECT_THAT((*answers)[1].damage, HasSubstr("states 3 x 2 pixels, expected sides of at most 2"));
@@ -72,7 +72,7 @@ class ReadByAnother : public ::testing::Test {
     const std::string path = folder_.file("picture");
     std::ofstream(path) << "#!/bin/sh\n" << script << "\n";
     ::chmod(path.c_str(), 0700);
-    return read_pictures_apart(path, tasks);
+    return read_pictures_subprocess(path, tasks);
   }
   TestFolder folder_;
 };
@@ -103,7 +103,7 @@ TEST_F(ReadByAnother, NoAnswerIsAnError) {
   expect("cat > /dev/null; printf 'irsig answers 1\\n'", "another number of images");
   expect("cat > /dev/null; printf 'irsig answers 1\\nx'", "no complete answer");
   expect("kill -KILL $$", "killed by signal 9");
-  EXPECT_THAT(std::string(read_pictures_apart(folder_.file("none"), tasks).status().message()),
+  EXPECT_THAT(std::string(read_pictures_subprocess(folder_.file("none"), tasks).status().message()),
               HasSubstr("it belongs beside the irsig executable"));
 }
 

@@ -1,4 +1,4 @@
-#include "core/environment/behind_nodes.h"
+#include "core/environment/background_directions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +22,14 @@ std::vector<double> steps(double most, bool above) {
 
 }  // namespace
 
-BehindNodes::BehindNodes(std::vector<float> z, double azimuth_rad)
+BackgroundDirections::BackgroundDirections(std::vector<float> z, double azimuth_rad)
     : z_(std::move(z)), azimuth_rad_(azimuth_rad) {
   IRSIG_CHECK(!z_.empty());
   IRSIG_CHECK(std::is_sorted(z_.begin(), z_.end()));
 }
 
-BehindNodes BehindNodes::spanning(double from_z, double to_z, std::vector<float> breaks,
-                                  double azimuth_rad) {
+BackgroundDirections BackgroundDirections::spanning(double from_z, double to_z,
+                                                    std::vector<float> breaks, double azimuth_rad) {
   const auto from = static_cast<float>(std::max(from_z, -1.0)),
              to = static_cast<float>(std::min(to_z, 1.0));
   std::sort(breaks.begin(), breaks.end());
@@ -53,20 +53,20 @@ BehindNodes BehindNodes::spanning(double from_z, double to_z, std::vector<float>
     z.insert(z.end(), 2, b);
   }
   std::sort(z.begin(), z.end());
-  return BehindNodes(std::move(z), azimuth_rad);
+  return BackgroundDirections(std::move(z), azimuth_rad);
 }
 
-bool BehindNodes::above(std::uint32_t node, float horizon_z) const {
+bool BackgroundDirections::above(std::uint32_t node, float horizon_z) const {
   if (z_[node] != horizon_z) return z_[node] < horizon_z;
   return node + 1 < count() && z_[node + 1] == horizon_z;
 }
 
-Vec<Body> BehindNodes::direction(double z) const {
+Vec<Body> BackgroundDirections::direction(double z) const {
   const double c = std::sqrt(std::max(0.0, 1 - z * z));
   return {c * std::cos(azimuth_rad_), c * std::sin(azimuth_rad_), z};
 }
 
-int BehindNodes::shares(float z, Share* out) const {
+int BackgroundDirections::shares(float z, Share* out) const {
   // A direction on the horizon itself is below it.
   const auto next = std::upper_bound(z_.begin(), z_.end(), z);
   if (next == z_.begin() || next == z_.end()) {

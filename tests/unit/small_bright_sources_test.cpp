@@ -11,28 +11,28 @@
 namespace irsig {
 namespace {
 
-TEST(RareLight, ALargeDimPlaceIsAllowedForByItsSamples) {
-  RareLight light;
+TEST(SmallBrightSources, ALargeDimPlaceIsAllowedForByItsSamples) {
+  SmallBrightSources light;
   light.add(3, 100);  // [W/(m2 sr)], [m2]
-  const RareLight::Allowance a = light.allowance(0.01);
+  const SmallBrightSources::Allowance a = light.allowance(0.01);
   EXPECT_EQ(a.bound, 0);
   EXPECT_DOUBLE_EQ(a.stderr_, 2 * 0.01 * 3);
 }
 
-TEST(RareLight, ASmallMirrorCostsWhatItCouldSend) {
-  RareLight light;
+TEST(SmallBrightSources, ASmallMirrorCostsWhatItCouldSend) {
+  SmallBrightSources light;
   light.add(1e5, 1e-6);
-  const RareLight::Allowance a = light.allowance(0.01);
+  const SmallBrightSources::Allowance a = light.allowance(0.01);
   EXPECT_DOUBLE_EQ(a.bound, 0.1);
   EXPECT_EQ(a.stderr_, 0);
 }
 
 // The threshold lies between the two, and the error is that of the best of all thresholds.
-TEST(RareLight, EachPlaceIsCountedTheCheaperWay) {
-  RareLight light;
+TEST(SmallBrightSources, EachPlaceIsCountedTheCheaperWay) {
+  SmallBrightSources light;
   light.add(1e5, 1e-6);
   light.add(3, 100);
-  const RareLight::Allowance a = light.allowance(0.01);
+  const SmallBrightSources::Allowance a = light.allowance(0.01);
   EXPECT_DOUBLE_EQ(a.bound, 0.1);
   EXPECT_DOUBLE_EQ(a.stderr_, 0.06);
   EXPECT_DOUBLE_EQ(light.sum(), 300.1);
@@ -40,12 +40,12 @@ TEST(RareLight, EachPlaceIsCountedTheCheaperWay) {
 }
 
 // No cliff: as a mirror grows, the error rises smoothly and never above either way alone.
-TEST(RareLight, GrowsWithoutACliff) {
+TEST(SmallBrightSources, GrowsWithoutACliff) {
   double last = 0;
   for (double seen_m2 = 1e-8; seen_m2 < 10; seen_m2 *= 1.1) {
-    RareLight light;
+    SmallBrightSources light;
     light.add(1e3, seen_m2);
-    const RareLight::Allowance a = light.allowance(0.01);
+    const SmallBrightSources::Allowance a = light.allowance(0.01);
     const double error = std::hypot(a.stderr_, a.bound / std::numbers::sqrt3);
     EXPECT_GE(error, last);
     EXPECT_LE(error, 1.11 * std::max(last, 1e-5 / std::numbers::sqrt3));
@@ -55,8 +55,8 @@ TEST(RareLight, GrowsWithoutACliff) {
   }
 }
 
-TEST(RareLight, WhatIsDarkOrHasNoAreaIsNothing) {
-  RareLight light;
+TEST(SmallBrightSources, WhatIsDarkOrHasNoAreaIsNothing) {
+  SmallBrightSources light;
   light.add(0, 1);
   light.add(1, 0);
   EXPECT_EQ(light.allowance(1).stderr_, 0);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/signature/simulator.h"
-#include "core/stability/rare_light.h"
+#include "core/stability/small_bright_sources.h"
 
 namespace {
 
@@ -54,9 +54,9 @@ Cost cost_of(const RareLightScene& scene, int runs) {
 const char* name_of(StopReason reason) {
   switch (reason) {
     case StopReason::kTargetReached:
-      return "target_reached";
+      return "accuracy_reached";
     case StopReason::kTargetMissed:
-      return "target_missed";
+      return "accuracy_not_reached";
     case StopReason::kSampleLimit:
       return "sample_limit";
     default:

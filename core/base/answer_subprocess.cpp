@@ -1,4 +1,4 @@
-#include "core/base/answer_apart.h"
+#include "core/base/answer_subprocess.h"
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/run_apart.h"
+#include "core/base/run_subprocess.h"
 
 #if defined(IRSIG_SANITIZED)
 // They reserve terabytes of addresses: a limit of those would end the program at once.
@@ -80,8 +80,8 @@ std::string answer(std::uint64_t bytes, const ApartLimits& limits,
 
 }  // namespace
 
-void answer_apart(std::uint64_t bytes, const std::function<std::string(std::string)>& reply_to,
-                  const std::function<std::string(const absl::Status&)>& refusal) {
+void answer_subprocess(std::uint64_t bytes, const std::function<std::string(std::string)>& reply_to,
+                       const std::function<std::string(const absl::Status&)>& refusal) {
   const ApartLimits limits = apart_limits(bytes);
   if (!limit_all(limits)) _exit(1);
   // Libraries print warnings on standard output (OpenVDB, of a file of a newer version).

@@ -1,4 +1,4 @@
-#include "core/environment/light_around.h"
+#include "core/environment/incident_radiance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,15 +62,15 @@ IRSIG_CLONES void raise_to_change(const double* light, const double* dt, const d
 
 }  // namespace
 
-struct LightAround::Folded {
+struct IncidentRadiance::Folded {
   std::size_t first = 0, bands = 0;  // those that have a weight
   BandRows<double> thermal, solar;   // [column], `bands` from `first` on
 };
 
-LightAround::LightAround(std::shared_ptr<const Shapes> shapes,
-                         std::shared_ptr<const Thermal> thermal,
-                         std::shared_ptr<const BandRows<double>> apparent, std::uint32_t sky_rings,
-                         std::uint32_t azimuths)
+IncidentRadiance::IncidentRadiance(std::shared_ptr<const Shapes> shapes,
+                                   std::shared_ptr<const Thermal> thermal,
+                                   std::shared_ptr<const BandRows<double>> apparent,
+                                   std::uint32_t sky_rings, std::uint32_t azimuths)
     : shapes_(std::move(shapes)),
       thermal_(std::move(thermal)),
       apparent_(std::move(apparent)),
@@ -82,7 +82,7 @@ LightAround::LightAround(std::shared_ptr<const Shapes> shapes,
   IRSIG_CHECK(sky_rings_ <= rings_);
 }
 
-void LightAround::add_sun(std::shared_ptr<const Sunlight> sunlight, Ratios ratios) {
+void IncidentRadiance::add_sun(std::shared_ptr<const Sunlight> sunlight, Ratios ratios) {
   IRSIG_CHECK(sunlight->error.size() == count());
   IRSIG_CHECK(sunlight->air.bands == shapes_->bands);
   IRSIG_CHECK(ratios.air.bands == shapes_->bands);
@@ -90,9 +90,9 @@ void LightAround::add_sun(std::shared_ptr<const Sunlight> sunlight, Ratios ratio
   ratio_ = std::make_shared<const Ratios>(std::move(ratios));
 }
 
-LightAround LightAround::of_spectra(const std::vector<Spectrum>& node,
-                                    const std::vector<Spectrum>& apparent,
-                                    std::uint32_t sky_nodes) {
+IncidentRadiance IncidentRadiance::of_spectra(const std::vector<Spectrum>& node,
+                                              const std::vector<Spectrum>& apparent,
+                                              std::uint32_t sky_nodes) {
   const std::size_t n = node.front().size();
   IRSIG_CHECK(node.size() == apparent.size());
   auto shapes = std::make_shared<Shapes>();
@@ -111,7 +111,7 @@ LightAround LightAround::of_spectra(const std::vector<Spectrum>& node,
   return {std::move(shapes), std::move(thermal), std::move(seen), sky_nodes, 1};
 }
 
-LightAround LightAround::dark(std::shared_ptr<const Shapes> shapes) {
+IncidentRadiance IncidentRadiance::dark(std::shared_ptr<const Shapes> shapes) {
   auto thermal = std::make_shared<Thermal>();
   thermal->ring = BandRows<double>(2, shapes->bands);
   thermal->error.assign(2, 0.0);
@@ -119,14 +119,14 @@ LightAround LightAround::dark(std::shared_ptr<const Shapes> shapes) {
   return {std::move(shapes), std::move(thermal), std::move(apparent), 1, 1};
 }
 
-LightAround LightAround::only(bool sky, bool lower) const {
-  LightAround out = *this;
+IncidentRadiance IncidentRadiance::only(bool sky, bool lower) const {
+  IncidentRadiance out = *this;
   out.sky_dark_ = sky_dark_ || !sky;
   out.lower_dark_ = lower_dark_ || !lower;
   return out;
 }
 
-void LightAround::sunlight_of(std::uint32_t node, bool apparent, double* out) const {
+void IncidentRadiance::sunlight_of(std::uint32_t node, bool apparent, double* out) const {
   const std::size_t n = shapes_->bands;
   const std::uint32_t ring = node / azimuths_;
   std::fill_n(out, n, 0.0);
@@ -141,9 +141,9 @@ void LightAround::sunlight_of(std::uint32_t node, bool apparent, double* out) co
         ratio_->surface.row(ring - sky_rings_));
 }
 
-LightAround::Spectrum LightAround::spread(const double* thermal, const double* sunlight,
-                                          std::size_t first_band, std::size_t first,
-                                          std::size_t n) const {
+IncidentRadiance::Spectrum IncidentRadiance::spread(const double* thermal, const double* sunlight,
+                                                    std::size_t first_band, std::size_t first,
+                                                    std::size_t n) const {
   Spectrum out(n);
   const Shapes& s = *shapes_;
   for (std::size_t i = 0; i < n; ++i) {
@@ -153,7 +153,7 @@ LightAround::Spectrum LightAround::spread(const double* thermal, const double* s
   return out;
 }
 
-LightAround::Spectrum LightAround::radiance(std::uint32_t node) const {
+IncidentRadiance::Spectrum IncidentRadiance::radiance(std::uint32_t node) const {
   const std::size_t n = shapes_->band.size();
   if (is_dark(node / azimuths_)) return Spectrum(n, 0.0);
   std::vector<double> sunlight(shapes_->bands);
@@ -161,7 +161,7 @@ LightAround::Spectrum LightAround::radiance(std::uint32_t node) const {
   return spread(thermal_->ring.row(node / azimuths_), sunlight.data(), 0, 0, n);
 }
 
-LightAround::Spectrum LightAround::apparent(std::uint32_t node) const {
+IncidentRadiance::Spectrum IncidentRadiance::apparent(std::uint32_t node) const {
   const std::size_t n = shapes_->band.size();
   if (is_dark(node / azimuths_)) return Spectrum(n, 0.0);
   std::vector<double> sunlight(shapes_->bands);
@@ -169,7 +169,7 @@ LightAround::Spectrum LightAround::apparent(std::uint32_t node) const {
   return spread(apparent_->row(node / azimuths_), sunlight.data(), 0, 0, n);
 }
 
-LightAround::Spectrum LightAround::interpolation(std::uint32_t node) const {
+IncidentRadiance::Spectrum IncidentRadiance::interpolation(std::uint32_t node) const {
   const std::size_t n = shapes_->band.size();
   const std::uint32_t ring = node / azimuths_;
   if (is_dark(ring)) return Spectrum(n, 0.0);
@@ -182,14 +182,14 @@ LightAround::Spectrum LightAround::interpolation(std::uint32_t node) const {
   return spread(thermal.data(), sunlight.data(), 0, 0, n);
 }
 
-LightAround::BandRange LightAround::bands_of(std::size_t first, std::size_t n) const {
+IncidentRadiance::BandRange IncidentRadiance::bands_of(std::size_t first, std::size_t n) const {
   const auto from = shapes_->band.begin() + static_cast<std::ptrdiff_t>(first);
   const auto [low, high] = std::minmax_element(from, from + static_cast<std::ptrdiff_t>(n));
   return {*low, *high - *low + std::size_t{1}};
 }
 
-LightAround::Folded LightAround::fold(std::size_t first, std::span<const double> weight,
-                                      const double* function, std::size_t columns) const {
+IncidentRadiance::Folded IncidentRadiance::fold(std::size_t first, std::span<const double> weight,
+                                                const double* function, std::size_t columns) const {
   const Shapes& s = *shapes_;
   const BandRange range = bands_of(first, weight.size());
   Folded out;
@@ -207,8 +207,10 @@ LightAround::Folded LightAround::fold(std::size_t first, std::span<const double>
   return out;
 }
 
-LightAround::Integrals LightAround::integrals(std::size_t first, std::span<const double> weight,
-                                              const double* function, std::size_t columns) const {
+IncidentRadiance::Integrals IncidentRadiance::integrals(std::size_t first,
+                                                        std::span<const double> weight,
+                                                        const double* function,
+                                                        std::size_t columns) const {
   const Folded f = fold(first, weight, function, columns);
   const std::size_t n = f.bands;
   Integrals out;
@@ -254,8 +256,8 @@ LightAround::Integrals LightAround::integrals(std::size_t first, std::span<const
   return out;
 }
 
-LightAround::Binned LightAround::binned(std::size_t first, std::span<const double> weight,
-                                        std::span<const std::size_t> bin_first) const {
+IncidentRadiance::Binned IncidentRadiance::binned(std::size_t first, std::span<const double> weight,
+                                                  std::span<const std::size_t> bin_first) const {
   // A bin has few bands: what each contributes for a unit of light in it.
   struct Share {
     std::size_t band;
@@ -303,13 +305,13 @@ LightAround::Binned LightAround::binned(std::size_t first, std::span<const doubl
           apparent[k] += share[j].thermal * seen[share[j].band];
         }
       if (sunlight_ == nullptr) continue;
-      const auto add = [&](const float* light, const std::vector<double>& seen_share) {
+      const auto add = [&](const float* light, const std::vector<double>& seen_fraction) {
         for (std::size_t k = 0; k < bins; ++k) {
           double at_target = 0, at_sensor = 0;
           for (std::size_t j = share_first[k]; j < share_first[k + 1]; ++j) {
             const double l = static_cast<double>(light[share[j].band]);
             at_target += share[j].solar * l;
-            at_sensor += seen_share[j] * l;
+            at_sensor += seen_fraction[j] * l;
           }
           source[k] += at_target;
           apparent[k] += at_sensor;
@@ -322,8 +324,9 @@ LightAround::Binned LightAround::binned(std::size_t first, std::span<const doubl
   return out;
 }
 
-std::vector<LightAround::Sum> LightAround::sums(bool sky, std::span<const Weights> weights,
-                                                std::size_t first, std::size_t n) const {
+std::vector<IncidentRadiance::Sum> IncidentRadiance::sums(bool sky,
+                                                          std::span<const Weights> weights,
+                                                          std::size_t first, std::size_t n) const {
   const BandRange range = bands_of(first, n);
   const std::size_t bands = range.count, lists = weights.size(), at = range.first;
   BandRows<double> thermal(lists, bands), thermal_seen(lists, bands), sun(lists, bands),
@@ -365,13 +368,13 @@ std::vector<LightAround::Sum> LightAround::sums(bool sky, std::span<const Weight
   return out;
 }
 
-struct LightAround::Changes {
-  const LightAround& of;
+struct IncidentRadiance::Changes {
+  const IncidentRadiance& of;
   std::span<const AirChange> change;
   std::size_t first, bands;  // those that are looked at
   std::vector<double> dark, sunlight, most;
 
-  Changes(const LightAround& light, std::span<const AirChange> changes, const Folded& where)
+  Changes(const IncidentRadiance& light, std::span<const AirChange> changes, const Folded& where)
       : of(light),
         change(changes),
         first(where.first),
@@ -401,8 +404,9 @@ struct LightAround::Changes {
   }
 };
 
-double LightAround::changed(std::span<const AirChange> change, std::size_t first,
-                            std::span<const double> weight, std::span<const double> of_node) const {
+double IncidentRadiance::changed(std::span<const AirChange> change, std::size_t first,
+                                 std::span<const double> weight,
+                                 std::span<const double> of_node) const {
   IRSIG_CHECK(of_node.size() == count());
   const Folded f = fold(first, weight, nullptr, 1);
   Changes changes(*this, change, f);
@@ -423,8 +427,8 @@ double LightAround::changed(std::span<const AirChange> change, std::size_t first
   return sum;
 }
 
-double LightAround::changed(std::span<const AirChange> change, std::size_t first,
-                            std::span<const double> weight, const WeightsOfNode& at) const {
+double IncidentRadiance::changed(std::span<const AirChange> change, std::size_t first,
+                                 std::span<const double> weight, const WeightsOfNode& at) const {
   Changes changes(*this, change, fold(first, weight, nullptr, 1));
   std::vector<double> here(weight.size());
   double sum = 0;

@@ -1,5 +1,5 @@
 // glTF is read in a process of its own: whatever that does, this one goes on.
-#include "core/scene/import_apart.h"
+#include "core/scene/import_subprocess.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -93,7 +93,8 @@ TEST(ImportApart, NodesAreTrees) {
 TEST(ImportApart, BrokenJsonHasAPlace) {
   const std::string gltf = mesh_with(gltf_scene(true).json, R"("componentType":5123,"count":12)",
                                      R"("componentType":512":12)");
-  EXPECT_THAT(refusal_apart("a.gltf", gltf), ::testing::ContainsRegex("a.gltf:1:[0-9]+: this is no"));
+  EXPECT_THAT(refusal_apart("a.gltf", gltf),
+              ::testing::ContainsRegex("a.gltf:1:[0-9]+: this is no"));
 }
 
 TEST(ImportApart, LimitsGrowWithTheFile) {
@@ -110,7 +111,7 @@ class ImportByAnother : public ::testing::Test {
     const std::string path = folder_.file("importer");
     std::ofstream(path) << "#!/bin/sh\n" << script << "\n";
     ::chmod(path.c_str(), 0700);
-    return import_apart(path, std::string(1000000, 'a'), "stl").status();
+    return import_subprocess(path, std::string(1000000, 'a'), "stl").status();
   }
   TestFolder folder_;
 };
@@ -137,7 +138,7 @@ TEST_F(ImportByAnother, EveryEndIsAnError) {
   expect("printf 'irsig mesh 1\\n'", kInternal, "said nothing");
   expect("printf 'irsig none 1\\nno'; exit 1", kInvalidArgument, "exit code 1");
   expect("cat >/dev/null; printf 'irsig none 1\\nno facets'", kInvalidArgument, "no facets");
-  EXPECT_THAT(std::string(import_apart(folder_.file("none"), "a", "stl").status().message()),
+  EXPECT_THAT(std::string(import_subprocess(folder_.file("none"), "a", "stl").status().message()),
               HasSubstr("it belongs beside the irsig executable"));
 }
 

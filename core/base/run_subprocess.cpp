@@ -1,5 +1,5 @@
 // Libraries that damaged files crash run in a process of their own (docs/decisions/0021).
-#include "core/base/run_apart.h"
+#include "core/base/run_subprocess.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -164,17 +165,16 @@ std::string program_beside(const std::string& name) {
   return error ? name : (self.parent_path() / name).string();
 }
 
-absl::StatusOr<std::string> run_apart(const std::string& program,
-                                      const std::vector<std::string>& arguments,
-                                      std::string_view bytes, const ApartLimits& limits) {
+absl::StatusOr<std::string> run_subprocess(const std::string& program,
+                                           const std::vector<std::string>& arguments,
+                                           std::string_view bytes, const ApartLimits& limits) {
   Connection connection;
   if (connection.error() != 0) return cannot("connect to the importer", connection.error());
-  const absl::StatusOr<pid_t> pid = start(program, arguments, connection.theirs());
-  if (!pid.ok()) return pid.status();
+  ASSIGN_OR_RETURN(const pid_t pid, start(program, arguments, connection.theirs()));
   connection.close_theirs();
   std::string reply = exchange(connection.ours(), bytes, limits.memory_bytes);
-  if (reply.size() > limits.memory_bytes) ::kill(*pid, SIGABRT);
-  const int end = end_of(*pid);
+  if (reply.size() > limits.memory_bytes) ::kill(pid, SIGABRT);
+  const int end = end_of(pid);
   if (end != 0 || reply.empty()) return why_it_ended(end, limits);
   return reply;
 }

@@ -22,29 +22,29 @@ struct NodeWavelengths {
 [[nodiscard]] absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um);
 
 // Where the air of one weather lets a sensor see the target, and what was imported for it.
-struct LegPath {
+struct SensorRay {
   LightPath path;  // from the sensor to the target
   double sensor_height_m = 0;
   double lift_rad = 0;  // by how much it points lower at the target than the straight line
   const ImportedPath* imported = nullptr;
 };
 // INVALID_ARGUMENT as Environment::view has it.
-[[nodiscard]] absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec,
-                                               const Atmosphere& atmosphere, double height_m,
-                                               const Environment::Line& line,
-                                               const BandChoice& bands);
+[[nodiscard]] absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec,
+                                                   const Atmosphere& atmosphere, double height_m,
+                                                   const Environment::Line& line,
+                                                   const BandChoice& bands);
 
 // The same to another place of the target; one that the Earth hides is taken as high as is seen.
 // Nothing is imported for it.
-[[nodiscard]] LegPath end_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
-                               double height_m, const LegPath& line,
-                               const Environment::Line::End& end);
+[[nodiscard]] SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
+                                 double height_m, const SensorRay& line,
+                                 const Environment::Line::End& end);
 
 // The air of one weather between sensor and target.
-class Leg {
+class SensorPath {
  public:
-  Leg(const LegPath& path, const Atmosphere& atmosphere, double height_m,
-      const NodeWavelengths& wavelengths);
+  SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
+             const NodeWavelengths& wavelengths);
 
   PathLayers layers;          // the embedded model's
   AirSpectrum transmittance;  // that, or the imported
@@ -61,7 +61,7 @@ class Leg {
   [[nodiscard]] std::vector<double> plus_solar(std::vector<double> thermal,
                                                const AirSpectrum& solar) const;
   // Those carry both on inside a band.
-  [[nodiscard]] LightAround::Shapes shapes() const;
+  [[nodiscard]] IncidentRadiance::Shapes shapes() const;
 
  private:
   const NodeWavelengths* wavelengths_;

@@ -1,12 +1,13 @@
 // Images are decoded in a process of its own (docs/decisions/0021): OpenEXR may crash on them, and
 // OpenImageIO is slow to load.
-#include "core/image/apart/picture_apart.h"
+#include "core/image/apart/picture_subprocess.h"
 
 #include <cstring>
 #include <type_traits>
 #include <utility>
 
-#include "core/base/run_apart.h"
+#include "core/base/run_subprocess.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -75,10 +76,9 @@ class Reader {
 absl::StatusOr<std::vector<PictureAnswer>> ask(const std::string& program,
                                                std::span<const PictureTask> tasks) {
   const std::string bytes = encode_tasks(tasks);
-  const auto reply =
-      run_apart(program, {std::to_string(bytes.size())}, bytes, apart_limits(bytes.size()));
-  if (!reply.ok()) return reply.status();
-  auto answers = decode_answers(*reply);
+  ASSIGN_OR_RETURN(const auto reply, run_subprocess(program, {std::to_string(bytes.size())}, bytes,
+                                                    apart_limits(bytes.size())));
+  auto answers = decode_answers(reply);
   if (answers.ok() && answers->size() != tasks.size())
     return absl::InternalError("irsig-picture answers another number of images than it was given");
   if (absl::IsDataLoss(answers.status()))
@@ -90,8 +90,8 @@ absl::StatusOr<std::vector<PictureAnswer>> ask(const std::string& program,
 
 std::string picture_program() { return program_beside("irsig-picture"); }
 
-absl::StatusOr<std::vector<PictureAnswer>> read_pictures_apart(const std::string& program,
-                                                               std::span<const PictureTask> tasks) {
+absl::StatusOr<std::vector<PictureAnswer>> read_pictures_subprocess(
+    const std::string& program, std::span<const PictureTask> tasks) {
   if (tasks.empty()) return std::vector<PictureAnswer>();
   auto answers = ask(program, tasks);
   if (answers.ok() || !absl::IsInvalidArgument(answers.status())) return answers;
@@ -104,7 +104,7 @@ absl::StatusOr<std::vector<PictureAnswer>> read_pictures_apart(const std::string
   std::vector<PictureAnswer> out;
   const std::size_t middle = tasks.size() / 2;
   for (const auto half : {tasks.first(middle), tasks.subspan(middle)}) {
-    auto some = read_pictures_apart(program, half);
+    auto some = read_pictures_subprocess(program, half);
     if (!some.ok()) return some;
     for (PictureAnswer& answer : *some) out.push_back(std::move(answer));
   }

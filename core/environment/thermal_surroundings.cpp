@@ -1,4 +1,4 @@
-#include "core/environment/weather_light.h"
+#include "core/environment/thermal_surroundings.h"
 
 #include <algorithm>
 #include <array>
@@ -23,9 +23,10 @@ double zenith_deg_of(double sine_up) {
   return std::acos(std::clamp(sine_up, -1.0, 1.0)) / kRadPerDeg;
 }
 
-std::vector<SeaFacet> facets_of(const LowerSpec& spec, Vec<Body> to_observer) {
-  return spec.kind == LowerSpec::Kind::kFlatSea ? flat_sea(to_observer)
-                                                : sea_facets(to_observer, spec.wind_speed_m_s);
+std::vector<SeaFacet> facets_of(const SurfaceBoundary& spec, Vec<Body> to_observer) {
+  return spec.kind == SurfaceBoundary::Kind::kFlatSea
+             ? flat_sea(to_observer)
+             : sea_facets(to_observer, spec.wind_speed_m_s);
 }
 
 // Light from a hemisphere's cell: where on average it meets the facets.
@@ -53,15 +54,15 @@ double held_slopes_relative(double wind_m_s, double sine) {
 // 5 % at the horizon, where waves hide each other [masuda1988]: of the whole hemisphere, 2 %. A
 // mirror misses what waves do there (0.45 instead of 0.68 at 5 deg). A grey surface is as good as
 // its number.
-double surface_model_relative(const LowerSpec& spec, double sine) {
+double surface_model_relative(const SurfaceBoundary& spec, double sine) {
   switch (spec.kind) {
-    case LowerSpec::Kind::kRoughSea:
+    case SurfaceBoundary::Kind::kRoughSea:
       return 0.01 + 0.04 * std::max(0.0, 1 - sine / 0.342) +
              held_slopes_relative(spec.wind_speed_m_s, sine);
-    case LowerSpec::Kind::kFlatSea:
+    case SurfaceBoundary::Kind::kFlatSea:
       return 0.15;
-    case LowerSpec::Kind::kGreySea:
-    case LowerSpec::Kind::kGround:
+    case SurfaceBoundary::Kind::kGreySea:
+    case SurfaceBoundary::Kind::kGround:
       return 0.05;
   }
   return 0;
@@ -102,8 +103,9 @@ double sin_of_dip(const AirProfile& air, double height_m, bool refraction) {
   return -std::cos(below * kRadPerDeg);
 }
 
-WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-                           const DirectionNodes& nodes, const BandChoice& bands, int suns)
+ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphere& atmosphere,
+                                         double height_m, const DirectionNodes& nodes,
+                                         const BandChoice& bands, int suns)
     : spec_(spec.lower),
       atmosphere_(atmosphere),
       height_m_(height_m),
@@ -129,7 +131,7 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
   std::vector<double> lambda_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) lambda_um.push_back(air_band_lambda_um(b));
   water_ = sea_water_spectrum(lambda_um);
-  if (spec_.kind == LowerSpec::Kind::kRoughSea) {
+  if (spec_.kind == SurfaceBoundary::Kind::kRoughSea) {
     AirSpectrum of_facet(kAirBandCount, 0.0);
     for (const double sine : kGrazing) {
       AirSpectrum reflectance(kAirBandCount, 0.0);
@@ -197,23 +199,23 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
     }
   }
   sky_model_relative = mean_relative(sky_model_error, sky_mean);
-  lower_model_relative = spec_.kind == LowerSpec::Kind::kRoughSea
+  lower_model_relative = spec_.kind == SurfaceBoundary::Kind::kRoughSea
                              ? 0.02 + held_slopes_relative(spec_.wind_speed_m_s, 0.2)
                              : surface_model_relative(spec_, 1);
 }
 
-void WeatherLight::sun_is_made() const {
+void ThermalSurroundings::sun_is_made() const {
   if (--suns_to_come_ != 0) return;
   for (const LowerRing& ring : lower) ring.cell = {};
 }
 
-double WeatherLight::surface_relative(double sine) const {
+double ThermalSurroundings::surface_relative(double sine) const {
   return surface_model_relative(spec_, sine);
 }
 
-AirSpectrum WeatherLight::model_error_of(const SkyRing& ring) const {
+AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
   const PathLayers& path = ring.layers;
-  AirSpectrum scattered = path.surroundings_share;
+  AirSpectrum scattered = path.surroundings_fraction;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
   AirSpectrum out = model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(),
                                 bands_, &surroundings)
@@ -227,7 +229,7 @@ AirSpectrum WeatherLight::model_error_of(const SkyRing& ring) const {
   return out;
 }
 
-const std::vector<SkyRing>& WeatherLight::limb() const {
+const std::vector<SkyRing>& ThermalSurroundings::limb() const {
   return limb_.get([this] {
     const double dip = std::asin(sin_of_dip(atmosphere_.profile(), height_m_, refraction_));
     std::vector<SkyRing> rings;
@@ -247,13 +249,13 @@ const std::vector<SkyRing>& WeatherLight::limb() const {
   });
 }
 
-SkyRing WeatherLight::make_sky(double sin_elevation) const {
+SkyRing ThermalSurroundings::make_sky(double sin_elevation) const {
   const LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation),
                               std::numeric_limits<double>::infinity(), refraction_);
   return {sin_elevation, PathLayers(atmosphere_, path, bands_), {}};
 }
 
-LowerRing WeatherLight::make_lower(double sin_elevation) const {
+LowerRing ThermalSurroundings::make_lower(double sin_elevation) const {
   LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(-sin_elevation),
                         std::numeric_limits<double>::infinity(), refraction_);
   if (in_the_air_ && path.end != PathEnd::kSurface) {
@@ -284,7 +286,8 @@ LowerRing WeatherLight::make_lower(double sin_elevation) const {
                  false};
   ring.emission = AirSpectrum(kAirBandCount, 0.0);
   ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));
-  if (spec_.kind == LowerSpec::Kind::kGreySea || spec_.kind == LowerSpec::Kind::kGround) {
+  if (spec_.kind == SurfaceBoundary::Kind::kGreySea ||
+      spec_.kind == SurfaceBoundary::Kind::kGround) {
     reflect_diffusely(ring);
   } else {
     reflect_from_facets(ring, cos_zenith);
@@ -292,7 +295,7 @@ LowerRing WeatherLight::make_lower(double sin_elevation) const {
   return ring;
 }
 
-void WeatherLight::reflect(AirSpectrum& out, double cos_incidence) const {
+void ThermalSurroundings::reflect(AirSpectrum& out, double cos_incidence) const {
   for (const BandChoice::Range& r : bands_.ranges()) {
     water_reflectance(water_, cos_incidence, r.first, {&out[r.first], r.size()});
   }
@@ -300,7 +303,7 @@ void WeatherLight::reflect(AirSpectrum& out, double cos_incidence) const {
 
 // Light that a facet mirrors from below the horizon has met the sea before: there it is emitted, or
 // reflected from the sky as high above the horizon, by the mean reflectance in that direction.
-void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const {
+void ThermalSurroundings::reflect_from_facets(LowerRing& ring, double cos_zenith) const {
   const Vec<Body> to_observer = {-std::sqrt(1 - cos_zenith * cos_zenith), 0, -cos_zenith};
   std::vector<Gathered> once(nodes_.sky()), twice(nodes_.sky());
   double mean_sine = 0;
@@ -356,7 +359,7 @@ void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const
 }
 
 // The sky's irradiance over pi: every ring by twice its sine.
-void WeatherLight::reflect_diffusely(LowerRing& ring) const {
+void ThermalSurroundings::reflect_diffusely(LowerRing& ring) const {
   const std::uint32_t azimuths = nodes_.azimuths();
   std::vector<double> sine;
   for (std::uint32_t n = 0; n < nodes_.sky(); n += azimuths)
@@ -379,7 +382,7 @@ void WeatherLight::reflect_diffusely(LowerRing& ring) const {
 
 // x = mean over all directions of (thermal sky + its share of x) above and of (emission + mean
 // reflected sky) below: linear in x, band by band.
-void WeatherLight::solve_surroundings() {
+void ThermalSurroundings::solve_surroundings() {
   std::vector<double> sine_up, sine_down;
   for (const SkyRing& r : sky) sine_up.push_back(r.sin_elevation);
   for (const LowerRing& r : lower) sine_down.push_back(r.sin_elevation);
@@ -390,7 +393,7 @@ void WeatherLight::solve_surroundings() {
     double thermal = 0, share = 0, emitted = 0;
     for (std::size_t r = 0; r < sky.size(); ++r) {
       thermal += up[r] * sky[r].layers.thermal_w_m2_sr_um[b];
-      share += up[r] * sky[r].layers.surroundings_share[b];
+      share += up[r] * sky[r].layers.surroundings_fraction[b];
     }
     for (std::size_t r = 0; r < lower.size(); ++r) emitted += down[r] * lower[r].emission[b];
     const double sky_part =
@@ -399,26 +402,26 @@ void WeatherLight::solve_surroundings() {
   }
 }
 
-void WeatherLight::finish(SkyRing& ring) const {
+void ThermalSurroundings::finish(SkyRing& ring) const {
   ring.total = ring.layers.thermal_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    ring.total[b] += ring.layers.surroundings_share[b] * surroundings[b];
+    ring.total[b] += ring.layers.surroundings_fraction[b] * surroundings[b];
   }
 }
 
-AirSpectrum WeatherLight::ratio_behind(const SkyRing& ring, const AbsorberAmounts& near,
-                                       const AirSpectrum& through_near) const {
+AirSpectrum ThermalSurroundings::ratio_behind(const SkyRing& ring, const AbsorberAmounts& near,
+                                              const AirSpectrum& through_near) const {
   const PathLayers::Behind seen = ring.layers.behind(near, through_near);
   AirSpectrum ratio(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (ring.total[b] <= 0) continue;
-    ratio[b] =
-        (seen.thermal_w_m2_sr_um[b] + seen.surroundings_share[b] * surroundings[b]) / ring.total[b];
+    ratio[b] = (seen.thermal_w_m2_sr_um[b] + seen.surroundings_fraction[b] * surroundings[b]) /
+               ring.total[b];
   }
   return ratio;
 }
 
-void WeatherLight::finish(LowerRing& ring) const {
+void ThermalSurroundings::finish(LowerRing& ring) const {
   ring.reflected = AirSpectrum(kAirBandCount, 0.0);
   for (std::size_t r = 0; r < ring.from_ring.size(); ++r) {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -429,7 +432,7 @@ void WeatherLight::finish(LowerRing& ring) const {
       sky_ratio(ring.mirrored_ring, ring.layers.amounts(), ring.layers.transmittance);
   ring.total = ring.layers.thermal_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    ring.total[b] += ring.layers.surroundings_share[b] * surroundings[b] +
+    ring.total[b] += ring.layers.surroundings_fraction[b] * surroundings[b] +
                      ring.layers.transmittance[b] * ring.emission[b] +
                      ring.reflected_ratio[b] * ring.reflected[b];
   }

@@ -8,7 +8,7 @@
 
 #include "core/atmosphere/path_layers.h"
 #include "core/environment/environment.h"
-#include "core/environment/made_once.h"
+#include "core/environment/lazy.h"
 
 namespace irsig {
 
@@ -41,12 +41,12 @@ struct LowerRing {
   bool limb = false;
 };
 
-class WeatherLight {
+class ThermalSurroundings {
  public:
   // suns: of how many conditions the sunlight will be asked for: LowerRing::cell, most of all that
   // is kept, goes with the last of them (sun_is_made), and is not made without any.
-  WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-               const DirectionNodes& nodes, const BandChoice& bands, int suns);
+  ThermalSurroundings(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
+                      const DirectionNodes& nodes, const BandChoice& bands, int suns);
 
   std::vector<SkyRing> sky;  // rings of the nodes
   std::vector<LowerRing> lower;
@@ -102,7 +102,7 @@ class WeatherLight {
   void finish(LowerRing& ring) const;
   void solve_surroundings();
 
-  const LowerSpec& spec_;
+  const SurfaceBoundary& spec_;
   const Atmosphere& atmosphere_;
   double height_m_;
   const DirectionNodes& nodes_;
@@ -113,7 +113,7 @@ class WeatherLight {
   bool in_the_air_;                             // WeatherSpec::above_surface_m > 0
   WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
-  MadeOnce<std::vector<SkyRing>> limb_;
+  Lazy<std::vector<SkyRing>> limb_;
   mutable std::atomic<int> suns_to_come_;
 };
 
@@ -122,7 +122,7 @@ inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.3
 
 // One sigma of what a surface emits and reflects, seen at an angle to it: relative.
 // Of a rough sea above kMostSlopeWindMS, whose slopes are held there, more.
-[[nodiscard]] double surface_model_relative(const LowerSpec& spec, double sine);
+[[nodiscard]] double surface_model_relative(const SurfaceBoundary& spec, double sine);
 
 // Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.
 [[nodiscard]] std::vector<double> ring_weights(const std::vector<double>& sine);

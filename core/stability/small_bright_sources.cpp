@@ -1,4 +1,4 @@
-#include "core/stability/rare_light.h"
+#include "core/stability/small_bright_sources.h"
 
 #include <cmath>
 

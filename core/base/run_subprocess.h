@@ -23,12 +23,12 @@ struct ApartLimits {
 [[nodiscard]] std::string program_beside(const std::string& name);
 
 // Starts a program, sends it `bytes` on its standard input and returns what it wrote on its
-// standard output, if it ended well (answer_apart.h is the other side). INVALID_ARGUMENT says what
-// is wrong with the bytes: that the program crashed on them or met a limit. INTERNAL: it could not
-// be run, said nothing, or somebody else killed it. May be called from several threads at once.
-[[nodiscard]] absl::StatusOr<std::string> run_apart(const std::string& program,
-                                                    const std::vector<std::string>& arguments,
-                                                    std::string_view bytes,
-                                                    const ApartLimits& limits);
+// standard output, if it ended well (answer_subprocess.h is the other side). INVALID_ARGUMENT says
+// what is wrong with the bytes: that the program crashed on them or met a limit. INTERNAL: it could
+// not be run, said nothing, or somebody else killed it. May be called from several threads at once.
+[[nodiscard]] absl::StatusOr<std::string> run_subprocess(const std::string& program,
+                                                         const std::vector<std::string>& arguments,
+                                                         std::string_view bytes,
+                                                         const ApartLimits& limits);
 
 }  // namespace irsig

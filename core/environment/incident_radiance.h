@@ -33,7 +33,7 @@ struct BandRows {
 // parts are shared by whoever has the same weather (thermal light), condition (sunlight) or both.
 //
 // Accuracy: the form is exact; sunlight is rounded to float (6e-8 of it).
-class LightAround {
+class IncidentRadiance {
  public:
   using Spectrum = std::vector<double>;
 
@@ -57,21 +57,21 @@ class LightAround {
     BandRows<double> surface;  // [ring below the horizon]
   };
 
-  LightAround() = default;  // of no nodes
+  IncidentRadiance() = default;  // of no nodes
   //   apparent   thermal light at the sensor: [ring]
   //   sky_rings  the others are below the horizon
-  LightAround(std::shared_ptr<const Shapes> shapes, std::shared_ptr<const Thermal> thermal,
-              std::shared_ptr<const BandRows<double>> apparent, std::uint32_t sky_rings,
-              std::uint32_t azimuths);
+  IncidentRadiance(std::shared_ptr<const Shapes> shapes, std::shared_ptr<const Thermal> thermal,
+                   std::shared_ptr<const BandRows<double>> apparent, std::uint32_t sky_rings,
+                   std::uint32_t azimuths);
   void add_sun(std::shared_ptr<const Sunlight> sunlight, Ratios ratios);
   // Spectra as they are, one for each node: each a ring. The first is the sky's.
-  [[nodiscard]] static LightAround of_spectra(const std::vector<Spectrum>& node,
-                                              const std::vector<Spectrum>& apparent,
-                                              std::uint32_t sky_nodes = 1);
+  [[nodiscard]] static IncidentRadiance of_spectra(const std::vector<Spectrum>& node,
+                                                   const std::vector<Spectrum>& apparent,
+                                                   std::uint32_t sky_nodes = 1);
   // Two dark nodes.
-  [[nodiscard]] static LightAround dark(std::shared_ptr<const Shapes> shapes);
+  [[nodiscard]] static IncidentRadiance dark(std::shared_ptr<const Shapes> shapes);
   // The same with those sides dark that are not wanted.
-  [[nodiscard]] LightAround only(bool sky, bool lower) const;
+  [[nodiscard]] IncidentRadiance only(bool sky, bool lower) const;
 
   [[nodiscard]] std::uint32_t count() const { return rings_ * azimuths_; }
   [[nodiscard]] const Shapes& shapes() const { return *shapes_; }

@@ -1,10 +1,11 @@
-#include "core/environment/leg.h"
+#include "core/environment/sensor_path.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_format.h"
 #include "core/base/constants.h"
+#include "core/base/status_macros.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 
@@ -15,12 +16,11 @@ absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um) 
   out.um = um;
   std::vector<unsigned char> wanted(kAirBandCount, 0);
   for (const double lambda_um : um) {
-    const absl::StatusOr<std::size_t> band = air_band(lambda_um);
-    if (!band.ok()) return band.status();
-    out.band.push_back(*band);
-    wanted[*band] = 1;
+    ASSIGN_OR_RETURN(const std::size_t band, air_band(lambda_um));
+    out.band.push_back(band);
+    wanted[band] = 1;
     out.solar_shape.push_back(solar_irradiance_w_m2_um(lambda_um) /
-                              solar_irradiance_w_m2_um(air_band_lambda_um(*band)));
+                              solar_irradiance_w_m2_um(air_band_lambda_um(band)));
   }
   out.bands = BandChoice(wanted);
   std::vector<std::uint32_t> place(kAirBandCount);
@@ -80,9 +80,9 @@ double highest_m(const Environment::Line& line, double reference_m) {
 
 }  // namespace
 
-absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
-                                 double height_m, const Environment::Line& line,
-                                 const BandChoice& bands) {
+absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec, const Atmosphere& atmosphere,
+                                     double height_m, const Environment::Line& line,
+                                     const BandChoice& bands) {
   const double reference_m = spec.above_surface_m;
   if (!(line.range_m >= 0 && std::isfinite(line.range_m) && line.elevation_deg >= -90 &&
         line.elevation_deg <= 90)) {
@@ -95,7 +95,7 @@ absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmo
   const double rise_m = d * std::sin(line.elevation_deg * kRadPerDeg);
   // r' - r without the loss of digits
   const double r_sensor = std::sqrt(r * r + d * d + 2 * r * rise_m);
-  LegPath out;
+  SensorRay out;
   out.sensor_height_m = height_m + (d * d + 2 * r * rise_m) / (r_sensor + r);
   if (out.sensor_height_m < bottom_m) {
     return absl::InvalidArgumentError(
@@ -139,8 +139,8 @@ absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmo
   return out;
 }
 
-LegPath end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-                 const LegPath& line, const Environment::Line::End& end) {
+SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
+                   const SensorRay& line, const Environment::Line::End& end) {
   const AirProfile& profile = atmosphere.profile();
   const double lowest_m = std::max(end.height_m, profile.level.front().height_m);
   constexpr int kSteps = 8;
@@ -154,8 +154,8 @@ LegPath end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double h
   return {line.path, line.sensor_height_m, 0, nullptr};
 }
 
-Leg::Leg(const LegPath& path, const Atmosphere& atmosphere, double height_m,
-         const NodeWavelengths& wavelengths)
+SensorPath::SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
+                       const NodeWavelengths& wavelengths)
     : layers(atmosphere, path.path, wavelengths.bands),
       transmittance(layers.transmittance),
       imported(path.imported != nullptr),
@@ -176,10 +176,10 @@ Leg::Leg(const LegPath& path, const Atmosphere& atmosphere, double height_m,
   }
 }
 
-AirSpectrum Leg::radiance(const AirSpectrum* surroundings) const {
+AirSpectrum SensorPath::radiance(const AirSpectrum* surroundings) const {
   AirSpectrum out = layers.thermal_w_m2_sr_um;
   for (std::size_t b = 0; surroundings && b < kAirBandCount; ++b) {
-    out[b] += layers.surroundings_share[b] * (*surroundings)[b];
+    out[b] += layers.surroundings_fraction[b] * (*surroundings)[b];
   }
   for (std::size_t b = 0; imported && b < kAirBandCount; ++b) {
     if (!chosen(wavelengths_->bands, b)) continue;
@@ -194,13 +194,13 @@ AirSpectrum Leg::radiance(const AirSpectrum* surroundings) const {
   return out;
 }
 
-std::vector<double> Leg::per_wavelength(const AirSpectrum& of_band) const {
+std::vector<double> SensorPath::per_wavelength(const AirSpectrum& of_band) const {
   std::vector<double> out;
   for (const std::size_t band : wavelengths_->band) out.push_back(of_band[band]);
   return out;
 }
 
-std::vector<double> Leg::spread_thermal(const AirSpectrum& thermal) const {
+std::vector<double> SensorPath::spread_thermal(const AirSpectrum& thermal) const {
   std::vector<double> out(wavelengths_->um.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i] = thermal[wavelengths_->band[i]] * thermal_shape_[i];
@@ -208,12 +208,13 @@ std::vector<double> Leg::spread_thermal(const AirSpectrum& thermal) const {
   return out;
 }
 
-LightAround::Shapes Leg::shapes() const {
+IncidentRadiance::Shapes SensorPath::shapes() const {
   return {wavelengths_->used.size(), wavelengths_->used_band, thermal_shape_,
           wavelengths_->solar_shape};
 }
 
-std::vector<double> Leg::plus_solar(std::vector<double> thermal, const AirSpectrum& solar) const {
+std::vector<double> SensorPath::plus_solar(std::vector<double> thermal,
+                                           const AirSpectrum& solar) const {
   for (std::size_t i = 0; i < thermal.size(); ++i) {
     thermal[i] += solar[wavelengths_->band[i]] * wavelengths_->solar_shape[i];
   }

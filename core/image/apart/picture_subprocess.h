@@ -43,15 +43,14 @@ struct PictureAnswer {
 // Asks the program. Each image that ends it, or meets a limit of the process, is the damage of its
 // own answer; the others are answered. INTERNAL: the program could not be run. May be called from
 // several threads at once.
-[[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> read_pictures_apart(
+[[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> read_pictures_subprocess(
     const std::string& program, std::span<const PictureTask> tasks);
 
 // Both sides of the exchange, for the program and for tests. DATA_LOSS: the bytes are not what the
 // other function wrote.
 [[nodiscard]] std::string encode_tasks(std::span<const PictureTask> tasks);
 [[nodiscard]] absl::StatusOr<std::vector<PictureTask>> decode_tasks(std::string_view bytes);
-[[nodiscard]] std::string encode_answers(
-    const absl::StatusOr<std::vector<PictureAnswer>>& answers);
+[[nodiscard]] std::string encode_answers(const absl::StatusOr<std::vector<PictureAnswer>>& answers);
 // INVALID_ARGUMENT: what encode_answers was given instead of answers.
 [[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> decode_answers(std::string_view bytes);
 

@@ -1,7 +1,7 @@
 // glTF and GLB are read in a process of their own: a small file may ask for gigabytes.
 #include "absl/strings/match.h"
-#include "core/scene/import_apart.h"
 #include "core/scene/import_formats.h"
+#include "core/scene/import_subprocess.h"
 #include "fmt/format.h"
 
 namespace irsig {
@@ -11,7 +11,7 @@ absl::StatusOr<FileMesh> read_gltf_apart(std::string_view bytes, const std::stri
   if (!bytes.starts_with("glTF") && (first == bytes.npos || bytes[first] != '{'))
     return absl::InvalidArgumentError(fmt::format(
         "{}: this is no glTF: it begins neither with \"glTF\" nor with \"{{\"", file_name));
-  absl::StatusOr<FileMesh> mesh = import_apart(importer_program(), bytes, file_name);
+  absl::StatusOr<FileMesh> mesh = import_subprocess(importer_program(), bytes, file_name);
   // What the process found names the file; what ended the process does not.
   if (mesh.ok() || absl::StartsWith(mesh.status().message(), file_name + ":")) return mesh;
   return absl::Status(mesh.status().code(),

@@ -1,6 +1,7 @@
-#include "core/plume/vdb_apart.h"
+#include "core/plume/vdb_subprocess.h"
 
-#include "core/base/run_apart.h"
+#include "core/base/run_subprocess.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
@@ -9,7 +10,8 @@ constexpr std::string_view kFile = "irsig vdb 1\n";
 
 absl::StatusOr<std::string> run(std::vector<std::string> arguments, std::string_view bytes) {
   arguments.insert(arguments.begin() + 1, std::to_string(bytes.size()));
-  return run_apart(program_beside("irsig-volume"), arguments, bytes, apart_limits(bytes.size()));
+  return run_subprocess(program_beside("irsig-volume"), arguments, bytes,
+                        apart_limits(bytes.size()));
 }
 
 }  // namespace
@@ -18,9 +20,8 @@ absl::StatusOr<VoxelVolume> read_vdb_apart(std::string_view file,
                                            const std::vector<std::string>& grids) {
   std::vector<std::string> arguments{"read"};
   arguments.insert(arguments.end(), grids.begin(), grids.end());
-  const absl::StatusOr<std::string> reply = run(arguments, file);
-  if (!reply.ok()) return reply.status();
-  absl::StatusOr<VoxelVolume> volume = decode_volume(*reply);
+  ASSIGN_OR_RETURN(const std::string reply, run(arguments, file));
+  absl::StatusOr<VoxelVolume> volume = decode_volume(reply);
   if (absl::IsDataLoss(volume.status())) return absl::InternalError("the importer said nothing");
   // Whatever the library did to that process: these are the channels that were asked for.
   if (volume.ok() && volume->channel != grids)
@@ -34,10 +35,9 @@ std::string encode_vdb(const absl::StatusOr<std::string>& file) {
 
 absl::StatusOr<std::string> write_vdb_apart(const VoxelVolume& volume) {
   const std::string bytes = encode_volume(volume);
-  absl::StatusOr<std::string> reply = run({"write"}, bytes);
-  if (!reply.ok()) return reply.status();
-  if (!reply->starts_with(kFile)) return absl::InternalError("cannot write VDB: " + *reply);
-  return reply->substr(kFile.size());
+  ASSIGN_OR_RETURN(std::string reply, run({"write"}, bytes));
+  if (!reply.starts_with(kFile)) return absl::InternalError("cannot write VDB: " + reply);
+  return reply.substr(kFile.size());
 }
 
 }  // namespace irsig

@@ -6,7 +6,7 @@ namespace irsig {
 
 // A value that whoever asks for it first makes, from any thread. Private to core/environment.
 template <typename T>
-class MadeOnce {
+class Lazy {
  public:
   template <typename Make>
   const T& get(const Make& make) const {

@@ -10,8 +10,8 @@
 namespace irsig {
 
 // OpenVDB runs in irsig-volume, a process of its own: damaged files crash it, and nobody else has
-// to load it (docs/decisions/0021, core/base/run_apart.h). May be called from several threads at
-// once.
+// to load it (docs/decisions/0021, core/base/run_subprocess.h). May be called from several threads
+// at once.
 
 // Those grids of a VDB file. INVALID_ARGUMENT: what is wrong with the file (volume/vdb_volume.h, or
 // that the process crashed or met a limit). INTERNAL: the process could not be run.

@@ -1,8 +1,8 @@
 // Rationale: light from around the target is never written down by wavelength; integrals, sums over
 // directions and the bound of other places of the target are made in the air's bands. Expected:
 // what the written-down spectra give, to rounding; of the bound at least that, and the same where
-// there is no sun. Source: the spectra of LightAround, summed here one by one; that these are the
-// sky's is environment_nodes_test.cpp's to show.
+// there is no sun. Source: the spectra of IncidentRadiance, summed here one by one; that these are
+// the sky's is environment_nodes_test.cpp's to show.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ ConditionEnvironment around_sunny(double zenith_deg, std::uint32_t weather) {
   return {weather, true, {std::sin(z) * 0.6, std::sin(z) * 0.8, -std::cos(z)}, 1};
 }
 
-WeatherSpec around_weather(AerosolKind aerosol, double visibility_m, LowerSpec lower) {
+WeatherSpec around_weather(AerosolKind aerosol, double visibility_m, SurfaceBoundary lower) {
   AtmosphereSpec spec{afgl_profile(AfglProfile::kMidlatitudeSummer), {}};
   spec.aerosol.kind = aerosol;
   spec.aerosol.visibility_m = visibility_m;
@@ -41,9 +41,10 @@ struct Scenes {
   std::vector<ViewEnvironment> seen;
   Scenes() {
     const std::vector<WeatherSpec> weathers = {
-        around_weather(AerosolKind::kMaritime, 23e3, {LowerSpec::Kind::kRoughSea, 293, 1, 6}),
-        around_weather(AerosolKind::kRadiationFog, 300, {LowerSpec::Kind::kGreySea, 290, 0.9, 0}),
-        around_weather(AerosolKind::kNone, 0, {LowerSpec::Kind::kGround, 300, 0.8, 0})};
+        around_weather(AerosolKind::kMaritime, 23e3, {SurfaceBoundary::Kind::kRoughSea, 293, 1, 6}),
+        around_weather(AerosolKind::kRadiationFog, 300,
+                       {SurfaceBoundary::Kind::kGreySea, 290, 0.9, 0}),
+        around_weather(AerosolKind::kNone, 0, {SurfaceBoundary::Kind::kGround, 300, 0.8, 0})};
     std::vector<ConditionEnvironment> conditions;
     for (const std::uint32_t w : {0u, 1u, 2u}) {
       ConditionEnvironment night;
@@ -51,7 +52,7 @@ struct Scenes {
       conditions.insert(conditions.end(), {around_sunny(30, w), around_sunny(89.9, w), night});
     }
     environment = *Environment::make(weathers, conditions, 10, around_wavelengths());
-    Environment::Line line{4000, 8, body_from_aspect(30, 8), BehindNodes({0.1f, 0.2f})};
+    Environment::Line line{4000, 8, body_from_aspect(30, 8), BackgroundDirections({0.1f, 0.2f})};
     line.end = {{3960, 40}, {4040, 2}};
     std::vector<std::uint32_t> all;
     for (std::uint32_t c = 0; c < conditions.size(); ++c) all.push_back(c);
@@ -73,11 +74,11 @@ struct Random {
   }
 };
 
-TEST(LightAround, IntegralsAreThoseOfTheSpectra) {
+TEST(IncidentRadiance, IntegralsAreThoseOfTheSpectra) {
   Random random;
   const std::size_t first = 5, columns = 3;
   for (std::size_t c = 0; c < scenes().seen.size(); ++c) {
-    const LightAround& around = scenes().seen[c].around;
+    const IncidentRadiance& around = scenes().seen[c].around;
     const std::vector<double> weight = random.list(120), function = random.list(120 * columns);
     for (const bool plain : {true, false}) {
       const auto in =
@@ -100,16 +101,16 @@ TEST(LightAround, IntegralsAreThoseOfTheSpectra) {
   }
 }
 
-TEST(LightAround, BinsAreThoseOfTheSpectra) {
+TEST(IncidentRadiance, BinsAreThoseOfTheSpectra) {
   Random random;
   const std::size_t first = 5;
   const std::vector<std::size_t> bin_first = {0, 1, 40, 41, 119, 120};
   for (std::size_t c = 0; c < scenes().seen.size(); ++c)
     for (const bool sky : {true, false}) {  // the other side dark
-      const LightAround around =
+      const IncidentRadiance around =
           sky ? scenes().seen[c].around : scenes().seen[c].around.only(false, true);
       const std::vector<double> weight = random.list(120);
-      const LightAround::Binned binned = around.binned(first, weight, bin_first);
+      const IncidentRadiance::Binned binned = around.binned(first, weight, bin_first);
       const auto expect = [&](const Spectra& spectra, const std::vector<double>& is) {
         const std::size_t bins = bin_first.size() - 1;
         ASSERT_EQ(is.size(), spectra.size() * bins);
@@ -126,15 +127,15 @@ TEST(LightAround, BinsAreThoseOfTheSpectra) {
     }
 }
 
-TEST(LightAround, SumsOverDirectionsAreThoseOfTheSpectra) {
+TEST(IncidentRadiance, SumsOverDirectionsAreThoseOfTheSpectra) {
   Random random;
   const std::size_t first = 3, stride = 2;
   for (std::size_t c = 0; c < scenes().seen.size(); ++c) {
-    const LightAround& around = scenes().seen[c].around;
+    const IncidentRadiance& around = scenes().seen[c].around;
     const Spectra here = radiance_of(around), seen = apparent_of(around);
     const std::uint32_t sky = scenes().environment->nodes().sky();
     std::vector<std::vector<double>> weights;
-    std::vector<LightAround::Weights> lists;
+    std::vector<IncidentRadiance::Weights> lists;
     for (int list = 0; list < 3; ++list) weights.push_back(random.list(around.count() * stride));
     for (std::size_t k = 0; k < weights[1].size(); k += 3) weights[1][k] = 0;  // none met
     weights.emplace_back(around.count() * stride, 0.0);  // one direction alone on each side
@@ -161,7 +162,7 @@ TEST(LightAround, SumsOverDirectionsAreThoseOfTheSpectra) {
 }
 
 // The air of other places of the target, as spectra have it, and as the bands bound it.
-TEST(LightAround, ChangesOfTheAirAreBoundedAndExactAtNight) {
+TEST(IncidentRadiance, ChangesOfTheAirAreBoundedAndExactAtNight) {
   Random random;
   const std::size_t first = 4, n = 210;
   for (std::size_t c = 0; c < scenes().seen.size(); ++c) {
@@ -198,24 +199,24 @@ TEST(LightAround, ChangesOfTheAirAreBoundedAndExactAtNight) {
   }
 }
 
-TEST(LightAround, SidesThatAreNotWantedAreDark) {
+TEST(IncidentRadiance, SidesThatAreNotWantedAreDark) {
   const ViewEnvironment& e = scenes().seen[0];
   const std::uint32_t sky = scenes().environment->nodes().sky();
   const std::vector<double> weight(50, 1.0), of_node(e.around.count(), 1.0);
-  const LightAround lower = e.around.only(false, true);
+  const IncidentRadiance lower = e.around.only(false, true);
   const auto in = lower.integrals(0, weight, nullptr, 1);
   for (std::uint32_t k = 0; k < lower.count(); ++k) {
     EXPECT_EQ(in.source[k] > 0 && in.apparent[k] > 0 && in.interpolation[k] > 0, k >= sky) << k;
     EXPECT_EQ(lower.radiance(k)[3] > 0, k >= sky);
   }
-  const std::vector<LightAround::Weights> ones{{of_node.data(), 1}};
+  const std::vector<IncidentRadiance::Weights> ones{{of_node.data(), 1}};
   const auto of_sky = lower.sums(true, ones, 0, 50), of_lower = lower.sums(false, ones, 0, 50);
   for (std::size_t i = 0; i < 50; ++i) {
     EXPECT_EQ(of_sky[0].radiance[i], 0);
     EXPECT_GT(of_lower[0].radiance[i], 0);
   }
   // Where nothing shines the path's own light is what changes.
-  const LightAround none = e.around.only(false, false);
+  const IncidentRadiance none = e.around.only(false, false);
   double largest = 0;
   for (std::size_t i = 0; i < 50; ++i) {
     double most = 0;
@@ -228,11 +229,11 @@ TEST(LightAround, SidesThatAreNotWantedAreDark) {
   EXPECT_GE(bound, largest * (1 - 1e-9));
   EXPECT_LE(bound, 1.5 * largest);
   // To the last bit of it: thermal light and the sun's each by its largest change in a band.
-  const LightAround::Shapes& shapes = none.shapes();
+  const IncidentRadiance::Shapes& shapes = none.shapes();
   double expected = 0;
   for (std::size_t i = 0; i < 50; ++i) {
     double thermal = 0, solar = 0;
-    for (const LightAround::AirChange& change : e.end_change) {
+    for (const IncidentRadiance::AirChange& change : e.end_change) {
       thermal = std::max(thermal, std::abs(change.path_thermal[shapes.band[i]]));
       solar = std::max(solar, std::abs(change.path_solar[shapes.band[i]]));
     }
@@ -247,10 +248,11 @@ TEST(LightAround, SidesThatAreNotWantedAreDark) {
 }
 
 // What is kept of a condition's sunlight is not a view's: it is the same object under any line.
-TEST(LightAround, BitsDoNotDependOnWhichViewAsksFirst) {
+TEST(IncidentRadiance, BitsDoNotDependOnWhichViewAsksFirst) {
   const Scenes fresh;
   for (const std::uint32_t c : {1u, 0u, 6u}) {
-    const Environment::Line other{900, 40, body_from_aspect(200, 40), BehindNodes({0.5f, 0.8f})};
+    const Environment::Line other{900, 40, body_from_aspect(200, 40),
+                                  BackgroundDirections({0.5f, 0.8f})};
     const auto again = *fresh.environment->view(other, std::vector<std::uint32_t>{c});
     EXPECT_EQ(radiance_of(again[0].around), radiance_of(scenes().seen[c].around)) << c;
     EXPECT_NE(apparent_of(again[0].around), apparent_of(scenes().seen[c].around)) << c;

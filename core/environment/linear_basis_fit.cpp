@@ -1,4 +1,4 @@
-#include "core/environment/hat_fit.h"
+#include "core/environment/linear_basis_fit.h"
 
 #include <algorithm>
 #include <cmath>
