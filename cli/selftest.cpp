@@ -1,4 +1,4 @@
-#include "core/stability/selftest.h"
+#include "verify/cases/selftest.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -15,7 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
-#include "planning/honesty_search.h"
+#include "verify/search/honesty_search.h"
 
 namespace irsig {
 namespace {

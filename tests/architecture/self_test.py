@@ -108,6 +108,17 @@ class Layers(TreeTest):
                 self.assertEqual(len(findings), 1)
                 self.assertIn(f"core/base/base.h:1: {header} may be included in ", findings[0])
 
+    def test_judges_are_for_the_self_test_alone(self):
+        layers = (LAYERS.replace("irsig | worker | cli/main.cpp", "irsig | worker verify_cases | cli/main.cpp cli/selftest.cpp")
+                  + "verify_cases | core_scene | verify/cases/case.h verify/cases/case.cpp\n")
+        good = {"verify/cases/case.h": "", "verify/cases/case.cpp": '#include "verify/cases/case.h"\n',
+                "cli/selftest.cpp": '#include "verify/cases/case.h"\n', "tests/unit/base_test.cpp": '#include "verify/cases/case.h"\n'}
+        self.assertEqual(self.layers(good, layers), [])
+        self.expect("cli/main.cpp:1: verify/cases/case.h may be included in verify/, cli/selftest.cpp, tests/ only",
+                    {**good, "cli/main.cpp": '#include "verify/cases/case.h"\n'}, layers)
+        self.expect("worker: may not depend on verify_cases: verify/ is for verify/, cli/selftest.cpp, tests/ only", good,
+                    layers.replace("core_scene schema_service", "core_scene schema_service verify_cases"))
+
     def test_one_name_for_two_types(self):
         first = {"core/base/base.h": "namespace irsig {\nstruct Row {\n"}
         for text in ("class Row {\n", "enum class Row { kA };\n", "struct Row final : Base {\n", "struct Row : std::any {\n"):

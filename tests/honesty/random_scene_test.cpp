@@ -1,4 +1,4 @@
-#include "planning/random_scene.h"
+#include "verify/search/random_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "bridge/job_runner.h"
 #include "jobs/sweep_file.h"
-#include "planning/honesty_search.h"
+#include "verify/search/honesty_search.h"
 
 namespace irsig {
 namespace {

@@ -18,7 +18,7 @@
 #include <random>
 
 #include "core/scene/target.h"
-#include "core/scene/watertight_check.h"
+#include "verify/watertight/watertight_check.h"
 
 namespace irsig {
 namespace {

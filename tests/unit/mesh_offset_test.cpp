@@ -6,9 +6,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/scene/hit_judge.h"
-#include "core/scene/watertight_check.h"
 #include "tests/unit/float32_files.h"
+#include "verify/watertight/hit_judge.h"
+#include "verify/watertight/watertight_check.h"
 
 namespace irsig {
 namespace {
