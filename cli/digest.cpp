@@ -3,7 +3,7 @@
 
 #include "cli/commands.h"
 #include "schema/store/store.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 

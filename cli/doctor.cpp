@@ -7,8 +7,8 @@
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
 #include "schema/store/examine.h"
-#include "view/print.h"
-#include "view/table.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

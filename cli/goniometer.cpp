@@ -30,10 +30,10 @@
 #include "jobs/expand.h"
 #include "jobs/goniometer_file.h"
 #include "jobs/material_files.h"
-#include "view/atomic_file.h"
-#include "view/plot_curves.h"
-#include "view/plot_hemisphere.h"
-#include "view/print.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
+#include "view/plot/plot_curves.h"
+#include "view/plot/plot_hemisphere.h"
 
 namespace irsig {
 namespace {

@@ -13,8 +13,8 @@
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/sweep_template.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

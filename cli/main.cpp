@@ -11,7 +11,7 @@
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
 #include "jobs/nearest_name.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "planning/interruption.h"
-#include "view/print.h"
-#include "view/progress.h"
+#include "view/base/print.h"
+#include "view/base/progress.h"
 
 namespace irsig {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/base/status_macros.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

@@ -16,9 +16,9 @@
 #include "core/scene/model_file.h"
 #include "fmt/format.h"
 #include "planning/model_frame.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
-#include "view/table.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

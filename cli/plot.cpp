@@ -1,4 +1,4 @@
-#include "view/plot.h"
+#include "view/plot/plot.h"
 
 #include <algorithm>
 #include <memory>
@@ -13,8 +13,8 @@
 #include "cli/target_extent.h"
 #include "core/base/status_macros.h"
 #include "planning/temperature_picture.h"
-#include "view/hours.h"
-#include "view/plot_picture.h"
+#include "view/pictures/plot_picture.h"
+#include "view/report/hours.h"
 
 namespace irsig {
 namespace {

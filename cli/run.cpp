@@ -21,10 +21,10 @@
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
 #include "schema/shard.h"
-#include "view/outcome.h"
-#include "view/print.h"
-#include "view/profile.h"
-#include "view/progress.h"
+#include "view/base/print.h"
+#include "view/base/progress.h"
+#include "view/report/outcome.h"
+#include "view/report/profile.h"
 
 namespace irsig {
 namespace {

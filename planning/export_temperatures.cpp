@@ -9,7 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "planning/sweep_facets.h"
-#include "view/table.h"
+#include "view/base/table.h"
 
 namespace irsig {
 

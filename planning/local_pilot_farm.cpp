@@ -11,8 +11,8 @@
 #include "core/base/status_macros.h"
 #include "planning/interruption.h"
 #include "planning/pilot_farm.h"
-#include "view/heat_effects.h"
-#include "view/progress.h"
+#include "view/base/progress.h"
+#include "view/report/heat_effects.h"
 
 namespace irsig {
 namespace {

@@ -15,7 +15,7 @@
 #include "planning/time_budget.h"
 #include "schema/shard.h"
 #include "schema/store/store.h"
-#include "view/measured_row.h"
+#include "view/rows/measured_row.h"
 
 namespace irsig {
 namespace {

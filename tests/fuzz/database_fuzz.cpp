@@ -20,7 +20,7 @@
 #include "tests/fuzz/mutator.h"
 #include "tests/fuzz/turns.h"
 #include "tests/unit/test_folder.h"
-#include "view/export.h"
+#include "view/export/export.h"
 
 namespace irsig {
 namespace {

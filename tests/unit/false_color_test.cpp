@@ -3,7 +3,7 @@
 // bar -> value, within half of one of 255 levels; checksums as the specifications have them.
 // Source: ISO/IEC 15948 (PNG), RFC 1950; their checksums of known texts.
 #include "schema/store/check_picture.h"
-#include "view/false_color.h"
+#include "view/draw/false_color.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@
 #include "absl/strings/escaping.h"
 #include "core/spectral/planck.h"
 #include "fake_store_reader.h"
-#include "view/plot_picture.h"
-#include "view/png.h"
-#include "view/svg.h"
+#include "view/draw/png.h"
+#include "view/draw/svg.h"
+#include "view/pictures/plot_picture.h"
 
 namespace irsig {
 namespace {

@@ -1,5 +1,5 @@
 // The question a user asks and the table it is answered with.
-#include "view/query.h"
+#include "view/query/query.h"
 
 #include <gmock/gmock.h>
 
@@ -10,9 +10,9 @@
 
 #include "core/image/image.h"
 #include "fake_store_reader.h"
-#include "view/quantity.h"
-#include "view/query_table.h"
-#include "view/thumbnail.h"
+#include "view/base/quantity.h"
+#include "view/pictures/thumbnail.h"
+#include "view/query/query_table.h"
 
 namespace irsig {
 namespace {
