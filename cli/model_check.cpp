@@ -5,7 +5,6 @@
 #include <string>
 
 #include "absl/strings/match.h"
-#include "bridge/model_warnings.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
@@ -16,6 +15,7 @@
 #include "core/scene/model_file.h"
 #include "fmt/format.h"
 #include "planning/model_frame.h"
+#include "runner/model_warnings.h"
 #include "view/base/atomic_file.h"
 #include "view/base/print.h"
 #include "view/base/table.h"

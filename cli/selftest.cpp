@@ -13,8 +13,8 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/job_runner.h"
 #include "cli/commands.h"
+#include "runner/job_runner.h"
 #include "verify/search/honesty_search.h"
 
 namespace irsig {

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "bridge/spec_to_request.h"
 #include "core/base/status_macros.h"
 #include "core/scene/target.h"
+#include "runner/spec_to_request.h"
 #include "view/moved/range_change.h"
 #include "view/moved/silhouette.h"
 

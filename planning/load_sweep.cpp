@@ -7,8 +7,6 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "bridge/heat_outputs.h"
-#include "bridge/sweep_temperatures.h"
 #include "core/base/printable.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
@@ -20,6 +18,8 @@
 #include "jobs/shard.h"
 #include "jobs/temperature_files.h"
 #include "jobs/weather_files.h"
+#include "runner/heat_outputs.h"
+#include "runner/sweep_temperatures.h"
 
 namespace irsig {
 namespace {

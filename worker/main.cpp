@@ -8,7 +8,6 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
 #include "coordinator/client/farm_log.h"
 #include "coordinator/client/machine_memory.h"
@@ -17,6 +16,7 @@
 #include "core/base/standard_output.h"
 #include "core/image/image.h"
 #include "core/scene/tracer.h"
+#include "runner/job_runner.h"
 #include "worker/lease_loop.h"
 
 namespace {

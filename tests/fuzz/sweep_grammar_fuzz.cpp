@@ -21,7 +21,6 @@
 #include <map>
 #include <optional>
 
-#include "bridge/job_runner.h"
 #include "core/base/problems.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/vdb_subprocess.h"
@@ -30,6 +29,7 @@
 #include "jobs/resolve_plume.h"
 #include "jobs/temperature_files.h"
 #include "planning/load_sweep.h"
+#include "runner/job_runner.h"
 #include "tests/fuzz/mutator.h"
 #include "tests/fuzz/readers.h"
 #include "tests/fuzz/sweep_grammar.h"

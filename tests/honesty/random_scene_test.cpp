@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "bridge/job_runner.h"
 #include "jobs/sweep_file.h"
+#include "runner/job_runner.h"
 #include "verify/search/honesty_search.h"
 
 namespace irsig {

@@ -14,15 +14,15 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "bridge/heat_outputs.h"
-#include "bridge/job_runner.h"
-#include "bridge/spec_to_request.h"
 #include "core/accuracy/replicates.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
 #include "core/scene/mesh.h"
 #include "jobs/expand.h"
 #include "jobs/sweep_file.h"
+#include "runner/heat_outputs.h"
+#include "runner/job_runner.h"
+#include "runner/spec_to_request.h"
 #include "verify/reference/reference_view.h"
 
 namespace irsig {

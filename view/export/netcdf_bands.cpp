@@ -4,9 +4,9 @@
 #include <limits>
 #include <optional>
 
-#include "bridge/environment/sweep_environment.h"
 #include "core/base/status_macros.h"
 #include "core/spectral/band.h"
+#include "messages/environment/sweep_environment.h"
 
 namespace irsig {
 namespace {

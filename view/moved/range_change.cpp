@@ -10,9 +10,6 @@
 #include <tuple>
 #include <utility>
 
-#include "bridge/environment/surroundings_from_message.h"
-#include "bridge/environment/sweep_environment.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/base/status_macros.h"
 #include "core/environment/air.h"
 #include "core/environment/line_horizon.h"
@@ -21,6 +18,9 @@
 #include "core/geo/viewpoint.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
+#include "messages/environment/surroundings_from_message.h"
+#include "messages/environment/sweep_environment.h"
+#include "messages/environment/weather_from_message.h"
 #include "view/base/on_all_cores.h"
 #include "view/moved/arriving_reflected.h"
 #include "view/moved/moved_row.h"

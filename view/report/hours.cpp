@@ -9,9 +9,9 @@
 #include <set>
 #include <tuple>
 
-#include "bridge/environment/inside_schedule.h"
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
+#include "messages/environment/inside_schedule.h"
 #include "view/base/table.h"
 #include "view/rows/signature_quantity.h"
 
