@@ -12,7 +12,7 @@
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
 #include "core/base/status_macros.h"
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 #include "planning/interruption.h"

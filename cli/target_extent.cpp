@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "runner/spec_to_request.h"
 #include "view/moved/range_change.h"
 #include "view/moved/silhouette.h"

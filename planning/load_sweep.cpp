@@ -11,7 +11,7 @@
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/model_file.h"
+#include "core/scene/import/model_file.h"
 #include "jobs/expand.h"
 #include "jobs/material_files.h"
 #include "jobs/resolve_plume.h"

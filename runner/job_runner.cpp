@@ -9,7 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/arithmetic_fingerprint.h"
 #include "core/base/status_macros.h"
-#include "core/scene/mesh_lint.h"
+#include "core/scene/check/mesh_lint.h"
 #include "core/signature/in_sight.h"
 #include "core/signature/simulator.h"
 #include "messages/environment/weather_from_message.h"

@@ -8,6 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
 #include "core/scene/cut_edges.h"
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/import/import_mesh.h"
 
 namespace irsig {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/scene/mesh_lint.h"
-#include "core/scene/target.h"
+#include "core/scene/check/mesh_lint.h"
+#include "core/scene/trace/target.h"
 #include "messages/environment/weather_from_message.h"
 
 namespace irsig {

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/fields/temperature_field.h"
 #include "core/scene/mesh.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/sources/emission.h"
 #include "schema/assets.h"
 

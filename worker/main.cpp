@@ -15,7 +15,7 @@
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
 #include "core/image/image.h"
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
 #include "runner/job_runner.h"
 #include "worker/lease_loop.h"
 

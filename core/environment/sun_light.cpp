@@ -77,7 +77,7 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
 
 }  // namespace
 
-SunLight::SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
                    const ThermalSurroundings& weather, const SurfaceBoundary& surface,
                    const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
                    const NodeWavelengths& wavelengths)

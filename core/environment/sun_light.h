@@ -18,7 +18,7 @@ namespace irsig {
 class SunLight {
  public:
   // All outlive it.
-  SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+  SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
            const ThermalSurroundings& weather, const SurfaceBoundary& surface,
            const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
            const NodeWavelengths& wavelengths);

@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "core/atmosphere/path_layers.h"
-#include "core/environment/environment.h"
 #include "core/environment/lazy.h"
+#include "core/environment/view_environment.h"
+#include "core/environment/weather_spec.h"
 
 namespace irsig {
 

@@ -18,7 +18,7 @@ namespace irsig {
 class ViewLight {
  public:
   // All outlive it.
-  ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const Environment::Line& line,
+  ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const SensorLine& line,
             const LineHorizon& horizon, const NodeWavelengths& wavelengths,
             const std::vector<SensorPath>& end);
   ViewLight(const ViewLight&) = delete;
@@ -64,7 +64,7 @@ class ViewLight {
 
   const SensorPath& leg_;
   const ThermalSurroundings& light_;
-  const Environment::Line& line_;
+  const SensorLine& line_;
   const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
   const std::vector<SensorPath>& end_;  // [Line::end]

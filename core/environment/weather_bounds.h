@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "core/atmosphere/absorber_amounts.h"
-#include "core/environment/environment.h"
+#include "core/environment/view_environment.h"
+#include "core/environment/weather_spec.h"
 
 namespace irsig {
 

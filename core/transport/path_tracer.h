@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/materials/material.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/sources/source_geometry.h"
 #include "core/sources/source_layout.h"
 #include "core/sources/source_weights.h"

@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/goniometer/goniometer.h"
-#include "core/scene/generate_particles.h"
+#include "core/scene/generate/generate_particles.h"
 #include "schema/goniometer.pb.h"
 
 namespace irsig {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/spectral/band.h"
 #include "schema/sweep.pb.h"
 

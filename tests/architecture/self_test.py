@@ -12,7 +12,7 @@ import check_unity
 import check_words
 
 LAYERS = """core_base |  | core/base/base.h core/base/base.cpp
-core_scene | core_base | core/scene/scene.h core/scene/tracer.cpp
+core_scene | core_base | core/scene/scene.h core/scene/trace/tracer.cpp
 schema_messages |  | schema/job.pb.h
 schema_service | schema_messages | schema/farm.grpc.pb.h
 worker | core_scene schema_service | worker/job.cpp
@@ -22,7 +22,7 @@ GOOD = {
     "core/base/base.h": "#pragma once\n",
     "core/base/base.cpp": '#include "core/base/base.h"\n#include <vector>\n#include "absl/status/status.h"\n',
     "core/scene/scene.h": "",
-    "core/scene/tracer.cpp": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
+    "core/scene/trace/tracer.cpp": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
     "worker/job.cpp": '#include "core/base/base.h"\n#include "schema/job.pb.h"\n#include "schema/farm.grpc.pb.h"\n',
     "cli/main.cpp": "#include <CLI/CLI.hpp>\n",
     "tests/unit/base_test.cpp": '#include "core/base/base.h"\n#include <sqlite3.h>\n',

@@ -12,6 +12,7 @@
 #include <limits>
 #include <random>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "tests/benchmark/paper_ray_facet.h"
 #include "verify/watertight/hit_judge.h"
 #include "verify/watertight/watertight_check.h"

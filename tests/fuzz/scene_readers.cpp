@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"

@@ -3,6 +3,7 @@
 // Expected: within Student's bound of 31 degrees of freedom for 30 values, of its own standard
 // error and 1e-6 (coordinates and quadratures). Source: Planck, Kirchhoff, Lambert; configuration
 // factor of a rectangle [howell2010, B-4].
+#include "core/scene/generate/generate_mesh.h"
 #include "verify/reference/reference_view.h"
 
 #include <gtest/gtest.h>

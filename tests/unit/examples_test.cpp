@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
 #include "jobs/detector_file.h"

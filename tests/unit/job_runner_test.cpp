@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/geo/sun.h"
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
 #include "jobs/expand.h"
 #include "runner/heat_outputs.h"
 #include "runner/spec_to_request.h"

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/arithmetic_fingerprint.h"
 #include "core/base/status_macros.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "verify/cases/bodies.h"
 #include "verify/cases/groups.h"
 #include "verify/cases/ray_shots.h"

@@ -7,6 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh_measure.h"
 #include "core/spectral/planck.h"
 #include "verify/cases/bodies.h"

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "core/thermal/heat_solver.h"
 #include "core/thermal/scene/scene_heat.h"
 #include "core/thermal/scene/thermal_faces.h"

@@ -18,6 +18,7 @@
 #include "core/plume/march.h"
 #include "core/plume/plume_field.h"
 #include "core/plume/vdb_subprocess.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "core/spectral/planck.h"
 #include "verify/cases/bodies.h"
 #include "verify/cases/groups.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/transport/ray_batch.h"
 
 namespace irsig {

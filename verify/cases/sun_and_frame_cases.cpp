@@ -8,6 +8,7 @@
 #include "core/geo/line_of_sight.h"
 #include "core/geo/sun.h"
 #include "core/geo/viewpoint.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "core/spectral/solar.h"
 #include "verify/cases/bodies.h"
 #include "verify/cases/groups.h"

@@ -7,6 +7,7 @@
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
 #include "core/environment/air.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "core/scene/mesh_measure.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"

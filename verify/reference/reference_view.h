@@ -22,7 +22,7 @@ namespace irsig {
 // (reference_brdf.h), reflections are not limited, the sun's disk and hot facets are aimed at and
 // drawn (balance heuristic [veach1995]). In-band integrals: grey scenes by 4000 midpoints a band
 // between the response's corners; others at wavelengths drawn for each path. Rays: exact arithmetic
-// (core/scene/reference_tracer.h). Sampler: Halton points, shifted at random for each batch, for
+// (core/scene/trace/reference_tracer.h). Sampler: Halton points, shifted at random for each batch, for
 // the first vertex; pseudo-random numbers after it. The air (vacuum or homogeneous) is that of each
 // point's own distance. The background of a primary ray is the sea where the ray meets the sphere
 // of the Earth.

@@ -8,7 +8,7 @@
 
 #include "core/base/sobol.h"
 #include "core/environment/air.h"
-#include "core/scene/reference_tracer.h"
+#include "core/scene/trace/reference_tracer.h"
 #include "verify/reference/reference_brdf.h"
 #include "verify/reference/reference_light.h"
 #include "verify/reference/reference_view.h"

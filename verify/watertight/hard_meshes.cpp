@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "verify/watertight/watertight_check.h"
 
 namespace irsig {

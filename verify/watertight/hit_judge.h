@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/scene/mesh.h"
-#include "core/scene/reference_tracer.h"
+#include "core/scene/trace/reference_tracer.h"
 
 namespace irsig {
 

@@ -7,6 +7,7 @@
 
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
+#include "core/scene/import/import_mesh.h"
 #include "fmt/format.h"
 #include "verify/watertight/hit_judge.h"
 

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/scene/mesh.h"
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
 
 namespace irsig {
 
