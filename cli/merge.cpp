@@ -8,7 +8,7 @@
 #include "cli/commands.h"
 #include "core/base/status_macros.h"
 #include "jobs/check_resolved.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/interruption.h"
 #include "runner/job_runner.h"
 #include "view/base/print.h"

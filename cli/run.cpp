@@ -14,7 +14,7 @@
 #include "core/base/status_macros.h"
 #include "core/scene/trace/tracer.h"
 #include "fmt/format.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/interruption.h"
 #include "planning/load_sweep.h"
 #include "planning/machine.h"

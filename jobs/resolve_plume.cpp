@@ -12,7 +12,7 @@
 #include "core/gas/gas_spectrum.h"
 #include "core/gas/gas_state.h"
 #include "core/plume/exhaust_gas.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/resolve.h"
 #include "messages/environment/gas_from_message.h"
 #include "messages/environment/weather_from_message.h"

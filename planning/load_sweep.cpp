@@ -12,7 +12,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/import/model_file.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/material_files.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/shard.h"

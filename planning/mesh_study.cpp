@@ -13,7 +13,7 @@
 #include "core/scene/import/model_file.h"
 #include "core/scene/mesh_measure.h"
 #include "core/scene/trace/target.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "runner/heat_outputs.h"
 #include "runner/job_runner.h"
 #include "runner/spec_to_request.h"

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/replicates.h"
 #include "core/base/status_macros.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
 #include "schema/shard.h"

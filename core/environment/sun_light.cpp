@@ -7,6 +7,7 @@
 #include "core/base/constants.h"
 #include "core/environment/interpolation_error.h"
 #include "core/environment/linear_basis_fit.h"
+#include "core/environment/sea_surface.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {

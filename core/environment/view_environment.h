@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/atmosphere/absorber_amounts.h"
+#include "core/environment/air.h"
 #include "core/environment/background_directions.h"
 #include "core/environment/incident_radiance.h"
 #include "core/geo/frames.h"

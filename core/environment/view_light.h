@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/effects/effect_set.h"
 #include "core/environment/line_horizon.h"
 #include "core/environment/ring_ratios.h"
 #include "core/environment/sensor_path.h"

@@ -119,6 +119,12 @@ class Layers(TreeTest):
         self.expect("worker: may not depend on verify_cases: verify/ is for verify/, cli/selftest.cpp, tests/ only", good,
                     layers.replace("core_scene schema_service", "core_scene schema_service verify_cases"))
 
+    def test_the_coordinator_reaches_no_physics(self):
+        layers = LAYERS.replace("irsig | worker", "coordinator | jobs | \njobs | core_base | \nirsig | worker")
+        self.assertEqual(self.layers({}, layers), [])
+        self.expect("coordinator: may not reach core_scene: of core only core_accuracy, core_base, core_effects", {},
+                    layers.replace("jobs | core_base", "jobs | core_scene"))
+
     def test_one_name_for_two_types(self):
         first = {"core/base/base.h": "namespace irsig {\nstruct Row {\n"}
         for text in ("class Row {\n", "enum class Row { kA };\n", "struct Row final : Base {\n", "struct Row : std::any {\n"):

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/image/image.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/load_sweep.h"
 #include "runner/job_runner.h"
 

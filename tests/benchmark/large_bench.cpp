@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "core/image/image.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/shard.h"
 #include "planning/load_sweep.h"
 #include "runner/job_runner.h"

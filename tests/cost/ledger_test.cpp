@@ -14,7 +14,7 @@
 #include <string>
 
 #include "core/base/work_counts.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/load_sweep.h"
 #include "runner/job_runner.h"
 #include "tests/cost/allocations.h"

@@ -12,7 +12,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "core/geo/sun.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/sweep_file.h"
 #include "planning/export_temperatures.h"
 #include "runner/heat_outputs.h"

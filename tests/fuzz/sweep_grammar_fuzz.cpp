@@ -25,7 +25,7 @@
 #include "core/plume/generate_plume.h"
 #include "core/plume/vdb_subprocess.h"
 #include "jobs/check_resolved.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/temperature_files.h"
 #include "planning/load_sweep.h"

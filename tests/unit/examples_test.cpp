@@ -11,7 +11,7 @@
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
 #include "jobs/detector_file.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

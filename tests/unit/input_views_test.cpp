@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "core/spectral/planck_quadrature.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "runner/heat_outputs.h"
 #include "runner/job_runner.h"
 #include "tests/unit/sweep_text.h"

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "core/geo/sun.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "messages/inputs/moved_sweep.h"
 #include "runner/heat_field.h"
 #include "runner/heat_weather.h"

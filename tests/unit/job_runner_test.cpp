@@ -7,7 +7,7 @@
 
 #include "core/geo/sun.h"
 #include "core/scene/trace/tracer.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "runner/heat_outputs.h"
 #include "runner/spec_to_request.h"
 #include "runner/sweep_temperatures.h"

@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/materials/optical/material_library.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/library_material.h"
 #include "jobs/material_files.h"
 #include "jobs/sweep_materials.h"

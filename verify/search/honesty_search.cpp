@@ -18,7 +18,7 @@
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
 #include "core/scene/mesh.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/sweep_file.h"
 #include "runner/heat_outputs.h"
 #include "runner/job_runner.h"

@@ -1,4 +1,4 @@
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 
 #include <algorithm>
 #include <cmath>
