@@ -54,8 +54,8 @@ struct SignatureResult {
   std::uint32_t condition = 0, band = 0;
   // The catalogue's quantities by their names (core/accuracy/quantities.h says what each is); the
   // causes below.
-#define IRSIG_VALUE_MEMBER(name, stderr_name, unit, since, what) Estimate name;
-#define IRSIG_NUMBER_MEMBER(name, kind, unit, since, what) double name = 0;
+#define IRSIG_VALUE_MEMBER(name, stderr_name, unit, what) Estimate name;
+#define IRSIG_NUMBER_MEMBER(name, kind, unit, what) double name = 0;
   IRSIG_SOURCE_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
   IRSIG_SENSOR_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
   IRSIG_BOUND_QUANTITIES(IRSIG_NUMBER_MEMBER)
