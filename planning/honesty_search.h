@@ -108,7 +108,8 @@ struct SearchSummary {
 // What a verdict says, in a line; what a search says: failures, values beyond 5, histogram, counts.
 [[nodiscard]] std::string verdict_line(const SceneVerdict& verdict, double bound);
 [[nodiscard]] std::string summary_text(const SearchSummary& summary);
-// A line of the file in which the counts of all searches come together (docs/stability-search.csv).
+// A line of the file in which the counts of all searches come together
+// (docs/evidence/stability-search.csv).
 [[nodiscard]] std::string record_header();
 [[nodiscard]] std::string record_line(const SearchSummary& summary, const SearchOptions& options);
 

@@ -10,7 +10,7 @@
 namespace irsig {
 
 // Random scenes for `irsig selftest --search`, each a function of its seed: within the grammar of
-// sweep files, and made of what error bars have broken on before (docs/stability.md).
+// sweep files, and made of what error bars have broken on before (docs/evidence/stability.md).
 
 // Which of its pieces a scene is mostly about.
 enum class SceneFamily {

@@ -12,7 +12,7 @@
 
 namespace irsig {
 
-// What a search for the best band looks at: rows of one band, weighted. (docs/bands.md)
+// What a search for the best band looks at: rows of one band, weighted. (docs/reference/bands.md)
 
 // What a sensor sees of one target, on the band's stored wavelengths, and what is known of its
 // errors.

@@ -16,7 +16,8 @@
 
 namespace irsig {
 
-// Which part of a stored band a detector sees a target best in, or which two. (docs/bands.md)
+// Which part of a stored band a detector sees a target best in, or which two.
+// (docs/reference/bands.md)
 
 // What a detector sees through: a window between two of the search's edges, or a filter.
 struct Passband {

@@ -55,7 +55,7 @@ struct SphereEstimate {
 // steps can meet all facets of a regular body alike, and their scatter is then 0.
 //
 // Accuracy: calibrated on closed forms of convex bodies, on rings, grids, Fibonacci and clustered
-// sets (tests/honesty/between_viewpoints_test.cpp; table in docs/stability.md).
+// sets (tests/honesty/between_viewpoints_test.cpp; table in docs/evidence/stability.md).
 // Limits: features narrower than the spacing that are not facets of a convex body (glints, gaps)
 // are seen neither by the value nor by its error.
 class SphereFit {

@@ -15,7 +15,7 @@ namespace irsig {
 // A view's job takes a + b n^p seconds of CPU time for n samples a replicate (p < 1: the more rays,
 // the nearer neighbours they are, and the faster each is traced); between counts that were tried it
 // is as measured. How many samples it takes for a relative error is decided as the job itself
-// decides it (core/signature/view_plan.cpp): by samples_needed from its own pilots of
+// decides it (core/signature/make_plan.cpp): by samples_needed from its own pilots of
 // kFirstPilotSamples and, where that one asks for more than kSecondPilotSamples, of so many, with a
 // third pilot where much more is asked for.
 

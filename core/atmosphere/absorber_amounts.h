@@ -71,8 +71,8 @@ struct AbsorberAmounts {
 
 // Band means of the transmittance, in [0, 1]; exactly 1 for no amounts.
 //
-// Accuracy, against MODTRAN: docs/validation.md, "Atmosphere". Numerics: relative 1e-13 of the sum
-// of exponentials for optical depths up to 700, 0 beyond.
+// Accuracy, against MODTRAN: docs/evidence/validation.md, "Atmosphere". Numerics: relative 1e-13 of
+// the sum of exponentials for optical depths up to 700, 0 beyond.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts);
 
 struct LineTerms;

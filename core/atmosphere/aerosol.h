@@ -57,7 +57,7 @@ struct AerosolOptics {
 //   relative_humidity_percent  of the air at that height
 //   surface_humidity_percent   at the surface, on which alone the Navy model depends
 //   bands                      0 in others
-// Accuracy: LOWTRAN7's tables as they are; against its runs docs/validation.md.
+// Accuracy: LOWTRAN7's tables as they are; against its runs docs/evidence/validation.md.
 [[nodiscard]] AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
                                            double relative_humidity_percent,
                                            double surface_humidity_percent,

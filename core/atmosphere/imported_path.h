@@ -15,8 +15,8 @@ namespace irsig {
 // tape7 and .7sc-style text (MODTRAN 4-5, LOWTRAN 7): IEMSCT 0 (transmittance alone), 1 (thermal
 // radiance), 2 (and scattered sunlight), 3 (direct solar irradiance); spectra against wavenumber or
 // wavelength; several runs one after the other in a file. Which columns and cards, and the CSV:
-// docs/methods/atmosphere.md, "Imported paths". A path to space has infinite range and target
-// height.
+// docs/explanation/methods/atmosphere.md, "Imported paths". A path to space has infinite range and
+// target height.
 struct ImportedPath {
   // What the file says about itself; a quantity that it does not state is NaN.
   double observer_height_m, target_height_m, range_m, zenith_deg;

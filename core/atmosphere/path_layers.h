@@ -57,7 +57,7 @@ class SunAmounts {
 inline constexpr double kThermosphereM = 90e3;
 
 // Tables of aerosol models describe a given day's particles, and what they scatter, to perhaps a
-// third (docs/validation.md, "Atmosphere").
+// third (docs/evidence/validation.md, "Atmosphere").
 inline constexpr double kAerosolRelativeError = 0.3;
 
 // One sigma of a path's optical depth by the gas table, in parts of the depth: of lines below and
@@ -74,9 +74,9 @@ inline constexpr double kDarkError = 1e-5;
 // Of what air emits, 0.03 K: rms of the bands of the same paths in which nothing passes.
 inline constexpr double kEmissionError = 0.0015;
 
-// One sigma of the model (docs/methods/atmosphere.md), not of the numerics, for all a path holds:
-// the depth's, in squares over its parts, as half of what the transmittance changes from one sigma
-// above to one below.
+// One sigma of the model (docs/explanation/methods/atmosphere.md), not of the numerics, for all a
+// path holds: the depth's, in squares over its parts, as half of what the transmittance changes
+// from one sigma above to one below.
 //   scattered     sunlight and surroundings in the path's radiance
 //   surroundings  their mean radiance, if it has a part in it: light that is scattered more than
 //                 once lies between it and the air's own, so that the error is their difference

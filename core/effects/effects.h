@@ -54,7 +54,7 @@ struct EffectInfo {
   // Whether it can be left out: what can not costs nothing that leaving it out would save.
   bool switchable;
   // Of one processor, for each view and condition under the embedded atmosphere, without rays.  [s]
-  // As measured where docs/performance.md says, with 481 wavelengths: for estimates only.
+  // As measured where docs/evidence/performance.md says, with 481 wavelengths: for estimates only.
   double view_s = 0;
 };
 // A ray and what is done where it ends: likewise.                                             [s]

@@ -8,8 +8,8 @@
 namespace irsig {
 
 // The most that light can be, from the amounts of air straight up and down alone: no ring of the
-// sky is computed. docs/methods/atmosphere.md, "Bounds of light". Private to core/environment, as
-// all of this header.
+// sky is computed. docs/explanation/methods/atmosphere.md, "Bounds of light". Private to
+// core/environment, as all of this header.
 inline constexpr double kBoundsTopM = 10e3;
 
 void scale_amounts(AbsorberAmounts& amounts, double factor);

@@ -43,7 +43,7 @@ struct GasSpectrum {
 //   path  from the eye outwards; segments of length 0 count for nothing
 //
 // Errors: those of check_gas, with the segment's number (from 1); INVALID_ARGUMENT for bands that
-// do not exist. Accuracy and limits: docs/methods/gas.md.
+// do not exist. Accuracy and limits: docs/explanation/methods/gas.md.
 [[nodiscard]] absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasLayer> path,
                                                        GasBands bands = {});
 

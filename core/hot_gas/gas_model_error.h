@@ -6,7 +6,7 @@ namespace irsig {
 
 // One sigma of ln(-ln T) of the bands of hot gas, from where their sources disagree: the optical
 // depth at `wavenumber_cm1` of CO2, H2O and CO together, at `temperature_k`. Of soot nothing is
-// known that could be compared. Sources and figures: docs/methods/gas.md.
+// known that could be compared. Sources and figures: docs/explanation/methods/gas.md.
 [[nodiscard]] double hot_depth_error(double wavenumber_cm1, double temperature_k);
 
 // What a column absorbs in a band, and one sigma of it: of `absorptance` the gases' part of the

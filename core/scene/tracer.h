@@ -35,7 +35,7 @@ enum class TracerIsa { kAvx512, kAvx2, kSse42 };
 [[nodiscard]] std::string isa_name(TracerIsa isa);
 
 // What is done beyond Embree's own ROBUST traversal. On the frigate kEdges costs 1 to 3 % of a
-// view, kVertices 17 to 23 % (docs/performance.md).
+// view, kVertices 17 to 23 % (docs/evidence/performance.md).
 enum class TracerGuard {
   kNone = 0,      // Embree alone
   kEdges = 1,     // the facet that a ray meets close to an edge is the true one
@@ -64,7 +64,7 @@ struct VertexCounts {
 // whose hit lies close to an edge or on a needle (256 times longer than high: along its edges the
 // error of a float edge test grows as the inverse sine of the angle between ray and edge). Against
 // exact arithmetic an answer may differ by as much as the ray moved sideways by 2^-20 of the radius
-// does (docs/validation.md, lost and invented hits).
+// does (docs/evidence/validation.md, lost and invented hits).
 //
 // Surfaces closer to each other than distances are known (2^-22 of them): beyond 256 m a ray looks
 // again from shortly before what it has met, and so meets the nearer one.

@@ -11,7 +11,8 @@ namespace irsig {
 
 // Which facets get rays of their own: those that may look so much brighter than all others, and are
 // so small, that what is unseen then asks for fewer samples. Without them every sample must stand
-// for little enough that two of the brightest do not matter (docs/methods/transport.md):
+// for little enough that two of the brightest do not matter
+// (docs/explanation/methods/transport.md):
 //
 //   samples  ~  M q_1                           M: the target's mask [m2]; q: radiance that a facet
 //   samples  ~  M q_(k+1) + 1.5 A_k q_1         may show / error that is wanted [1/m2], in falling

@@ -50,7 +50,7 @@ struct GasRow {
 // reflected by the target before they meet it. Independent of those of the target's own light, so
 // that all add up with their errors. How many follows from how test gases scatter (core/hot_gas),
 // not from what is selected. What the target reflects of the gas is left out where it fits into the
-// room that the plan has for that. (docs/methods/plume.md)
+// room that the plan has for that. (docs/explanation/methods/plume.md)
 //   view      with the light of the selected conditions
 //   pictures  of the view; what the target reflects of the gas is not in them
 // INVALID_ARGUMENT: gas at the sensor; gas that its tables have not; air whose amounts are not

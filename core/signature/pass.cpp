@@ -300,7 +300,7 @@ double Pass::sky_error(std::size_t row, const SummedWeights& mean) const {
 // the apparent radiance, sum_s w_s R_s T + P with sum_s w_s = 1 but for the sun, changes by
 //   | sum_s w_s (R_s dT + dP) |  <=  sum_s w_s |R_s dT + dP|,
 // where dT and dP are linear between those of the target's ends, and the light of a source leaves
-// the target in mean at a known place between them. (docs/methods.md)
+// the target in mean at a known place between them. (docs/explanation/methods.md)
 double Pass::depth_error(std::size_t row, const SummedWeights& mean,
                          const SeenPlaces& places) const {
   const SourceLayout& layout = sources_.layout();

@@ -92,7 +92,7 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
   return out;
 }
 
-// What the scatter of samples cannot know, met or not. (docs/methods.md)
+// What the scatter of samples cannot know, met or not. (docs/explanation/methods.md)
 Pass::Unseen Pass::unseen(std::size_t row, std::uint64_t samples) const {
   if (!view_->aimed->bright.none()) {
     Unseen out, emitted;

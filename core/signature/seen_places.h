@@ -33,7 +33,7 @@ struct MeanPlace {
 
 // SeenPlaces measures where the seen light of a target leaves it, by a fixed set of primary rays
 // that depends on the view's geometry alone. Each ray counts by the emissivity or the reflectance
-// of the facet that it meets. [docs/methods.md, "One line of sight"]
+// of the facet that it meets. [docs/explanation/methods.md, "One line of sight"]
 //
 // Accuracy: a mean over n rays is widened by three standard errors of independent rays; the rays
 // are stratified and err by less. A mean over fewer than 16 rays is all of [0, 1].

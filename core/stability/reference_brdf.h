@@ -17,10 +17,10 @@ namespace irsig {
 //   L = B(T) + integral of f cos_i (L_in - B(T)) over the hemisphere
 //
 // which is Kirchhoff's law without a DHR. Equations and their sources:
-// core/materials/material_spec.h and docs/methods/materials-*.md; written here a second time. Two
-// models are numerical solutions and not formulas, the symmetric form of Sandford and Robertson and
-// tabulated BRDFs: they come from core/materials, evaluated in double, and only at grey properties
-// (UNIMPLEMENTED otherwise).
+// core/materials/material_spec.h and docs/explanation/methods/materials-*.md; written here a second
+// time. Two models are numerical solutions and not formulas, the symmetric form of Sandford and
+// Robertson and tabulated BRDFs: they come from core/materials, evaluated in double, and only at
+// grey properties (UNIMPLEMENTED otherwise).
 class ReferenceBrdf {
  public:
   // UNIMPLEMENTED: what the search does not generate (a scaled lobe of constants that vary with

@@ -14,7 +14,7 @@
 namespace irsig {
 
 // Temperatures of walls in changing weather: heat conducted through layers, radiation and
-// convection at the faces. Equations, errors and limits: docs/methods/thermal.md.
+// convection at the faces. Equations, errors and limits: docs/explanation/methods/thermal.md.
 //
 // Elements that share their layers, their kind of inner side and their knots are one request. Each
 // element's result depends on nothing else: not on its neighbours in the request, not on their

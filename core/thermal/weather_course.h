@@ -10,7 +10,7 @@
 namespace irsig {
 
 // The weather at the surface as it goes on, in SI. Times: seconds since 1970 UTC, without leap
-// seconds. Equations and sources: docs/methods/thermal.md, "Weather".
+// seconds. Equations and sources: docs/explanation/methods/thermal.md, "Weather".
 
 // What no weather goes beyond, whoever states it: the coldest and warmest air ever measured (184
 // and 330 K) and some more, the pressure of inhabited mountains and of the deepest highs, the

@@ -126,7 +126,7 @@ struct PathCounts {
 };
 
 // Reverse Monte Carlo from one viewpoint: traced once, shaded for any number of conditions.
-// (docs/methods.md)
+// (docs/explanation/methods.md)
 //
 //   I = sum over strata of  area / n * sum over rays of  (range / plane)^2 (1 + r^2 /
 //   plane^2)^(-3/2) L

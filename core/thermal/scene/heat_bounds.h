@@ -8,8 +8,9 @@
 namespace irsig {
 
 // By how much leaving out an effect, or taking it in, changes the temperature of a facet at most:
-// at any time, both of its faces. By the maximum principle (docs/methods/thermal.md, "What is left
-// out"). Infinite: no bound is known. 0 of facets without wall.                       [facet] [K]
+// at any time, both of its faces. By the maximum principle (docs/explanation/methods/thermal.md,
+// "What is left out"). Infinite: no bound is known. 0 of facets without wall.
+// [facet] [K]
 struct HeatBounds {
   std::vector<double> exchange_k, diffuse_sun_k;
 };

@@ -16,7 +16,7 @@ namespace irsig {
 
 // Temperatures of all faces of a target outdoors: walls (heat_solver.h) in the weather, sun with
 // shadows, and everything exchanging radiation with everything. Equations, errors and limits:
-// docs/methods/thermal.md.
+// docs/explanation/methods/thermal.md.
 
 // What a part is to heat. Reflection is diffuse.
 struct HeatPart {
