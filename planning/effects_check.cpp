@@ -61,9 +61,8 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
   ASSIGN_OR_RETURN(const auto scene, scene_from_sweep(sweep, loaded.assets, loaded.heat));
   ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   // One for each of the two runs: neither profits from what the other has made.
-  ASSIGN_OR_RETURN(const auto for_chosen, environment_from_sweep(sweep, simulator->band_grids()),
-                   for_all = environment_from_sweep(sweep, simulator->band_grids()));
-  if (!for_all.ok()) return for_all.status();
+  ASSIGN_OR_RETURN(const auto for_chosen, environment_from_sweep(sweep, simulator->band_grids()));
+  ASSIGN_OR_RETURN(const auto for_all, environment_from_sweep(sweep, simulator->band_grids()));
   ASSIGN_OR_RETURN(const auto plumes, plumes_from_sweep(sweep, loaded.assets));
   std::vector<CheckedView> views;
   for (const ChosenViewRows& chosen : rows) {
@@ -77,7 +76,7 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
     ASSIGN_OR_RETURN(
         auto view,
         check_effects(*simulator, std::move(request),
-                      {*for_all, views.empty(), asked.timed, asked.reference_paths}, cpu_s));
+                      {for_all, views.empty(), asked.timed, asked.reference_paths}, cpu_s));
     seen(view);
     views.push_back(std::move(view));
   }

@@ -270,7 +270,7 @@ class Planner {
         out.value_w_sr = std::abs(row.intensity_w_sr);
         // Samples mend what was not seen, and none of the other bounds.
         Measured lasting = source_of(row);
-        out.unseen_w_sr = numerical_error(0, lasting.unseen_stderr,
+        out.unseen_w_sr = numerical_error(0, lasting.undersampling_stderr,
                                           std::exchange(lasting.of(BoundOf::kUnseen), 0));
         out.bias_w_sr = lasting.bias_bound();
         out.floor_w_sr = row.absolute_floor_w_sr;

@@ -117,7 +117,7 @@ absl::StatusOr<Contrast> stored_contrast(StoreReader& reader, const QueryRow& ro
                    errors.modes(),
                    errors.rest(),
                    contrast.bias_bound(),
-                   contrast.unseen_stderr,
+                   contrast.undersampling_stderr,
                    std::hypot(known(row.signature.contrast_model_error_w_sr),
                               known(row.signature.contrast_input_uncertainty_w_sr))},
                   {behind.begin(), behind.end()}};

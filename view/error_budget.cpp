@@ -35,7 +35,7 @@ std::vector<ErrorPart> error_budget(const QueryRow& row, const QuantityColumns& 
   out.push_back({"standard error", "of the samples", false, m.stderr_, m.sampled_fraction()});
   out.push_back({"unseen, estimate",
                  "a standard error for the brightest that a sample could have met", false,
-                 m.unseen_stderr, m.unseen_fraction()});
+                 m.undersampling_stderr, m.unseen_fraction()});
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
     if (applies(which, quantity.quantity))

@@ -110,7 +110,7 @@ std::string title(const Explained& e) {
 std::string errors(const StoredSignature& row, IntensityOf intensity, double value, double stderr_,
                    double numerical_error) {
   std::string out = line("standard error", stderr_, value);
-  out += line("unseen, estimate", stored_unseen_stderr(row, intensity), value,
+  out += line("unseen, estimate", stored_undersampling_stderr(row, intensity), value,
               "a standard error for the brightest that a sample could have met");
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);

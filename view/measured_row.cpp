@@ -13,8 +13,8 @@ constexpr double kRounding = 1e-9;
 Measured measured(const S& row, IntensityOf intensity, double value, double stderr_,
                   double numerical_error) {
   Measured out{value, stderr_, {}, 0};
-  if (const double unseen = stored_unseen_stderr(row, intensity); !std::isnan(unseen))
-    out.unseen_stderr = unseen;
+  if (const double unseen = stored_undersampling_stderr(row, intensity); !std::isnan(unseen))
+    out.undersampling_stderr = unseen;
   std::optional<BoundOf> lacking;
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
@@ -73,7 +73,7 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
   return kNotComputed;
 }
 
-double stored_unseen_stderr(const S& row, IntensityOf intensity) {
+double stored_undersampling_stderr(const S& row, IntensityOf intensity) {
   switch (intensity) {
     case IntensityOf::kSource:
       return row.undersampling_stderr_w_sr;

@@ -14,6 +14,6 @@ namespace irsig {
 // The same bounds as they are stored: kNotComputed where the row's format did not keep one.
 enum class IntensityOf { kSource, kApparent, kContrast };
 [[nodiscard]] double stored_bound(const StoredSignature& row, IntensityOf intensity, BoundOf which);
-[[nodiscard]] double stored_unseen_stderr(const StoredSignature& row, IntensityOf intensity);
+[[nodiscard]] double stored_undersampling_stderr(const StoredSignature& row, IntensityOf intensity);
 
 }  // namespace irsig

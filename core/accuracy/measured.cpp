@@ -33,7 +33,7 @@ double Measured::bias_bound() const {
 }
 
 double Measured::numerical_error() const {
-  return irsig::numerical_error(stderr_, unseen_stderr, bias_bound());
+  return irsig::numerical_error(stderr_, undersampling_stderr, bias_bound());
 }
 
 double Measured::share(BoundOf which) const {
@@ -48,14 +48,14 @@ double Measured::sampled_fraction() const {
 
 double Measured::unseen_fraction() const {
   const double error = numerical_error();
-  return error > 0 ? unseen_stderr * unseen_stderr / (error * error) : 0;
+  return error > 0 ? undersampling_stderr * undersampling_stderr / (error * error) : 0;
 }
 
 Measured scaled(const Measured& measured, double factor) {
   Measured out = measured;
   out.value *= factor;
   out.stderr_ *= std::abs(factor);
-  out.unseen_stderr *= std::abs(factor);
+  out.undersampling_stderr *= std::abs(factor);
   for (double& b : out.bound) b *= std::abs(factor);
   return out;
 }
@@ -79,7 +79,7 @@ Measured weighted_sum(std::span<const double> weight, std::span<const Measured> 
     const Measured m = scaled(measured[i], weight[i]);
     out.value += m.value;
     variance += m.stderr_ * m.stderr_;
-    out.unseen_stderr += m.unseen_stderr;
+    out.undersampling_stderr += m.undersampling_stderr;
     for (std::size_t b = 0; b < kBounds; ++b) out.bound[b] += m.bound[b];
   }
   out.stderr_ = std::sqrt(variance);
@@ -88,7 +88,7 @@ Measured weighted_sum(std::span<const double> weight, std::span<const Measured> 
 
 Measured with_rest(Measured known, double numerical_error, BoundOf rest) {
   const double square = numerical_error * numerical_error - known.stderr_ * known.stderr_ -
-                        known.unseen_stderr * known.unseen_stderr;
+                        known.undersampling_stderr * known.undersampling_stderr;
   // Not std::max: an error that was not computed (NaN) stays so.
   const double bias = square < 0 ? 0.0 : std::sqrt(3 * square);
   known.of(rest) = 0;

@@ -40,14 +40,14 @@ struct Measured {
   std::array<double, kBounds> bound{};
   // What the samples' scatter cannot know: a standard error for the brightest that one sample could
   // have brought, whether or not any has. One sign in all bands of a view, as bounds may have.
-  double unseen_stderr = 0;
+  double undersampling_stderr = 0;
 
   [[nodiscard]] double& of(BoundOf which) { return bound[static_cast<std::size_t>(which)]; }
   [[nodiscard]] double of(BoundOf which) const { return bound[static_cast<std::size_t>(which)]; }
   // Their sum, in the order of BoundOf.
   [[nodiscard]] double bias_bound() const;
-  // sqrt(stderr^2 + unseen_stderr^2 + bias_bound^2 / 3): a bias known only to lie within a bound of
-  // 0 counts as uniformly distributed there.
+  // sqrt(stderr^2 + undersampling_stderr^2 + bias_bound^2 / 3): a bias known only to lie within a
+  // bound of 0 counts as uniformly distributed there.
   [[nodiscard]] double numerical_error() const;
   // What a bound, or the standard error, brings to the square of the numerical error; 0 to 1.
   [[nodiscard]] double share(BoundOf which) const;

@@ -21,8 +21,9 @@ Estimate ReplicateStatistics::estimate(std::size_t quantity) const {
   return {mean_[quantity], std::sqrt(m2_[quantity] / (n * (n - 1)))};
 }
 
-double numerical_error(double stderr_of_mean, double unseen_stderr, double sum_of_bias_bounds) {
-  return std::sqrt(stderr_of_mean * stderr_of_mean + unseen_stderr * unseen_stderr +
+double numerical_error(double stderr_of_mean, double undersampling_stderr,
+                       double sum_of_bias_bounds) {
+  return std::sqrt(stderr_of_mean * stderr_of_mean + undersampling_stderr * undersampling_stderr +
                    sum_of_bias_bounds * sum_of_bias_bounds / 3);
 }
 

@@ -28,9 +28,9 @@ class ReplicateStatistics {
   std::uint32_t count_ = 0;
 };
 
-// Numerical error of a value: sqrt(stderr^2 + unseen_stderr^2 + (sum of |bias bounds|)^2 / 3). A
-// bias known only to lie within a bound of 0 counts as uniformly distributed there.
-[[nodiscard]] double numerical_error(double stderr_of_mean, double unseen_stderr,
+// Numerical error of a value: sqrt(stderr^2 + undersampling_stderr^2 + (sum of |bias bounds|)^2 /
+// 3). A bias known only to lie within a bound of 0 counts as uniformly distributed there.
+[[nodiscard]] double numerical_error(double stderr_of_mean, double undersampling_stderr,
                                      double sum_of_bias_bounds);
 
 // The standard error, that of what is unseen included, that a value may keep for its numerical

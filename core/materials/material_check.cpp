@@ -159,7 +159,7 @@ absl::StatusOr<std::vector<MaterialCheckRow>> check_material(const MaterialSpec&
                                                              const std::vector<double>& lambda_um) {
   if (lambda_um.empty()) return absl::InvalidArgumentError("no wavelengths");
   const auto [least, most] = std::minmax_element(lambda_um.begin(), lambda_um.end());
-  ASSIGN_OR_RETURN(const Material& material, Material::prepare(spec, lambda_um, *least, *most));
+  ASSIGN_OR_RETURN(const Material material, Material::prepare(spec, lambda_um, *least, *most));
 
   std::vector<MaterialCheckRow> rows{reciprocity(material, lambda_um), energy(material)};
 

@@ -103,7 +103,7 @@ absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how) 
         "reference \"{}\", expected origin, bbox_center or bbox_bottom_center", how.reference));
   }
 
-  ASSIGN_OR_RETURN(FileMesh & file, read_file(bytes, how.file_name));
+  ASSIGN_OR_RETURN(FileMesh file, read_file(bytes, how.file_name));
   if (file.triangle.empty()) return refuse("the mesh is empty: no facet was found");
 
   const Box box = box_of(file);

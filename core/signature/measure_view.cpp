@@ -235,9 +235,9 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
   r.spectral_basis_bound_w_sr = source.of(BoundOf::kBasis);
   r.undersampling_bound_w_sr = source.of(BoundOf::kUnseen);
-  r.undersampling_stderr_w_sr = source.unseen_stderr;
-  r.apparent_undersampling_stderr_w_sr = apparent.unseen_stderr;
-  r.contrast_undersampling_stderr_w_sr = contrast.unseen_stderr;
+  r.undersampling_stderr_w_sr = source.undersampling_stderr;
+  r.apparent_undersampling_stderr_w_sr = apparent.undersampling_stderr;
+  r.contrast_undersampling_stderr_w_sr = contrast.undersampling_stderr;
   r.direction_interpolation_bound_w_sr = source.of(BoundOf::kSky);
   r.omitted_bound_w_sr = source.of(BoundOf::kOmitted);
   r.apparent_omitted_bound_w_sr = apparent.of(BoundOf::kOmitted);
@@ -313,7 +313,7 @@ absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(
   ASSIGN_OR_RETURN(auto surroundings,
                    ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
                                           scene.axis.node_um()));
-  ASSIGN_OR_RETURN(auto seen, surroundings.see(request.selected_condition, plan.effects));
+  ASSIGN_OR_RETURN(auto seen, surroundings.evaluate(request.selected_condition, plan.effects));
   return std::make_shared<const PreparedView>(
       PreparedView{std::make_shared<const AimedView>(
                        make_aimed_view(scene.target, request.viewpoint, plan.bright)),

@@ -474,9 +474,9 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
       all.of(BoundOf::kTruncation) = rest;
     }
   }
-  const auto with = [&](std::size_t quantity, double omitted_w_sr, double unseen_stderr) {
+  const auto with = [&](std::size_t quantity, double omitted_w_sr, double undersampling_stderr) {
     Measured out = all;
-    out.unseen_stderr = unseen_stderr;
+    out.undersampling_stderr = undersampling_stderr;
     out.value = s.estimate(quantity).value;
     out.stderr_ = s.estimate(quantity).stderr_;
     out.of(BoundOf::kOmitted) = omitted_w_sr;

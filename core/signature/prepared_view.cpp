@@ -188,7 +188,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
   if (reflected) out.directions = request_->environment->nodes(with_azimuths);
   for (const std::uint32_t c : conditions) {
-    ASSIGN_OR_RETURN(out.condition[c], look_->see(c, wanted, with_azimuths));
+    ASSIGN_OR_RETURN(out.condition[c], look_->evaluate(c, wanted, with_azimuths));
   }
   return out;
 }
@@ -203,7 +203,7 @@ absl::StatusOr<ViewEnvironment> ViewSurroundings::see_like(const ViewEnvironment
   EffectSet wanted = effects;
   if (!with_azimuths)
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
-  return look_->see(condition, wanted, with_azimuths);
+  return look_->evaluate(condition, wanted, with_azimuths);
 }
 
 absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, const Target& target,
@@ -212,8 +212,9 @@ absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, c
                                                    const std::vector<double>& node_um) {
   ASSIGN_OR_RETURN(auto surroundings, ViewSurroundings::make(request, target, range_m, node_um));
   // Directions also where a request allows no reflections: profiles see the background by them.
-  return surroundings.see(conditions, EffectSet::everything(request.condition.size(),
-                                                            std::max(request.max_reflections, 1u)));
+  return surroundings.evaluate(
+      conditions,
+      EffectSet::everything(request.condition.size(), std::max(request.max_reflections, 1u)));
 }
 
 }  // namespace irsig

@@ -229,7 +229,7 @@ class PointMeasurement {
 // What no sample of a footprint may have met: as if two of all of them had met the brightest there
 // is, or nothing, in the place of the mean. Scatter alone is 0 where all samples fall on one side
 // of an edge that cuts the footprint's rim.
-double unseen_stderr(const PointTable& table, double radiance, double samples) {
+double undersampling_stderr(const PointTable& table, double radiance, double samples) {
   return 2 / samples * std::max(table.brightest_w_m2_sr - radiance, radiance);
 }
 Estimate with_unseen(const Estimate& estimate, double unseen) {
@@ -293,8 +293,8 @@ std::uint64_t pilot_samples(const PreparedScene& scene, const ViewRequest& reque
       const std::uint32_t b = bands[row % bands.size()];
       const std::size_t q = 2 * (row * orders + n);
       const Estimate sampled = second.statistics.estimate(q);
-      const double unseen = unseen_stderr(shading.tables()[row], sampled.value,
-                                          static_cast<double>(second.counts.samples));
+      const double unseen = undersampling_stderr(shading.tables()[row], sampled.value,
+                                                 static_cast<double>(second.counts.samples));
       const Estimate e = with_unseen(sampled, unseen);
       const Estimate t = temperature_of(scene.band[b], scene.axis.grids()[b], e);
       if (!(t.stderr_ > 0 && std::isfinite(t.stderr_))) continue;  // the stored run will tell
@@ -361,7 +361,7 @@ absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
         const PointTable& table = shading.tables()[row];
         const Estimate source = s.estimate(2 * (row * orders + n));
         const double unseen =
-            unseen_stderr(table, source.value, static_cast<double>(measured.counts.samples));
+            undersampling_stderr(table, source.value, static_cast<double>(measured.counts.samples));
         r.radiance_w_m2_sr = with_unseen(source, unseen);
         r.apparent_radiance_w_m2_sr =
             with_unseen(s.estimate(2 * (row * orders + n) + 1), table.most_transmittance * unseen);

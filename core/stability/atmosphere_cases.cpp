@@ -391,10 +391,10 @@ absl::StatusOr<Finding> visibility(Effort) {
   for (const AerosolKind kind : kThick) {
     for (const double visibility_km : {0.2, 0.5, 1.0}) {
       ASSIGN_OR_RETURN(const auto less,
-                       air_of(AfglProfile::kUsStandard1976, kind, 1e3 * visibility_km),
-                       more = air_of(AfglProfile::kUsStandard1976, kind, 2e3 * visibility_km));
-      if (!more.ok()) return more.status();
-      const AirSpectrum thick = depth(less), thin = depth(*more);
+                       air_of(AfglProfile::kUsStandard1976, kind, 1e3 * visibility_km));
+      ASSIGN_OR_RETURN(const auto more,
+                       air_of(AfglProfile::kUsStandard1976, kind, 2e3 * visibility_km));
+      const AirSpectrum thick = depth(less), thin = depth(more);
       // Koschmieder: 3.912 / visibility is the aerosol's extinction and 0.01159 / km of clean air.
       const double expected =
           (3.912 / visibility_km - 0.01159) / (3.912 / (2 * visibility_km) - 0.01159);

@@ -212,15 +212,14 @@ absl::StatusOr<Finding> closed_box(Effort) {
 absl::StatusOr<Finding> bright_enclosure(Effort) {
   constexpr double kEmissivity = 0.05, kHotK = 400, kBehindK = 300, kPasses = 10;
   Worst worst(5e-4);
-  ASSIGN_OR_RETURN(auto inner, generate_mesh({"sphere", 400, 1, 0, 0, 0}),
-                   outer = generate_mesh({"sphere", 400, 2, 0, 0, 0}));
-  if (!outer.ok()) return outer.status();
+  ASSIGN_OR_RETURN(auto inner, generate_mesh({"sphere", 400, 1, 0, 0, 0}));
+  ASSIGN_OR_RETURN(auto outer, generate_mesh({"sphere", 400, 2, 0, 0, 0}));
   inner.group = {"inner"};
   inner.triangle_group.assign(inner.triangle.size(), 0);
-  outer->group = {"outer"};
-  outer->triangle_group.assign(outer->triangle.size(), 0);
+  outer.group = {"outer"};
+  outer.triangle_group.assign(outer.triangle.size(), 0);
   ASSIGN_OR_RETURN(const auto target,
-                   scene(joined(inner, inside_out(*outer), ""), {"inner", "outer"}));
+                   scene(joined(inner, inside_out(outer), ""), {"inner", "outer"}));
   SceneHeatRequest r = still_air(kBehindK, 24);
   r.build_up[0].layers = {{1e-3, 1e-3 * kPasses, 1000, 1000}};
   r.build_up[0].inner_side = InnerSide::kFixedTemperature;

@@ -193,7 +193,7 @@ absl::StatusOr<Finding> mirror_pair(Effort effort) {
 // What is small and bright is aimed at: 1 % is reached, and holds.
 absl::StatusOr<Finding> small_bright_sources(Effort effort) {
   Worst worst(student_t_bound(31, 30));
-  for (const auto& [rare, plain] : rare_light_scenes()) {
+  for (const auto& [rare, plain] : small_bright_source_scenes()) {
     RETURN_IF_ERROR(
         judge(rare.scene, rare.request, effort == Effort::kFull ? 65536 : 8192, rare.name, worst));
   }
@@ -201,9 +201,9 @@ absl::StatusOr<Finding> small_bright_sources(Effort effort) {
 }
 
 // The rays of each over those of the plate alone.
-absl::StatusOr<Finding> rare_light_cost(Effort /*effort*/) {
+absl::StatusOr<Finding> small_bright_sources_cost(Effort /*effort*/) {
   Worst worst(20);
-  for (const auto& [rare, plain] : rare_light_scenes()) {
+  for (const auto& [rare, plain] : small_bright_source_scenes()) {
     double rays[2] = {};
     int k = 0;
     for (const RareLightScene* one : {&rare, &plain}) {
@@ -278,8 +278,8 @@ std::vector<HardCase> honesty_cases() {
        mirror_pair},
       {"honesty", "small_bright_sources", "to 1 %: holes, small mirrors, pairs of mirrors [errors]",
        reason, small_bright_sources},
-      {"honesty", "rare_light_cost", "the same: rays over those of the plate alone",
-       "what was asked for", rare_light_cost},
+      {"honesty", "small_bright_sources_cost", "the same: rays over those of the plate alone",
+       "what was asked for", small_bright_sources_cost},
       {"honesty", "raised_sensor", "sensors of 2 to 30 m, walls of 2 and 7 m, 5 km [errors]",
        reason, raised_sensor},
       {"honesty", "notch", "emissivity 0.1 within a step of the band [errors]", reason, notch},

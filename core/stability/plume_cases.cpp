@@ -313,8 +313,8 @@ absl::StatusOr<Finding> far_from_origin(Effort) {
                   }),
         kLinear);
   };
-  ASSIGN_OR_RETURN(const auto near, made(0), far = made(kShift));
-  if (!far.ok()) return far.status();
+  ASSIGN_OR_RETURN(const auto near, made(0));
+  ASSIGN_OR_RETURN(const auto far, made(kShift));
   const Vec<Body> middle{20 * kEdge, 20 * kEdge, 20 * kEdge};
   for (std::uint64_t i = 0; i < 200; ++i) {
     const Vec<Body> to = uniform_direction(0x91, 2 * i);
@@ -323,7 +323,7 @@ absl::StatusOr<Finding> far_from_origin(Effort) {
     for (std::size_t which = 0; which < 2; ++which)
       // Of the far one from 50 km.
       for (const GasSegment& s :
-           march(which == 0 ? *near : **far,
+           march(which == 0 ? *near : *far,
                  {at - (which == 0 ? 20.0 : 5e4) * to, to, 0, which == 0 ? 40 : 1e5}, {})) {
         gas[which] += s.amount[0];
         heat[which] += s.weight * s.temperature_k;
@@ -478,12 +478,11 @@ absl::StatusOr<Finding> touching_hull(Effort) {
   const auto gas = slab(2, 4, {1, 0, 0});  // x from 0 to 2; the hull ends at 1
   if (!gas.ok()) return gas.status();
   ASSIGN_OR_RETURN(const auto view, view_of_gas(*simulator, *gas, 512));
-  ASSIGN_OR_RETURN(const auto beside, column_of(*simulator, 2, 400),
-                   before = column_of(*simulator, 1, 400));
-  if (!before.ok()) return before.status();
+  ASSIGN_OR_RETURN(const auto beside, column_of(*simulator, 2, 400));
+  ASSIGN_OR_RETURN(const auto before, column_of(*simulator, 1, 400));
   for (std::size_t b = 0; b < view.row.size(); ++b) {
-    const double expected = 12 * beside.emitted_w_m2_sr[b] +
-                            4 * (before->emitted_w_m2_sr[b] - before->taken_w_m2_sr[b]);
+    const double expected =
+        12 * beside.emitted_w_m2_sr[b] + 4 * (before.emitted_w_m2_sr[b] - before.taken_w_m2_sr[b]);
     const Estimate& got = view.row[b].plume_w_sr;
     worst.see(t_of(got, expected, 3e-3 + view.row[b].plume_bound_w_sr / expected), [&] {
       return absl::StrCat("band ", b, ": ", got.value, " +- ", got.stderr_, " W/sr, expected ",

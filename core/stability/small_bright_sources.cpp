@@ -124,7 +124,7 @@ RareLightScene mirror_pair(double side_m, double slope, bool metal) {
                        true);
 }
 
-std::vector<RareLightPair> rare_light_scenes() {
+std::vector<SmallBrightSourcePair> small_bright_source_scenes() {
   const RareLightScene matt = plain_plate(false), sunlit = plain_plate(true);
   return {{hot_behind_hole(0.4), matt},
           {hot_behind_hole(0.06), matt},

@@ -27,9 +27,9 @@ struct RareLightScene {
 [[nodiscard]] RareLightScene mirror_pair(double side_m, double slope, bool metal);
 
 // Those that a goal of 1 % is measured on, each with its plain one.
-struct RareLightPair {
+struct SmallBrightSourcePair {
   RareLightScene rare, plain;
 };
-[[nodiscard]] std::vector<RareLightPair> rare_light_scenes();
+[[nodiscard]] std::vector<SmallBrightSourcePair> small_bright_source_scenes();
 
 }  // namespace irsig

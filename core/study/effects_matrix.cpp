@@ -96,8 +96,8 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
     if (!made.ok()) return made.status();
     return std::shared_ptr<const Environment>(*std::move(made));
   };
-  ASSIGN_OR_RETURN(const auto for_chosen, environment(), for_all = environment());
-  if (!for_all.ok()) return for_all.status();
+  ASSIGN_OR_RETURN(const auto for_chosen, environment());
+  ASSIGN_OR_RETURN(const auto for_all, environment());
   ViewRequest request;
   request.condition = {cell.condition};
   if (cell.condition.sun) {
@@ -126,7 +126,7 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
     ASSIGN_OR_RETURN(
         auto view,
         check_effects(*simulator, request,
-                      {*for_all, out.view.empty(), options.timed, options.reference_paths}, cpu_s));
+                      {for_all, out.view.empty(), options.timed, options.reference_paths}, cpu_s));
     out.view.push_back(std::move(view));
   }
   out.summary = summary_of(out.view);

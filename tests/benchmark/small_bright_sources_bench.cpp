@@ -1,7 +1,7 @@
 // What scenes with one small bright thing cost to 1 %, against the same scene without it: CPU time
 // of Simulator::simulate (plan and stored run; median of runs), and all rays.
 //
-//   build/release/bin/rare_light_bench [RUNS]
+//   build/release/bin/small_bright_sources_bench [RUNS]
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   const int runs = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
   std::printf("%-46s %10s %10s %-14s %8s %9s %9s %7s %7s\n", "scene", "W/sr", "error",
               "why it stopped", "samples", "rays", "CPU ms", "x CPU", "x rays");
-  for (const auto& [rare, plain] : rare_light_scenes()) {
+  for (const auto& [rare, plain] : small_bright_source_scenes()) {
     const Cost of_plain = cost_of(plain, runs);
     print(plain, of_plain, of_plain);
     print(rare, cost_of(rare, runs), of_plain);

@@ -272,7 +272,7 @@ TEST(Bright, OnePercentWithinTwentyTimesThePlainPlate) {
     EXPECT_LE(view->row[0].numerical_error_w_sr, 0.01 * view->row[0].intensity_w_sr.value);
     return static_cast<double>(view->rays);
   };
-  for (const auto& [rare, plain] : rare_light_scenes())
+  for (const auto& [rare, plain] : small_bright_source_scenes())
     EXPECT_LT(rays(rare), 20 * rays(plain)) << rare.name;
 }
 

@@ -27,7 +27,7 @@ class ErrorBudget(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             db = sqlite3.connect(path / "x.sigdb")
             for error, (stderr, bounds) in ERRORS.items():
-                unseen = error.replace("numerical_error", "unseen_stderr")
+                unseen = error.replace("numerical_error", "undersampling_stderr")
                 rows = db.execute(f"SELECT {error}, {stderr}, {unseen}, {bounds} FROM signature_view").fetchall()
                 self.assertGreater(len(rows), 0)
                 for stated, sampled, missed, bound in rows:
