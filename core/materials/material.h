@@ -58,8 +58,9 @@ class Material {
   // model (docs/explanation/methods/README.md, "The largest reflection"); infinite where a model
   // has no limit there. [1/sr]
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const;
-  // The same of light under these cosines, whoever looks; and for one who looks under these, of
-  // light from anywhere. [1/sr]
+  // Upper bounds of brdf x cos_i for light of the given cosines and any view direction
+  // (limit_of_light_per_sr), and for view directions of the given cosines and any light
+  // (limit_seen_per_sr). [1/sr]
   [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
   [[nodiscard]] double limit_seen_per_sr(double cos_o_min, double cos_o_max) const;
   // Says how much of the reflected light is how bright, at its largest node.
@@ -153,7 +154,7 @@ class Material {
   std::shared_ptr<const BrdfModel> model_;   // the others
 };
 
-// What every reflection calls.
+// Every reflection calls this function.
 
 inline float Material::shape_per_sr(const Reflection& r) const {
   if (roughness_ <= 0) return static_cast<float>(1.0 / std::numbers::pi);
