@@ -39,7 +39,8 @@ struct AerosolSpec {
 
 [[nodiscard]] absl::Status check_aerosol(const AerosolSpec& spec);
 
-// At one height, all per metre of path and per band of the air's grid.
+// Optical properties of the aerosol at one height, per metre of path and per band of the air's
+// grid.
 struct AerosolOptics {
   AirSpectrum absorption_per_m;
   AirSpectrum scattering_per_m;

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// What the input cards that a tape7 echoes before a table say
-// (docs/explanation/methods/atmosphere.md, "Imported paths"); private to this folder.
+// The input cards that a tape7 echoes before a table (docs/explanation/methods/atmosphere.md,
+// "Imported paths"); private to this folder.
 struct Tape7Cards {
   ImportedPath path;
   char axis_flag;  // card 4's M (micrometres), N (nanometres) or something else
