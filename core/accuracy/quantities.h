@@ -18,7 +18,7 @@ namespace irsig {
 // In the order in which tables list it. Names are those of columns, fields and members; "at the
 // sensor" is behind the air between it and the target.
 
-// Of which the source intensity is made up.
+// Parts of the source intensity.
 #define IRSIG_CAUSE_QUANTITIES(VALUE)                                                      \
   VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", 1, "emitted by what the sensor sees")   \
   VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", 1, "direct sun, reflected") \
@@ -84,8 +84,8 @@ namespace irsig {
   NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr", 11,                                    \
          "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
-// Of rows of conditions with hot gas; others have none. "Plume": what it sends less what it takes
-// of the light behind it, which the totals above hold.
+// Quantities of rows of conditions with hot gas; others have none. "Plume": emission of the gas
+// less its absorption of the light behind it, which the totals above include.
 #define IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)                                                  \
   VALUE(plume_w_sr, plume_stderr_w_sr, "W/sr", 14, "hot gas, of intensity_w_sr")               \
   VALUE(apparent_plume_w_sr, apparent_plume_stderr_w_sr, "W/sr", 14,                           \
@@ -109,7 +109,7 @@ namespace irsig {
   NUMBER(plume_voxel_error_w_sr, kModelError, "W/sr", 15,                                      \
          "one sigma of hot gas between its voxels, part of model_error_w_sr")
 
-// Of rows whose sweep says how well its inputs are known; others have none.
+// Quantities of rows whose sweep states the uncertainty of its inputs; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
   NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                                  \
          "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error") \

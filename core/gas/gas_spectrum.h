@@ -27,7 +27,7 @@ struct GasBands {
   [[nodiscard]] std::size_t size() const { return last - first; }
 };
 
-// What gas along a line of sight does to what lies behind it, L = T L_behind + radiance.
+// Transmittance and radiance of gas along a line of sight, L = T L_behind + radiance.
 struct GasSpectrum {
   GasBands bands;
   std::vector<double> transmittance;        // [band - bands.first]
@@ -47,10 +47,11 @@ struct GasSpectrum {
 [[nodiscard]] absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasLayer> path,
                                                        GasBands bands = {});
 
-// The same as seen through air that lies between the eye and the path: `radiance` is what arrives,
-// `transmittance` that of air and gas together, `absorptance` what the gas takes of it. Nothing is
-// a product of band means where lines are shared: carbon dioxide (2140-2430 cm-1) and monoxide
-// (1900-2300) by common terms, water between ranked and product (water_through_air.h).
+// Like gas_spectrum(), as seen through air that lies between the eye and the path. `radiance` is
+// the arriving radiance, `transmittance` that of air and gas together, `absorptance` the fraction
+// of the air's transmittance that the gas absorbs. Where lines are shared, no result is a product
+// of band means: carbon dioxide (2140-2430 cm-1) and monoxide (1900-2300) use common terms, water
+// lies between ranked and product (water_through_air.h).
 struct GasThroughAir {
   GasSpectrum spectrum;
   std::vector<double> air_transmittance;  // without the gas

@@ -24,7 +24,8 @@ struct NarrowBand {
 // False: at no temperature has the gas lines at random there (hot_lines.h may have others).
 [[nodiscard]] bool narrow_band_exists(HotGas gas, double wavenumber_cm1);
 
-// At some wavenumbers (centres of bands of 5 to 25 cm-1) and one temperature [K].
+// Computes the parameters at some wavenumbers (centres of bands of 5 to 25 cm-1) and one
+// temperature [K].
 void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double temperature_k,
                   std::span<NarrowBand> out);
 

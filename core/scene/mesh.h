@@ -37,7 +37,7 @@ struct MeshImport {
   // stated_frame.
   std::string forward_axis = "+x";
   std::string up_axis = "+z";
-  // Where the body frame's origin lies: "origin" is the file's own (0, 0, 0); "bbox_center" and
+  // Position of the body frame's origin: "origin" is the file's own (0, 0, 0); "bbox_center" and
   // "bbox_bottom_center" are taken from the box around the triangles, and subtracted in double
   // before anything else, so that a text file in Earth-centred metres loses nothing.
   std::string reference = "origin";
@@ -54,9 +54,9 @@ struct MeshImport {
 // changes geometry in a way that is not read (docs/reference/file-formats.md).
 [[nodiscard]] absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how);
 
-// What a file states of its unit and axes, and where. glTF: metres, +z forward, +y up, by its
-// standard. OBJ, PLY, STL: the unit, where a comment in front of the data, the name of the first
-// solid or the 80 bytes of a binary header name it ("File units = inches"); no axes.
+// Unit and axes that a file states, and the places where it states them. glTF: metres, +z forward,
+// +y up, by its standard. OBJ, PLY, STL: the unit, where a comment in front of the data, the name
+// of the first solid or the 80 bytes of a binary header name it ("File units = inches"); no axes.
 struct StatedFrame {
   std::optional<double> unit_m;
   std::string unit_from;  // "glTF 2.0", or the comment
@@ -65,7 +65,7 @@ struct StatedFrame {
 };
 [[nodiscard]] StatedFrame stated_frame(std::string_view bytes, const std::string& file_name);
 
-// Where a mesh lies in the body frame, after MeshImport::reference.
+// Position of a mesh in the body frame, after MeshImport::reference.
 struct MeshPlacement {
   std::optional<double> draft_m;  // the lowest point is so far below z = 0
   Vec<Body> offset_m{};           // then it is moved

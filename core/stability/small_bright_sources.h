@@ -26,7 +26,7 @@ struct RareLightScene {
 [[nodiscard]] RareLightScene small_mirror(double side_m, double slope, bool metal);
 [[nodiscard]] RareLightScene mirror_pair(double side_m, double slope, bool metal);
 
-// Those that a goal of 1 % is measured on, each with its plain one.
+// Returns the scenes on which a goal of 1 % is measured, each with its plain counterpart.
 struct SmallBrightSourcePair {
   RareLightScene rare, plain;
 };
