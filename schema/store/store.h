@@ -61,12 +61,12 @@ struct SweepProgress {
   std::uint64_t heat_jobs = 0, heat_done = 0;  // of the jobs: those that compute temperatures
   int priority = 0;
 };
-// Of a sweep: -kMostPriority to kMostPriority.
+// Limit of a sweep's priority: -kMostPriority to kMostPriority.
 inline constexpr int kMostPriority = 1000;
 [[nodiscard]] absl::Status check_priority(int priority);
 
-// What a pilot said, before anything was run, that a sweep would take. CPU times are those of the
-// jobs; wall time is that of so many workers, their start included.
+// A pilot's prediction, made before the run, of a sweep's cost. CPU times are those of the jobs;
+// wall time is that of so many workers, their start included.
 struct StoredPrediction {
   std::string sweep_sha256;
   double made_unix_s = 0;
@@ -79,7 +79,7 @@ struct StoredPrediction {
   std::uint64_t database_bytes = 0;
 };
 
-// What one done job took.
+// Cost of one done job.
 struct StoredJobCost {
   std::uint64_t job_index = 0, viewpoint_index = 0;
   double cpu_s = 0;
@@ -91,7 +91,7 @@ struct StoredJobCost {
   std::string determinism_class;
 };
 
-// What a job has computed of a part's facets, by area.
+// Computed temperatures of a part's facets, by area.
 struct StoredTemperature {
   std::string sweep, season, time_utc, part;
   double mean_k, coldest_k, hottest_k, error_k;
@@ -112,7 +112,7 @@ struct StoredHeatJob {
   std::string warning;  // one line each
 };
 
-// How the rows of a sweep ended.
+// Outcomes of the rows of a sweep.
 struct StoredOutcome {
   std::vector<std::pair<std::string, std::uint64_t>> stop;  // by reason, in the table's order
   std::uint64_t backface_views = 0;                         // with a backface_fraction above 0
@@ -130,8 +130,8 @@ class StoreWriter {
   virtual ~StoreWriter() = default;
 
   virtual absl::Status begin() = 0;
-  // The same, but commit() returns before the disk has it: if the machine dies (not the process),
-  // the transaction may not have been; later ones are lost with it, or none.
+  // Like begin(), but commit() returns before the disk has the transaction: if the machine dies
+  // (not the process), the transaction may be lost, and with it all later ones, or none.
   virtual absl::Status begin_unsynced() = 0;
   virtual absl::Status commit() = 0;
   virtual void rollback() = 0;
@@ -191,8 +191,8 @@ class StoreWriter {
   virtual absl::StatusOr<std::uint64_t> results_aside() = 0;
   // A done job waits again: another result than the stored one turned out to be right.
   virtual absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key) = 0;
-  // The same for every job that this worker has computed, and what needs one of them; how many.
-  // What is stored of them stays until it is replaced.
+  // Reopens every job that this worker has computed, and the jobs that need one of them; returns
+  // their number. Their stored results stay until they are replaced.
   virtual absl::StatusOr<std::uint64_t> reopen_all_of(const std::string& worker_name) = 0;
   // The tokens of all current leases.
   virtual absl::StatusOr<std::vector<std::uint64_t>> running_tokens() = 0;
@@ -217,12 +217,13 @@ class StoreWriter {
   virtual absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
                                          const std::string& determinism_class) = 0;
   virtual absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) = 0;
-  // That the keys of a sweep were made with; 0: not known (an older database).
+  // Sets the physics version with which the keys of a sweep were made; 0: not known (an older
+  // database).
   virtual absl::Status set_physics_version(const std::string& sweep_sha256,
                                            std::uint32_t version) = 0;
   virtual absl::StatusOr<std::uint32_t> physics_version(const std::string& sweep_sha256) = 0;
-  // Of this sweep's jobs against those of others, from the next lease on; new ones have 0.
-  // NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
+  // Sets the priority of this sweep's jobs against those of others, from the next lease on; new
+  // sweeps have 0. NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
   virtual absl::Status set_priority(const std::string& sweep_sha256, int priority) = 0;
   virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
   // The determinism class that this database's unfinished sweeps are bound to; empty: not bound
@@ -282,7 +283,7 @@ struct StoredSignature {
   std::uint32_t physics_version;
 };
 
-// Where each of kQuantities stands in a signature.
+// Member of a signature for each of kQuantities.
 #define IRSIG_VALUE_PLACES(name, stderr_name, unit, since, what) \
   &StoredSignature::name, &StoredSignature::stderr_name,
 #define IRSIG_NUMBER_PLACE(name, kind, unit, since, what) &StoredSignature::name,
@@ -308,7 +309,7 @@ struct StoredEffect {
   double time_s;  // of the whole view, an estimate: spent (on) or saved (off)
 };
 
-// What a signature gains if an uncertain input is one sigma higher.
+// Change of a signature if an uncertain input is one sigma higher.
 struct StoredInput {
   std::string input;  // a key of [uncertainty]
   struct Gain {
@@ -318,7 +319,7 @@ struct StoredInput {
   Gain source, apparent, contrast;
 };
 
-// Where light that the sensor would send out ends.
+// End of the light that the sensor would send out, by destination.
 struct StoredEnergy {
   double absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_surface,
       escaped_to_surface_stderr, cut_off, cut_off_stderr, balance, balance_stderr;
@@ -366,7 +367,7 @@ struct ProfileFilter {
   std::string sweep, season, band, profile;
 };
 
-// Which quantity of a signature is meant (numbers are part of sql/query.sql).
+// Selects a quantity of a signature (numbers are part of sql/query.sql).
 enum class SignatureQuantity : int {
   kIntensity = 0,  // of the source
   kApparentIntensity = 1,
@@ -393,7 +394,7 @@ struct SignatureFilter {
   std::optional<double> range_m;  // of the viewpoint, to 1e-9 of it
 };
 
-// What a database has to choose from, without its values.
+// The choices that a database offers, without its values.
 struct SweepContents {
   std::string name;
   std::uint64_t viewpoints = 0, rows = 0;  // stored rows
@@ -432,7 +433,7 @@ struct StoredSweep {
   Assets assets;
   HeatOutputs heat;  // empty unless all its heat jobs are done
 };
-// What is read of them. A damaged file is an error only for those who asked for it.
+// Selects the files to read. A damaged file is an error only if it is selected.
 enum class SweepFiles { kNone, kTemperatures, kAll };
 
 // The reading side: any number of readers, also while the coordinator writes. One object belongs to
@@ -440,20 +441,20 @@ enum class SweepFiles { kNone, kTemperatures, kAll };
 class StoreReader {
  public:
   static absl::StatusOr<std::unique_ptr<StoreReader>> open(const std::string& path);
-  // Of a file whose journal is missing (schema/store/whole_file.h), what it holds by itself: for
+  // Opens a file whose journal is missing (schema/store/whole_file.h), with its own content: for
   // the examination before it is accepted.
   static absl::StatusOr<std::unique_ptr<StoreReader>> open_as_it_is(const std::string& path);
   virtual ~StoreReader() = default;
 
-  // In row order; with a direction: nearest first.
+  // Returns signatures in row order; with a direction: nearest first.
   virtual absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) = 0;
-  // Only which they are, for who goes through many: the signature_ids of find(), in its order.
+  // Signature ids only, for streaming large results: those of find(), in its order.
   virtual absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter) = 0;
-  // In the order of the ids. NOT_FOUND: one has been replaced or removed since.
+  // Returns signatures in the order of the ids. NOT_FOUND: one has been replaced or removed since.
   virtual absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids) = 0;
-  // In the order in which sweeps were added.
+  // Returns the contents in the order in which sweeps were added.
   virtual absl::StatusOr<std::vector<SweepContents>> contents() = 0;
-  // In row order; of a row and its superseded predecessor the newer one.
+  // Returns values in row order; of a row and its superseded predecessor the newer one.
   virtual absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter) = 0;
   // Arrays that were not computed are empty.
   virtual absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) = 0;
@@ -463,26 +464,27 @@ class StoreReader {
                                             SweepFiles files = SweepFiles::kAll) = 0;
   virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) = 0;
-  // In the order of the grammar; none of a sweep without [uncertainty].
+  // Returns inputs in the order of the grammar; none of a sweep without [uncertainty].
   virtual absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) = 0;
-  // In the order of sweeps, rows, profiles, points and numbers of reflections.
+  // Returns rows in the order of sweeps, rows, profiles, points and numbers of reflections.
   virtual absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) = 0;
   virtual absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep) = 0;
   virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
   // nullopt: none was stored.
   virtual absl::StatusOr<std::optional<StoredPrediction>> prediction(
       const std::string& sweep_sha256) = 0;
-  // Of the sweep's done jobs, in the order of its jobs.
+  // Returns the costs of the sweep's done jobs, in the order of its jobs.
   virtual absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) = 0;
-  // In the order of sweeps, heat runs, times and parts.
+  // Returns temperatures in the order of sweeps, heat runs, times and parts.
   virtual absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
       const TemperatureFilter& filter) = 0;
-  // In the order of the sweep's heat runs.
+  // Returns the heat jobs in the order of the sweep's heat runs.
   virtual absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep) = 0;
-  // Of its stored rows but superseded ones.
+  // Returns the outcomes of its stored rows except superseded ones.
   virtual absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) = 0;
-  // How many rows each job of a sweep has stored, by its key; superseded jobs included.
+  // Returns the number of rows that each job of a sweep has stored, by its key; superseded jobs
+  // included.
   virtual absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(
       const std::string& sweep) = 0;
   // Size of the database as one plain file.
@@ -492,8 +494,8 @@ class StoreReader {
   virtual absl::StatusOr<std::string> digest() = 0;
 };
 
-// Whether a writer's lock lies beside the database, links followed. That of a writer that was
-// killed lies there until the next one ends.
+// Returns true if a writer's lock lies beside the database, links followed. The lock of a writer
+// that was killed stays there until the next writer ends.
 [[nodiscard]] bool has_writer_lock(const std::string& path);
 
 }  // namespace irsig
