@@ -154,12 +154,12 @@ class Words(TreeTest):
         for text in ("// Of a row: its error.\n", "struct A {\n  double a;  // What it is, in W.\n};\n",
                      "void f();\n\n  // Whether it is so.\nbool g();\n", "// The same for\n// all.\n"):
             with self.subTest(text=text):
-                findings = self.words({"ops/base.h": text})
+                findings = self.words({"core/base/base.h": text})
                 self.assertEqual(len(findings), 1)
                 self.assertIn("opens as a fragment", findings[0])
         for text in ("// Returns the error\n// Of a row.\n", "double a;  // error\n           // What is\n", "// Often so.\n"):
             with self.subTest(text=text):
-                self.assertEqual(self.words({"ops/base.h": text}), [])
+                self.assertEqual(self.words({"core/base/base.h": text}), [])
         self.assertEqual(self.words({"tests/unit/base.h": "// Of a row.\n"}), [])
 
     def test_long_lines(self):
