@@ -29,7 +29,7 @@ FORMER_NAMES = {
     "LowerSpec": "SurfaceBoundary", "MadeOnce": "Lazy", "WeatherLight": "ThermalSurroundings", "emittance": "exitance",
     "escaped_to_lower": "escaped_to_surface", "guarded_path_limit": "truncated_paths", "hat_fit": "linear_basis_fit",
     "import_apart": "import_subprocess", "keep_aside": "store_conflicting_result",
-    "no_second_hit": "skip_self_intersection", "parts_reflected": "interreflected", "plume_on_hull": "plume_reflected",
+    "no_second_hit": "skip_self_intersection", "parts_reflected_w_sr": "interreflected_w_sr", "plume_on_hull": "plume_reflected",
     "release_what_nobody_holds": "release_orphaned_leases", "run_apart": "run_subprocess",
     "sea_reflected": "surface_reflected", "sky_bound_w_sr": "direction_interpolation_bound_w_sr",
     "target_missed": "accuracy_not_reached", "target_reached": "accuracy_reached",
@@ -41,7 +41,7 @@ FORMER_NAMES_IN = ("schema/sql/migrations/", "schema/store/", "docs/decisions/",
 
 # A comment that opens so is no sentence: its subject or its verb is missing.
 FRAGMENT = re.compile(r"(Of|What|Whether|The same)\b")
-FRAGMENTS_ALLOWED_IN = ("core/signature/", "tests/")
+FRAGMENTS_ALLOWED_IN = ("tests/",)
 COMMENT = re.compile(r"^\s*///?\s?(.*)$")
 
 COLUMNS = 120
@@ -51,6 +51,7 @@ UNBREAKABLE = re.compile(r"^\s*(\||#|!\[[^]]*\]\([^)]*\)$)")
 ENDING = r"(?:bib|cmake|cpp|css|csv|h|html|inc|js|json|md|png|proto|py|service|sh|sql|svg|toml|txt)"
 PATH = re.compile(rf"(?<![\w./$}}*-])((?:[\w.-]+/)+[\w.-]+\.{ENDING})(?![\w/*])")
 CODED_PATH = re.compile(rf"`((?:[\w.-]+/)+[\w.-]+\.{ENDING})`")
+CODED_FILES = re.compile(r"`((?:[\w.-]+/)+[\w-]+\.\*)`")  # a header and its source: `core/base/table.*`
 # Made by a command, by the build, or a pattern for names.
 GENERATED = re.compile(r"NAME|NNNN|^pictures/|\.pb\.h$")
 COMMENTS = {".h": "//", ".cpp": "//", ".proto": "//", ".py": "#", ".sh": "#", ".cmake": "#", ".txt": "#", ".sql": "--",
@@ -84,6 +85,7 @@ def stale_paths(root, name, text, rooms):
         named = {m[1] for m in PATH.finditer(comment) if m[1].split("/")[0] in rooms}
         if page:
             named |= {m[1] for m in CODED_PATH.finditer(line)}
+            named |= {m[1] for m in CODED_FILES.finditer(line) if m[1].split("/")[0] in rooms and not any(root.glob(m[1]))}
         for path in sorted(named):
             if not (GENERATED.search(path) or (root / path).exists() or (root / name.parent / path).exists()):
                 yield number, path

@@ -169,10 +169,11 @@ class Words(TreeTest):
 
     def test_stale_paths(self):
         for name, text in (("docs/a.md", "see `core/base/gone.h`\n"), ("core/base/b.cpp", "// core/base/gone.h\n"),
-                           ("ops/a.sh", "# as core/base/gone.h\n"), ("docs/a.md", "`values/gone.csv`\n")):
+                           ("ops/a.sh", "# as core/base/gone.h\n"), ("docs/a.md", "`values/gone.csv`\n"),
+                           ("docs/a.md", "`core/base/gone.*`\n")):
             with self.subTest(name=name, text=text):
                 self.assertEqual(len(self.words({name: text})), 1)
-        self.assertEqual(self.words({"docs/a.md": "`core/base/base.h`, `job.cpp`, out/a.csv\n",
+        self.assertEqual(self.words({"docs/a.md": "`core/base/base.*`, `core/base/base.h`, `job.cpp`, out/a.csv\n",
                                      "worker/README.md": "`worker/job.cpp`, `../core/base/base.h`\n",
                                      "core/base/b.cpp": 'open("core/base/gone.h");\n'}), [])
 
