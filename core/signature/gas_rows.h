@@ -14,7 +14,7 @@
 
 namespace irsig {
 
-// What hot gas changes of one row: what it sends, less what it takes of the light from behind.
+// Change of one row by hot gas: its emission less its absorption of the light from behind.
 struct GasRow {
   struct Change {
     Estimate in_band;  // [W/sr]
@@ -22,12 +22,13 @@ struct GasRow {
     SpectralEstimate spectral;      // on the band's stored wavelengths [W/(sr um)]
     std::vector<double> replicate;  // [W/sr]
   };
-  // At the target; at the sensor: of the target behind the gas, and of what stands behind both.
+  // Changes at the target; at the sensor: of the target behind the gas, and of the background
+  // behind both.
   Change source, apparent, contrast;
   double emitted_w_sr = 0, apparent_emitted_w_sr = 0;  // sent alone
-  // Of all this, what the target reflects of the gas, less what the gas takes of its other light.
+  // The part reflected by the target, net of the light that the gas absorbs.
   Estimate on_hull, apparent_on_hull;  // [W/sr]
-  // What `apparent` would be off if cold and hot lines were taken as independent. [W/sr]
+  // Error of `apparent` if cold and hot lines were taken as independent. [W/sr]
   double lines_w_sr = 0;
   // Effects of hot gas (core/effects), and what of them is left out.
   std::vector<LedgerEntry> ledger;
