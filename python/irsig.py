@@ -5,7 +5,7 @@
         cube = db.query(band="lwir").to_xarray()
         cube.intensity_w_sr.sel(season="summer").plot()
 
-Names, units and errors are those of the database: each number's name ends in its unit, docs/methods.md says what it is. Reads only;
+Names, units and errors are those of the database: each number's name ends in its unit, docs/explanation/methods.md says what it is. Reads only;
 also while a sweep is being computed (then rows are missing, not wrong). Numbers are those of `irsig query`: nothing is computed here
 but what a docstring says.
 """

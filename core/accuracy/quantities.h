@@ -108,7 +108,7 @@ namespace irsig {
   NUMBER(plume_voxel_error_w_sr, kModelError, "W/sr",                                        \
          "one sigma of hot gas between its voxels, part of model_error_w_sr")
 
-// Of rows whose sweep says how well its inputs are known; others have none.
+// Quantities of rows whose sweep states the uncertainty of its inputs; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
   NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr",                                      \
          "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error") \

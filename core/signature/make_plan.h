@@ -17,7 +17,7 @@ namespace irsig {
 inline constexpr std::uint64_t kFirstPilotStage = 1, kSecondPilotStage = 2, kStoredStage = 4,
                                kEmissionStage = 5, kPictureStage = 0x91c;
 
-// What makes no sense for this scene.
+// Returns the error of a request that is meaningless for this scene.
 [[nodiscard]] absl::Status check_request(const PreparedScene& scene, const ViewRequest& request);
 
 // Bounds, pilots, the number of samples. prepared: null if nothing had to be seen for it.

@@ -14,7 +14,7 @@
 
 namespace irsig {
 
-// What the last run of a view gave for all rows together.
+// Totals of the last run of a view, for all rows together.
 struct RunTotals {
   std::uint64_t samples = 0;  // of each replicate
   PathCounts counts;
@@ -38,7 +38,7 @@ struct MeasuredView {
   std::vector<Row> row;  // conditions x bands
   RunTotals totals;
 
-  // What the plan has come to state since.
+  // Replaces parts of the plan that were decided after the run.
   void leave_out(std::vector<RowBounds::Bound> omitted) { setup.plan.omitted = std::move(omitted); }
   void cut_reflections(std::uint32_t most) { setup.plan.effects.max_reflections = most; }
 };
@@ -89,8 +89,8 @@ struct MeasuredIntensities {
 // exceeds: 4 standard errors, and as much as none of the samples may have met. [m2]
 [[nodiscard]] double beyond_limit_m2(const MeasuredView& view, std::uint32_t reflections);
 
-// For choosing facets to aim at: how bright each facet that is in no hot part may look, per error
-// that is wanted, in the row where that is most; and how much of it can be seen.
+// Brightness of facets in no hot part, for choosing facets to aim at: the largest radiance that a
+// facet may show per wanted error, in the row where that is largest; and its visible area.
 struct FacetBrightness {
   std::uint32_t facet;
   double seen_m2, per_m2;

@@ -34,7 +34,7 @@ inline constexpr int kPhysicsVersion = 18;
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
   std::vector<double> value, stderr_;
-  // How errors go together; empty where it is not kept (all but the whole source, apparent and
+  // Correlation of the errors; empty where it is not kept (all but the whole source, apparent and
   // contrast spectra).
   SpectralSet modes = {};
 };
@@ -43,9 +43,9 @@ struct SpectralEstimate {
 // AccuracySpec::absolute_error_k is worth.
 enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSamples, kFloorReached };
 
-// Where light that the sensor would send out ends, in-band mean: by reciprocity the shares of what
-// it sees. balance: their sum, 1 within its error. cut_off: after the last reflection; of spectral
-// materials at least that.
+// Destinations of light that the sensor would send out, in-band mean: by reciprocity the fractions
+// of the light that it sees. balance: their sum, 1 within its error. cut_off: after the last
+// reflection; for spectral materials at least that.
 struct EnergyLedger {
   Estimate absorbed, escaped_to_sky, escaped_to_surface, cut_off, balance;
 };
@@ -76,7 +76,7 @@ struct SignatureResult {
   std::uint32_t reflections = 0;  // the most that paths were given
   EnergyLedger energy;
   std::vector<LedgerEntry> effect;  // [kEffects], in the table's order
-  // Of each replicate: for differences between runs that share their paths. [W/sr]
+  // Values of each replicate: for differences between runs that share their paths. [W/sr]
   std::vector<double> replicate_w_sr, replicate_apparent_w_sr, replicate_contrast_w_sr;
 };
 

@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// Where a view's pictures are, the same for all of its rows.
+// Position and size of a view's pictures, the same for all of its rows.
 struct PictureFrame {
   PlaneRectangle rectangle;                   // on the image plane of the target's view
   double plane_m = 0;                         // how far that plane is from the sensor

@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-// Of the sweep's done heat jobs, in the order of its runs.
+// Returns the outputs of the sweep's done heat jobs, in the order of its runs.
 [[nodiscard]] absl::StatusOr<HeatOutputs> find_heat_outputs(Database& database,
                                                             const std::string& sweep);
 [[nodiscard]] absl::StatusOr<std::vector<StoredTemperature>> find_computed_temperatures(

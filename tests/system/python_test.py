@@ -1,4 +1,4 @@
-"""irsig.py against `irsig query` on the same database; the examples of docs/python.md; what is refused.
+"""irsig.py against `irsig query` on the same database; the examples of docs/reference/python.md; what is refused.
 
 usage: python_test.py <irsig> <repository>
 """
@@ -207,7 +207,7 @@ class Python(unittest.TestCase):
         before = pathlib.Path.cwd()
         os.chdir(self.path)
         try:
-            failed, tried = doctest.testfile(str(ROOT / "docs/python.md"), module_relative=False, optionflags=doctest.ELLIPSIS)
+            failed, tried = doctest.testfile(str(ROOT / "docs/reference/python.md"), module_relative=False, optionflags=doctest.ELLIPSIS)
         finally:
             os.chdir(before)
         self.assertEqual(failed, 0)
