@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-// How long one list, map or text of a sweep may be, in elements or bytes: of the file and of the
+// Largest length of one list, map or text of a sweep, in elements or bytes: of the file and of the
 // resolved sweep, wherever the message stands.
 struct SizeBound {
   std::string_view key;  // "Sweep.part": message and field

@@ -11,6 +11,7 @@
 #include "planning/interruption.h"
 #include "planning/pilot_farm.h"
 #include "runner/job_runner.h"
+#include "schema/store/reader.h"
 #include "view/base/progress.h"
 #include "view/report/heat_effects.h"
 

@@ -35,15 +35,15 @@ class Environment {
 
   // The directions at which sky and sea are given; one azimuth if no condition has a sun.
   [[nodiscard]] const DirectionNodes& nodes() const;
-  // The same rings, with one azimuth if without.
+  // The rings of nodes(), with one azimuth if `with_azimuths` is false.
   [[nodiscard]] const DirectionNodes& nodes(bool with_azimuths) const;
 
   using SunSeen = irsig::SunSeen;
   [[nodiscard]] const SunSeen& sun_seen(std::uint32_t condition) const;
 
   using Line = SensorLine;
-  // From the point that stands for the target: `viewpoint` has range and elevation at its reference
-  // point. Without directions behind it.
+  // Returns the line from the point that stands for the target: `viewpoint` has range and elevation
+  // at its reference point. The line has no directions behind the target.
   [[nodiscard]] Line line(const Viewpoint& viewpoint) const;
 
   using Horizon = SeaHorizon;
@@ -69,12 +69,13 @@ class Environment {
     SightLine& operator=(SightLine&&) noexcept;
     ~SightLine();
     [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
-    // What is returned depends on the line, the condition and the effects alone; what they leave
-    // out is 0. `effects`: of as many conditions as the environment has. Of lines behind nodes
-    // EffectSet::joined_lines says whether the air's lines are joined at every ring that is
+    // Returns the light of the line under a condition. The result depends on the line, the
+    // condition and the effects alone; effects that are left out are 0. `effects` has as many
+    // conditions as the environment. For lines with directions behind the target,
+    // EffectSet::joined_lines chooses whether the air's lines are joined at every ring that is
     // computed exactly (8 of a side), or at three of them. The nodes are those of
     // nodes(with_azimuths): INVALID_ARGUMENT if a sun is up whose scattered light is to be
-    // reflected and they have none.
+    // reflected and the nodes have no azimuths.
     [[nodiscard]] absl::StatusOr<ViewEnvironment> evaluate(std::uint32_t condition,
                                                            const EffectSet& effects,
                                                            bool with_azimuths);
@@ -89,8 +90,8 @@ class Environment {
   [[nodiscard]] absl::StatusOr<SightLine> sight_line(const Line& line) const;
 
   [[nodiscard]] std::size_t conditions() const;
-  // What a condition takes of memory while a view is computed, what is kept from view to view
-  // included: an upper limit without small change, from counts.                           [bytes]
+  // Upper limit of the memory that a condition needs while a view is computed, including memory
+  // kept between views; from counts, without small allocations.  [bytes]
   [[nodiscard]] double bytes_per_condition() const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// From the target to a sensor.
+// A line from the target to a sensor.
 struct SensorLine {
   double range_m;
   double elevation_deg;  // of the sensor, at the target, geometric; -90 .. 90
@@ -35,48 +35,49 @@ struct SunSeen {
   Vec<Body> middle;     // of that share; unit vector
 };
 
-// Where the sea (or ground) ends for the sensor of a line, refracted if the weather says so.
+// End of the sea (or ground) for the sensor of a line, refracted if the weather is.
 struct SeaHorizon {
   // Straight lines from the sensor that fall less than this pass above it: z of their unit vector
   // (BackgroundDirections).
   double z;
-  // What it hides of the target is what a sphere of this radius hides from straight lines that
-  // rise to the sensor by `lift_rad` more than the geometric ones.
+  // The Earth hides the same part of the target as a sphere of this radius hides from straight
+  // lines that rise to the sensor by `lift_rad` more than the geometric ones.
   double earth_radius_m, lift_rad;
   // Up to this height above the surface it hides what stands where the target does; 0: nothing.
   double hides_m = 0;
 };
 
-// What one condition does to one view, on the wavelengths of the sweep (index i). Radiances in
-// W/(m2 sr um), irradiances in W/(m2 um). "Apparent": what of it arrives at the sensor, the air's
-// lines joined by summed absorber amounts (core/atmosphere/absorber_amounts.h), without the path's
-// own radiance. Inside one of the air's bands radiances follow Planck's function at the target's
-// air temperature, and sunlight the sun's spectrum.
+// Light and air of one view under one condition, on the wavelengths of the sweep (index i).
+// Radiances in W/(m2 sr um), irradiances in W/(m2 um). "Apparent" is the part that arrives at the
+// sensor, the air's lines joined by summed absorber amounts (core/atmosphere/absorber_amounts.h),
+// without the path's own radiance. Inside one of the air's bands radiances follow Planck's function
+// at the target's air temperature, and sunlight the sun's spectrum.
 //
-// Below the horizon: what the surface emits and reflects of the sky, seen through the air in front
-// of it; light that a rough sea mirrors from below the horizon has met the sea before. The sun that
-// a rough sea mirrors is in background_apparent only: for the target's reflections it is a light of
-// its own (sea_glint.h). What a grey surface reflects of the sun is in the nodes.
+// Below the horizon: the surface's emission and its reflection of the sky, seen through the air in
+// front of it; light that a rough sea mirrors from below the horizon has met the sea before. The
+// sun that a rough sea mirrors is in background_apparent only: for the target's reflections it is a
+// light of its own (sea_glint.h). The sun that a grey surface reflects is in the nodes.
 //
 // Accuracy (tests/physics/environment_nodes_test.cpp, mid-latitude summer, maritime aerosol of 23
 // km): night sky from the nodes 1.1e-3 in the mean over 1000 directions; sunlit sky at 3.7 um as
 // planes see it 1e-3, as lobes 30 deg wide see it 1 %; night sky behind air within 0.5 %; sunlit
-// sky in one direction 4 %, of which half is that of the sums compared with.
-// Limits: one zenith angle of the sun for all of a path; sunlight is scattered once.
+// sky in one direction 4 %, of which half is the error of the reference sums. Limits: one zenith
+// angle of the sun for all of a path; sunlight is scattered once.
 struct ViewEnvironment {
   using Spectrum = std::vector<double>;
   Spectrum transmittance;  // band means: of what surfaces emit
   Spectrum path_radiance;  // emitted and scattered between target and sensor
-  // What the air there holds; null: it is imported, or no embedded atmosphere.
+  // Absorbers between target and sensor; null: the air is imported, or there is no embedded
+  // atmosphere.
   std::shared_ptr<const AbsorberAmounts> air;
   std::vector<AirPath> end;                        // [SensorLine::end] the same of the target's ends
   std::vector<IncidentRadiance::AirChange> end_change;  // [SensorLine::end] by how much they differ
   Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
   IncidentRadiance around;                         // sky, then lower
   std::vector<Spectrum> background_apparent;       // [node of SensorLine::behind]
-  // Of these: the most by which straight lines to the nodes beside them were found to err at three
-  // places between (within a factor of 2 of the largest error, tests/physics/horizon_test.cpp), and
-  // one sigma of the models. Empty: none.
+  // Errors of background_apparent: the largest deviation from straight lines to the neighbouring
+  // nodes found at three places between (within a factor of 2 of the largest error,
+  // tests/physics/horizon_test.cpp), and one sigma of the models. Empty: none.
   std::vector<Spectrum> background_interpolation, background_model_error;
 
   // IncidentRadiance::interpolation is the most by which straight lines between a node and those
@@ -86,11 +87,11 @@ struct ViewEnvironment {
   // mean radiance, in the worst quarter of a micrometre; 1.5e-3 and 8e-4. Of the sunlit sky: and
   // mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
   double sky_interpolation = 0, lower_interpolation = 0;
-  // Of leaving out EffectSet::joined_lines, relative to what is reflected of sky and surface at the
-  // target: the most by which any mean over directions of the apparent nodes can differ, in the
-  // worst quarter of a micrometre. 0 with it.
+  // Bound for leaving out EffectSet::joined_lines, relative to the reflected light of sky and
+  // surface at the target: the largest difference of any mean over directions of the apparent
+  // nodes, in the worst quarter of a micrometre. 0 if the lines are joined.
   double joined_lines_bound = 0;
-  // One sigma of the models, not of the numerics.
+  // One sigma of the models, without the numerics.
   Spectrum model_error_transmittance, model_error_path_radiance;
   double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
 };

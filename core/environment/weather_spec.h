@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What lies below the horizon.
+// The surface below the horizon.
 struct SurfaceBoundary {
   enum class Kind {
     kRoughSea,  // facets with Cox and Munk's slopes for the wind: emission, reflected sky
@@ -25,7 +25,7 @@ struct SurfaceBoundary {
 // Lowest height above sea or ground of the point that stands for a target in the air. [m]
 inline constexpr double kLowestAirPointM = 1;
 
-// One season's weather: everything that does not move with the sun.
+// One season's weather: the part of a condition that does not depend on the sun.
 struct WeatherSpec {
   AtmosphereSpec air;  // its profile already bent to the surface
   bool refraction = true;

@@ -30,7 +30,7 @@ struct Mesh {
 // whole of it or any one of the names: "ship/hull/steel" is matched by "hull", "st*" and "ship/*".
 [[nodiscard]] bool group_matches(std::string_view group, std::string_view pattern);
 
-// Where a mesh lies in the body frame, after MeshImport::reference.
+// Position of a mesh in the body frame, after MeshImport::reference.
 struct MeshPlacement {
   std::optional<double> draft_m;  // the lowest point is so far below z = 0
   Vec<Body> offset_m{};           // then it is moved

@@ -10,7 +10,7 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<SunPosition> condition_sun(const schema::ResolvedSweep& sweep,
                                                         const schema::Condition& condition);
 
-// Where the sun stands in one condition.
+// Position of the sun in one condition.
 struct SunAngles {
   double azimuth_deg, zenith_deg;
 };

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// What a heat job has left, read: of so many facets. INVALID_ARGUMENT: the bytes are none, or of
-// another mesh.
+// Reads a heat job's output for so many facets. INVALID_ARGUMENT: the bytes are no output, or that
+// of another mesh.
 [[nodiscard]] absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes,
                                                                 std::size_t facets);
 

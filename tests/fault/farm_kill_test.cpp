@@ -17,7 +17,7 @@
 #include "coordinator/client/local_farm.h"
 #include "coordinator/farm_server.h"
 #include "jobs/check_resolved.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {

@@ -17,7 +17,7 @@
 #include "planning/export_temperatures.h"
 #include "runner/heat_outputs.h"
 #include "runner/job_runner.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

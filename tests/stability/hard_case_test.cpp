@@ -1,7 +1,7 @@
 // Rationale: the cases on which radiometric codes break must hold on every machine and after every
 // change.
 // Expected: the worst error of each case within its bound. Both are stated with the case.
-// Source: verify/cases, docs/stability.md.
+// Source: verify/cases, docs/evidence/stability.md.
 #include "verify/cases/hard_case.h"
 
 #include <gtest/gtest.h>

@@ -8,6 +8,7 @@
 
 #include "jobs/keys/expand.h"
 #include "tests/unit/farm_fixture.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 namespace {

@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "core/environment/air.h"
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/moved/moved_row.h"
 #include "view/moved/sight_line.h"
 #include "view/moved/silhouette.h"
@@ -150,7 +150,7 @@ class RangeChanged : public ::testing::Test {
     return run_query(db_, {.range_m = {range_m}},
                      [&](const StoredSweep&) -> absl::StatusOr<TargetExtent> { return extent; });
   }
-  FakeStoreReader db_;
+  FakeDatabase db_;
 };
 
 TEST_F(RangeChanged, GreyAirObeysBouguersLaw) {

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/rows/interpolate.h"
 
 namespace irsig {
 
 struct TargetShape;
 
-// How far a target reaches, and its triangles (silhouette.h).
+// Extent of a target, and its triangles (silhouette.h).
 struct TargetExtent {
   double length_m;  // longest side of its bounding box, along the axes of the body
   double reach_m;   // from the reference point to its farthest point
@@ -22,14 +22,14 @@ struct TargetExtent {
 };
 using ExtentOf = std::function<absl::StatusOr<TargetExtent>(const StoredSweep&)>;
 
-// Where an interpolated row comes from.
+// Origin of an interpolated row.
 struct Interpolation {
   SphereFit fit;
   std::vector<StoredSignature> from;  // in the order of fit.used()
   double interpolation_error_w_sr;    // part of numerical_error_w_sr
 };
 
-// Where a row that was moved to another range comes from (range_change.h).
+// Origin of a row that was moved to another range (range_change.h).
 struct RangeChange {
   double stored_range_m;
   double range_bound_w_sr;  // part of apparent_numerical_error_w_sr
