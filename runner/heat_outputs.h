@@ -6,7 +6,8 @@
 
 namespace irsig {
 
-// Of the sweep's heat runs, in their order, computed here. None of a sweep without.
+// Computes the outputs of the sweep's heat runs, in their order, in this process. None of a sweep
+// without heat runs.
 [[nodiscard]] absl::StatusOr<HeatOutputs> heat_outputs(const schema::ResolvedSweep& sweep,
                                                        const Assets& assets);
 

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// What a job asks of the core: its scene, air and view, of what messages/ has made of the sweep and
-// of its files. Errors name the key's path in the sweep.
+// Requests of a job to the core: its scene, air and view, made of converted messages (messages/) and
+// of the sweep's files. Errors name the key's path in the sweep.
 
 // Geometry, parts, materials, bands, and the temperatures of facets.
 struct SweepScene : SceneSpec {

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What a heat run's computation is given of the sweep: walls, weather, what lies below and the sky.
+// Conversions of a heat run: walls, weather, the surface below and the sky.
 
 // path: of the build-up in the sweep file, for errors.
 [[nodiscard]] absl::StatusOr<WallBuildUp> wall_from_message(const schema::BuildUp& message,

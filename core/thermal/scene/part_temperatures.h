@@ -9,29 +9,28 @@
 
 namespace irsig {
 
-// What the temperatures of facets say of their parts, and what facets without one have.
+// Temperatures of parts from those of their facets, and temperatures of facets that got none.
 
 [[nodiscard]] std::vector<double> facet_areas_m2(const Mesh& mesh);
 
-// Of one part at one output, over the facets that have a temperature.
+// Temperatures of one part at one output, over the facets that have one.
 struct PartTemperature {
   std::uint32_t part;
   std::size_t output;
   double mean_k, error_k;  // by area
   double coldest_k, hottest_k;
 };
-// Of each part whose facets have temperatures.
+// Returns the temperatures of each part whose facets have some, at each output.
 [[nodiscard]] std::vector<PartTemperature> part_temperatures(const Target& target,
                                                              const std::vector<double>& area_m2,
                                                              const SceneHeatResult& heat);
 
-// Degenerate facets send nothing; so that each facet of a part that may be seen has a temperature,
-// they have the part's mean.
+// Gives degenerate facets, which send nothing, the mean of their part, so that each facet that may be
+// seen has a temperature.
 void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
                      const std::vector<PartTemperature>& means, SceneHeatResult& heat);
 
-// Degenerate facets change as the mean of their part does, as far as that is known; they send
-// nothing.
+// Gives degenerate facets the mean change of their part, 0 if none of its facets has one.
 void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
                      std::vector<float>& change_k);
 
