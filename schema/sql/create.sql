@@ -79,7 +79,7 @@ INSERT INTO effect_reason VALUES
 CREATE TABLE sweep (
   sweep_id INTEGER PRIMARY KEY,
   name TEXT NOT NULL UNIQUE CHECK (name <> ''),
-  sweep_sha256 TEXT NOT NULL UNIQUE CHECK (sweep_sha256 <> ''),  -- of the sweep's canonical encoding (jobs/expand.h)
+  sweep_sha256 TEXT NOT NULL UNIQUE CHECK (sweep_sha256 <> ''),  -- of the sweep's canonical encoding (jobs/keys/expand.h)
   viewpoints INTEGER NOT NULL CHECK (viewpoints > 0),            -- number of them, as of conditions and bands
   conditions INTEGER NOT NULL CHECK (conditions > 0),
   bands INTEGER NOT NULL CHECK (bands > 0),
