@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/measured.h"
+#include "schema/result.pb.h"
 #include "schema/store/filters.h"
 #include "schema/store/rows.h"
 
