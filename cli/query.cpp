@@ -39,7 +39,7 @@ struct QueryCommand {
   [[nodiscard]] absl::StatusOr<std::optional<ResponseTable>> asked_response() const {
     if (!response.empty()) {
       ASSIGN_OR_RETURN(auto table, read_response(response));
-      return std::move(table);
+      return table;
     }
     if (window_um.empty()) return std::nullopt;
     if (!(window_um[0] > 0 && window_um[0] < window_um[1]))

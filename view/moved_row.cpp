@@ -118,7 +118,7 @@ Moved moved(const Held& held, const Seen& from, const Seen& to, double spread,
   const double background_bound = to.fraction_bound + to.between_bound +
                                   keep * from.fraction_bound +
                                   kBehind * (std::abs(to.behind) + keep * std::abs(from.behind));
-  const double background_bound =
+  const double silhouette_bound =
       light * off * area * std::abs(held.background.value - from.path - from.behind) +
       area * (shape.area_ratio * (to.fraction_bound + to.between_bound) +
               light * keep * from.fraction_bound);
@@ -130,7 +130,7 @@ Moved moved(const Held& held, const Seen& from, const Seen& to, double spread,
       {keep * (held.background.value - from.path - from.behind) + to.behind + to.path,
        std::hypot(keep * held.background.stderr_, background_bound / std::sqrt(3.0))},
       target_bound,
-      target_bound + background_bound};
+      target_bound + silhouette_bound};
 }
 
 // The modes of a spectrum's errors after each bin's have been multiplied and others added, which

@@ -8,6 +8,7 @@
 #include "core/accuracy/pilot_samples.h"
 #include "core/accuracy/replicates.h"
 #include "core/signature/make_plan.h"
+#include "core/signature/row_bounds/row_bounds.h"
 
 namespace irsig {
 namespace {
@@ -92,13 +93,13 @@ class Grouping {
 }  // namespace
 
 BrightFacets choose_bright(const Target& target, const AimedView& view,
-                           std::vector<Pass::Brightness> facets) {
+                           std::vector<FacetBrightness> facets) {
   BrightFacets out;
   // Hot parts have strata already; past what hides them they may be much smaller.
   for (const PartSpec& part : target.part) out.past_others |= part.hot;
 
-  std::erase_if(facets, [](const Pass::Brightness& b) { return !(b.per_m2 > 0); });
-  std::sort(facets.begin(), facets.end(), [](const Pass::Brightness& a, const Pass::Brightness& b) {
+  std::erase_if(facets, [](const FacetBrightness& b) { return !(b.per_m2 > 0); });
+  std::sort(facets.begin(), facets.end(), [](const FacetBrightness& a, const FacetBrightness& b) {
     return a.per_m2 != b.per_m2 ? a.per_m2 > b.per_m2 : a.facet < b.facet;
   });
   std::size_t first = 0;
@@ -162,49 +163,49 @@ struct SharedStratum {
   std::uint64_t given = 0;
   std::vector<double> now, next;  // with those that are given, and with more
 
-  [[nodiscard]] std::vector<double> variance(const Pass& pass, std::uint64_t of_samples) const {
+  [[nodiscard]] std::vector<double> variance(const MeasuredView& view, std::uint64_t of_samples) const {
     std::vector<double> out;
     for (std::size_t row = 0; row < stderr_.size(); ++row)
       out.push_back(stderr_[row] * stderr_[row] * samples / static_cast<double>(of_samples) +
-                    std::pow(pass.unseen_error(row, index, of_samples), 2));
+                    std::pow(undersampling_error_w_sr(view.setup, view.row[row], index, of_samples), 2));
     return out;
   }
-  void give(const Pass& pass, std::uint64_t of_samples) {
+  void give(const MeasuredView& view, std::uint64_t of_samples) {
     given = of_samples;
-    now = next.empty() ? variance(pass, given) : std::move(next);
-    next = variance(pass, more(given));
+    now = next.empty() ? variance(view, given) : std::move(next);
+    next = variance(view, more(given));
   }
 };
 
 }  // namespace
 
-SharedOut share_out(Pass& pass, std::uint64_t& pilot_rays) {
-  const AimedView& view = *pass.aimed();
+SharedOut share_out(MeasuredView& view, std::uint64_t& pilot_rays) {
+  const AimedView& aimed = view.setup.aimed();
   std::vector<SharedStratum> strata;
-  std::vector<double> goal(pass.rows(), 0.0), floor(pass.rows(), 0.0), bias(pass.rows(), 0.0);
-  for (std::uint32_t s = 0; s < view.stratum.size(); ++s) {
-    if (view.stratum[s].empty()) continue;
-    pass.run_stratum(s, kFirstPilotSamples, kFirstPilotStage);
-    pilot_rays += pass.counts().rays;
+  std::vector<double> goal(view.row.size(), 0.0), floor(view.row.size(), 0.0), bias(view.row.size(), 0.0);
+  for (std::uint32_t s = 0; s < aimed.stratum.size(); ++s) {
+    if (aimed.stratum[s].empty()) continue;
+    run_stratum(view, s, kFirstPilotSamples, kFirstPilotStage);
+    pilot_rays += view.totals.counts.rays;
     SharedStratum& of = strata.emplace_back();
     of.index = s;
-    of.samples = static_cast<double>(view.samples(s, kFirstPilotSamples));
-    of.rays = static_cast<double>(pass.counts().rays);
-    for (std::size_t row = 0; row < pass.rows(); ++row) {
-      of.stderr_.push_back(pass.statistics(row).estimate(0).stderr_);
-      goal[row] += pass.relative_goal_w_sr(row);
-      floor[row] += pass.absolute_floor_w_sr(row);
-      const Measured source = pass.measured(row).source;
+    of.samples = static_cast<double>(aimed.samples(s, kFirstPilotSamples));
+    of.rays = static_cast<double>(view.totals.counts.rays);
+    for (std::size_t row = 0; row < view.row.size(); ++row) {
+      of.stderr_.push_back(view.row[row].estimate.total.stderr_);
+      goal[row] += relative_goal_w_sr(view, view.row[row]);
+      floor[row] += absolute_floor_w_sr(view, view.row[row]);
+      const Measured source = measured(view, view.row[row]).source;
       bias[row] += source.bias_bound() - source.of(BoundOf::kUnseen) - source.of(BoundOf::kOmitted);
     }
   }
   std::vector<double> wanted2;
-  for (std::size_t row = 0; row < pass.rows(); ++row) {
-    const double omitted = pass.measured(row).source.of(BoundOf::kOmitted);
+  for (std::size_t row = 0; row < view.row.size(); ++row) {
+    const double omitted = measured(view, view.row[row]).source.of(BoundOf::kOmitted);
     wanted2.push_back(std::pow(
         kSharedAim * stderr_wanted(std::max(goal[row], floor[row]), bias[row] + omitted), 2));
   }
-  for (SharedStratum& of : strata) of.give(pass, kLeastShared);
+  for (SharedStratum& of : strata) of.give(view, kLeastShared);
   constexpr int kMostSteps = 256;
   for (int step = 0; step < kMostSteps; ++step) {
     std::size_t worst = 0;
@@ -229,13 +230,13 @@ SharedOut share_out(Pass& pass, std::uint64_t& pilot_rays) {
       best = &of;
     }
     if (best == nullptr) break;
-    best->give(pass, more(best->given));
+    best->give(view, more(best->given));
   }
   SharedOut out;
   out.samples = kLeastShared;
   for (const SharedStratum& of : strata)
     if (of.index == 0) out.samples = of.given;
-  out.share.assign(view.stratum.size(), 1.0);
+  out.share.assign(aimed.stratum.size(), 1.0);
   for (const SharedStratum& of : strata) {
     out.share[of.index] = static_cast<double>(of.given) / static_cast<double>(out.samples);
     out.rays += of.rays * static_cast<double>(of.given) / of.samples;

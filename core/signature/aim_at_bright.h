@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/scene/target.h"
-#include "core/signature/pass.h"
+#include "core/signature/measured_view.h"
 #include "core/transport/primary_rays.h"
 
 namespace irsig {
@@ -22,7 +22,7 @@ namespace irsig {
 // all together send less than a tenth of the error are left where they are.
 inline constexpr std::size_t kMostGroups = 4;
 [[nodiscard]] BrightFacets choose_bright(const Target& target, const AimedView& view,
-                                         std::vector<Pass::Brightness> facets);
+                                         std::vector<FacetBrightness> facets);
 
 // How many samples the strata of such a view get, from a pilot of each alone: kLeastShared each,
 // then twice as many for the stratum that takes most, per ray, from the error of the row that is
@@ -36,6 +36,6 @@ struct SharedOut {
   std::vector<double> share;  // [stratum] relative to it
   double rays = 0;            // that they will take
 };
-[[nodiscard]] SharedOut share_out(Pass& pass, std::uint64_t& pilot_rays);
+[[nodiscard]] SharedOut share_out(MeasuredView& view, std::uint64_t& pilot_rays);
 
 }  // namespace irsig

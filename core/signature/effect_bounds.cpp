@@ -178,19 +178,15 @@ std::vector<RowBounds> effects_without_bounds(const PreparedScene& scene,
   return out;
 }
 
-PilotLimits limits_of(const Pass& pilot) {
+PilotLimits limits_of(const MeasuredView& pilot) {
   PilotLimits out;
-  const Estimate area = pilot.statistics(0).estimate(kAreaQuantity);
+  const Estimate area = pilot.row.front().estimate.projected_area_m2;
   out.area_m2 = area.value + kSigmas * area.stderr_;
-  out.beyond_m2 = pilot.beyond_limit_m2(0);
-  for (std::size_t row = 0; row < pilot.rows(); ++row) {
-    const auto least = [&](std::size_t quantity) {
-      const Estimate e = pilot.statistics(row).estimate(quantity);
-      return std::max(0.0, e.value - kSigmas * e.stderr_);
-    };
-    out.row.push_back(
-        {least(kEmittedQuantity), least(kApparentQuantity), pilot.absolute_floor_w_sr(row)});
-  }
+  out.beyond_m2 = beyond_limit_m2(pilot, 0);
+  const auto least = [](const Estimate& e) { return std::max(0.0, e.value - kSigmas * e.stderr_); };
+  for (const Row& row : pilot.row)
+    out.row.push_back({least(row.estimate.cause[static_cast<std::size_t>(Cause::kEmitted)]),
+                       least(row.estimate.apparent), absolute_floor_w_sr(pilot, row)});
   return out;
 }
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/effects/plan.h"
-#include "core/signature/pass.h"
+#include "core/signature/measured_view.h"
 
 namespace irsig {
 
@@ -18,7 +18,7 @@ struct PilotLimits {
   std::vector<Row> row;  // [condition x band of the scene]
 };
 // Of a pass over all conditions and bands.
-[[nodiscard]] PilotLimits limits_of(const Pass& pilot);
+[[nodiscard]] PilotLimits limits_of(const MeasuredView& pilot);
 // What no pilot of a view can better, for 1 m2 of target: the hottest part behind the material that
 // reflects least, `samples` in all. What fits not even then does not need a pilot.
 [[nodiscard]] PilotLimits best_case(const PreparedScene& scene, const ViewRequest& request,

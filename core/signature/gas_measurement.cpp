@@ -7,7 +7,6 @@
 #include "core/base/ordered_dot.h"
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/pass.h"
 #include "core/signature/unseen.h"
 
 namespace irsig {
@@ -71,11 +70,11 @@ absl::StatusOr<bool> GasMeasurement::find() {
   }
   const auto survey = std::make_shared<const ColumnCollector>(field_, scene_.target.centre);
   samples_ = pilots_.survey;
-  run(survey, samples_, 0, reflections(true));
+  run(survey, *aimed_, samples_, 0, reflections(true));
   if (on_hull_ && survey->columns().empty() && plan_.samples_per_replicate > samples_) {
     // Rarely met, or never: as many as the target's own light gets.
     samples_ = plan_.samples_per_replicate;
-    run(survey, samples_, 0, reflections(true));
+    run(survey, *aimed_, samples_, 0, reflections(true));
   }
   if (survey->columns().empty()) return false;
   const ColumnTests tests = tests_for(survey->columns());
@@ -83,7 +82,8 @@ absl::StatusOr<bool> GasMeasurement::find() {
   for (const GasColumn& column : survey->columns())
     tests.test(column, tested.emplace_back(ColumnTests::kCount));
   RETURN_IF_ERROR(choose_classes(survey->columns(), tested, tests));
-  std::vector<PathWeights> pilot = run(gas_, pilots_.second, 1, reflections(true));
+  std::vector<PathWeights> pilot =
+      run(gas_, *aimed_, pilots_.second, 1, reflections(true)).weights;
   RETURN_IF_ERROR(choose_nodes(survey->columns(), tested, sum_of(pilot)));
   samples_ = pilots_.second;
   const std::vector<double> sums = sum_of(pilot);
@@ -99,8 +99,9 @@ absl::StatusOr<bool> GasMeasurement::find() {
 
 void GasMeasurement::measure(const std::vector<double>& sent_w_sr) {
   samples_ = samples(sent_w_sr);
-  image_.assign(image_plan_.size(), 0.0);
-  keep(run(gas_, *aimed_, samples_, 2, reflections(false), image_plan_, image_));
+  TracedView traced = run(gas_, *aimed_, samples_, 2, reflections(false), image_plan_);
+  image_ = std::move(traced.image);
+  keep(std::move(traced.weights));
   measured_ = true;
 }
 
@@ -120,17 +121,9 @@ std::vector<double> GasMeasurement::sent_w_sr() const {
   return out;
 }
 
-std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const RayMedium> gas,
-                                             std::uint64_t samples, std::uint64_t stage,
-                                             std::uint32_t reflections) {
-  std::vector<double> none;
-  return run(std::move(gas), *aimed_, samples, stage, reflections, {}, none);
-}
-
-std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const RayMedium> gas,
-                                             const AimedView& view, std::uint64_t samples,
-                                             std::uint64_t stage, std::uint32_t reflections,
-                                             const ImagePlan& images, std::vector<double>& image) {
+TracedView GasMeasurement::run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
+                               std::uint64_t samples, std::uint64_t stage,
+                               std::uint32_t reflections, const ImagePlan& pictures) {
   SourceGeometry geometry = sources_.geometry();
   if (on_hull_)
     geometry.medium = HotGasAround{std::move(gas)};
@@ -145,9 +138,9 @@ std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const RayMedium> ga
     settings.roulette_survival_scale = 8;
     settings.split = kSplit;
   }
-  const PathTracer tracer(scene_.target, scene_.carried_material(), view, std::move(geometry),
-                          settings);
-  return tracer.trace(images, image, counts_);
+  TracedView traced = trace_view(scene_, view, geometry, settings, pictures);
+  rays_ += traced.counts.rays;
+  return traced;
 }
 
 ImagePlan GasMeasurement::plan_images(const std::vector<double>& sums) const {
@@ -409,10 +402,10 @@ absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
   const auto wider = make_boxed_view(scene_.target, request_.viewpoint, sight);
   const AimedView& view = wider.ok() ? wider->view : *aimed_;
   const auto sent = [&](const std::shared_ptr<const PlumeField>& field) {
-    std::vector<double> none;
     return run(std::make_shared<const GasOnView>(field, scene_.target.centre, tests, most_absorbed_,
                                                  class_tests_),
-               view, pilots_.second, 3, 0, {}, none);
+               view, pilots_.second, 3, 0)
+        .weights;
   };
   const std::vector<PathWeights> fine = sent(field_), coarse = sent(*half);
   for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
@@ -447,7 +440,7 @@ std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr)
     }
     return most;
   };
-  const double first = scatter(run(gas_, pilots_.first, 1, reflections(true))),
+  const double first = scatter(run(gas_, *aimed_, pilots_.first, 1, reflections(true)).weights),
                second = scatter(weights_);
   // Of what the hull reflects no more than of all else that it does.
   const std::uint64_t most = on_hull_ ? std::max(pilots_.second, plan_.samples_per_replicate)

@@ -13,6 +13,7 @@
 #include "core/hot_gas/gas_on_view.h"
 #include "core/signature/gas_rows.h"
 #include "core/signature/shading.h"
+#include "core/signature/trace_view.h"
 #include "core/transport/boxed_view.h"
 
 namespace irsig {
@@ -34,7 +35,7 @@ class GasMeasurement {
   // the scene, which the error may be a share of.
   void measure(const std::vector<double>& sent_w_sr);
 
-  [[nodiscard]] std::uint64_t rays() const { return counts_.rays; }
+  [[nodiscard]] std::uint64_t rays() const { return rays_; }
   // Where find() has met no gas: the most that may be reflected of it. [m2]
   [[nodiscard]] double unmet_m2() const;
   // In each band of the scene, at the target. [W/sr]
@@ -61,13 +62,10 @@ class GasMeasurement {
     std::vector<ColumnLight> classes;
   };
 
-  std::vector<PathWeights> run(std::shared_ptr<const RayMedium> gas, std::uint64_t samples,
-                               std::uint64_t stage, std::uint32_t reflections);
-  std::vector<PathWeights> run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
-                               std::uint64_t samples, std::uint64_t stage,
-                               std::uint32_t reflections, const ImagePlan& images,
-                               std::vector<double>& image);
-
+  // Traces the rays of this gas with a stage of random numbers of their own.
+  TracedView run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
+                 std::uint64_t samples, std::uint64_t stage, std::uint32_t reflections,
+                 const ImagePlan& pictures = {});
   // Pictures of the rows' source radiance: of what a ray's gas sends as much as its test gases say,
   // so that all rays of the pilot send what the nodes do; of what is behind it less what its
   // classes take.
@@ -162,12 +160,13 @@ class GasMeasurement {
     std::vector<double> share;   // [class] of what is behind it, in band
     double in_band = 0;
   };
-  // Of evaluate()'s tables `stored` from `first` on: which spectrum, which in-band number. Inside a
-  // bin the light is taken to have that shape.
+  //   stored    tables of weights as tally_row() has them, `first` on; behind them stand
+  //   spectrum  and `quantity` of it; inside a bin the light is taken to have that shape
   [[nodiscard]] Taken taken_by(const std::vector<ColumnLight>& gas,
-                               const std::vector<std::vector<double>>& stored, std::size_t first,
-                               std::size_t spectrum, std::size_t quantity, double sign,
-                               const std::vector<double>& shape, const BandOnAxis& band) const;
+                               const std::vector<RowTally>& stored, std::size_t first,
+                               std::vector<double> RowTally::*spectrum, double RowTally::*quantity,
+                               double sign, const std::vector<double>& shape,
+                               const BandOnAxis& band) const;
 
   [[nodiscard]] GasRow row_of(const ConditionSources& light, const Sensor& sensor,
                               const LitWeights& of_classes, const LitWeights& of_replicates,
@@ -208,7 +207,7 @@ class GasMeasurement {
   std::vector<PathWeights> mean_, each_;  // [first]; [replicate][first]
   std::uint64_t samples_ = 0;             // of each replicate, of weights_
   bool measured_ = false;                 // they are not a pilot's
-  PathCounts counts_;
+  std::uint64_t rays_ = 0;
   ImagePlan image_plan_;
   std::vector<double> image_;
   SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());

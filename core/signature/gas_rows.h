@@ -38,12 +38,12 @@ struct GasRow {
   double voxel_error_w_sr = 0, apparent_voxel_error_w_sr = 0;
   Estimate area_m2;  // where it is thick (ViewRequest::plume_area_optical_depth)
   std::uint64_t rays = 0;
-  // [pixel of the frame] Of the source radiance, as Pass::image() has it. Empty: no pictures, or
+  // [pixel of the frame] Of the source radiance, as RunTotals::image has it. Empty: no pictures, or
   // no gas in sight.
   std::vector<double> picture_w_sr;
 };
 
-// Rows of the request's selected conditions x bands, as Pass has them; nullopt: no hot gas under
+// Rows of the request's selected conditions x bands, as MeasuredView has them; nullopt: no hot gas under
 // that condition. Empty: under none.
 //
 // Rays of their own are aimed at the gas, and their paths go on to what is behind it; others are

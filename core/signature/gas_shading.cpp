@@ -111,18 +111,16 @@ double GasMeasurement::misfit_relative(std::size_t which_band) const {
   return all > 0 ? missed / all : 0;
 }
 
-GasMeasurement::Taken GasMeasurement::taken_by(const std::vector<ColumnLight>& gas,
-                                               const std::vector<std::vector<double>>& stored,
-                                               std::size_t first, std::size_t spectrum,
-                                               std::size_t quantity, double sign,
-                                               const std::vector<double>& shape,
-                                               const BandOnAxis& band) const {
+GasMeasurement::Taken GasMeasurement::taken_by(
+    const std::vector<ColumnLight>& gas, const std::vector<RowTally>& stored, std::size_t first,
+    std::vector<double> RowTally::*spectrum, double RowTally::*quantity, double sign,
+    const std::vector<double>& shape, const BandOnAxis& band) const {
   const BandGrid& grid = band.grid;
   const std::size_t bins = grid.lambda_um.size();
   Taken out{std::vector<double>(bins, 0.0), {}, 0};
   for (std::size_t k = 0; k < gas.size(); ++k) {
-    const std::vector<double>& values = stored[first + k];
-    const double* behind = values.data() + spectrum_quantity(1) + spectrum * bins;
+    const RowTally& values = stored[first + k];
+    const std::vector<double>& behind = values.*spectrum;
     const double* absorbed = gas[k].absorbed.data() + band.first_node;
     double lost = 0, all = 0;
     for (std::size_t bin = 0; bin < bins; ++bin) {
@@ -141,7 +139,7 @@ GasMeasurement::Taken GasMeasurement::taken_by(const std::vector<ColumnLight>& g
       all += per_shape * shape_of_band;
     }
     out.share.push_back(all != 0 ? lost / all : 0);
-    out.in_band += out.share.back() * sign * values[quantity];
+    out.in_band += out.share.back() * sign * values.*quantity;
   }
   return out;
 }
@@ -154,9 +152,9 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
                     replicates = weights_.size();
   const SourceTable whole =
       source_table(light, scene_.path_basis(), band.first_node, band.grid.band_weight);
-  std::vector<std::vector<double>> stored, in_bands;
-  evaluate(light, 1, of_classes, scene_.path_basis(), band, whole, true, stored);
-  evaluate(light, 1, of_replicates, scene_.path_basis(), band, whole, false, in_bands);
+  std::vector<RowTally> stored, in_bands;
+  tally_row(light, 1, of_classes, scene_.path_basis(), band, whole, true, stored);
+  tally_row(light, 1, of_replicates, scene_.path_basis(), band, whole, false, in_bands);
 
   const Sent here = sent_by({&nodes_[0].here, &nodes_[1].here}, band),
              joined = sent_by({sensor.nodes.data(), sensor.nodes.data() + 1}, band),
@@ -165,19 +163,20 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   const auto [misfit, luck] = column_bounds_[which_band];
   const bool without_lines = request_.effects.without(Effect::kHotLineCorrelation);
   const Sent& seen = without_lines ? product : joined;
-  constexpr std::size_t kTotal = 0, kApparent = 1 + kCauses, kContrast = 2 + kCauses;
   // At the sensor light is as the air lets it through.
   const std::vector<double> smooth(scene_.axis.nodes(), 1.0);
   const std::vector<double>& through = light.environment().transmittance;
-  const Taken source = taken_by(class_here_, stored, 0, kTotal, 0, 1, smooth, band),
-              apparent = taken_by(sensor.classes, stored, 0, kApparent, kApparentQuantity, 1,
-                                  through, band);
+  const Taken source = taken_by(class_here_, stored, 0, &RowTally::total_spectrum,
+                                &RowTally::total, 1, smooth, band),
+              apparent = taken_by(sensor.classes, stored, 0, &RowTally::apparent_spectrum,
+                                  &RowTally::apparent, 1, through, band);
   const std::vector<double> scatter = sent_by_replicates(weights_, which_band);
   double mean = 0;
   for (const double s : scatter) mean += s / static_cast<double>(replicates);
   struct Loss {
     const Taken& taken;
-    std::size_t first, quantity;
+    std::size_t first;
+    double RowTally::*quantity;
     double sign;
   };
   const auto change = [&](const Sent& sent, std::initializer_list<Loss> losses) {
@@ -194,7 +193,7 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
         double lost = 0;
         for (std::size_t k = 0; k < classes; ++k)
           lost += loss.taken.share[k] * loss.sign *
-                  in_bands[r * class_tables() + loss.first + k][loss.quantity];
+                  in_bands[r * class_tables() + loss.first + k].*loss.quantity;
         value[0] -= lost;
         // The spectrum of the mean, as much of it as this replicate has.
         const double part = loss.taken.in_band != 0 ? lost / loss.taken.in_band : 0;
@@ -217,17 +216,17 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
     return c;
   };
   GasRow out;
-  out.rays = counts_.rays;
-  out.source = change(here, {{source, 0, 0, 1}});
-  out.apparent = change(seen, {{apparent, 0, kApparentQuantity, 1}});
+  out.rays = rays_;
+  out.source = change(here, {{source, 0, &RowTally::total, 1}});
+  out.apparent = change(seen, {{apparent, 0, &RowTally::apparent, 1}});
   if (on_hull_) {
     out.contrast = out.apparent;
   } else {
     // Of what is beyond the contrast is all that there is, and negative.
-    const Taken beyond = taken_by(sensor.classes, stored, classes, kContrast, contrast_quantity(1),
-                                  -1, through, band);
+    const Taken beyond = taken_by(sensor.classes, stored, classes, &RowTally::contrast_spectrum,
+                                  &RowTally::contrast, -1, through, band);
     out.contrast = change(
-        seen, {{apparent, 0, kApparentQuantity, 1}, {beyond, classes, contrast_quantity(1), -1}});
+        seen, {{apparent, 0, &RowTally::apparent, 1}, {beyond, classes, &RowTally::contrast, -1}});
   }
   out.emitted_w_sr = here.in_band;
   out.apparent_emitted_w_sr = seen.in_band;

@@ -7,7 +7,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/pass.h"
+#include "core/signature/trace_view.h"
 #include "core/signature/shading.h"
 #include "core/sources/view_sources.h"
 
@@ -63,14 +63,11 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
   std::vector<PathWeights> own;
   std::span<const PathWeights> weights = measured.weights;
   if (moved.scene || sources.geometry().sun != as_measured.geometry().sun) {
-    const PathTracer tracer(
-        scene.target, scene.carried_material(), *measured.view.aimed, sources.geometry(),
-        path_settings(measured.request.accuracy, measured.plan.effects,
-                      view_seed(measured.scene, measured.request) + kStoredStage,
-                      measured.plan.samples_per_replicate));
-    std::vector<double> no_image;
-    PathCounts counts;
-    own = tracer.trace({}, no_image, counts);
+    own = trace_view(scene, *measured.view.aimed, sources.geometry(),
+                     path_settings(measured.request.accuracy, measured.plan.effects,
+                                   view_seed(measured.scene, measured.request) + kStoredStage,
+                                   measured.plan.samples_per_replicate))
+              .weights;
     weights = own;
   }
 
@@ -82,7 +79,7 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
     surroundings.emplace(std::move(made));
   }
   std::vector<RowChange> out;
-  std::vector<std::vector<double>> values;
+  std::vector<RowTally> tally;
   for (std::size_t i = 0; i < measured.request.selected_condition.size(); ++i) {
     const std::uint32_t c = measured.request.selected_condition[i];
     ViewEnvironment moved_air;
@@ -105,16 +102,15 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
     const LitWeights lit(light, weights, parts);
     for (std::size_t b = 0; b < measured.request.selected_band.size(); ++b) {
       const BandOnAxis band = scene.axis.band(measured.request.selected_band[b]);
-      evaluate(light, parts, lit, scene.path_basis(), band,
+      tally_row(light, parts, lit, scene.path_basis(), band,
                source_table(light, scene.path_basis(), band.first_node, band.grid.band_weight),
-               false, values);
+               false, tally);
       const SignatureResult& row = measured.result.row[out.size()];
       ReplicateStatistics change(3);
-      for (std::size_t r = 0; r < values.size(); ++r)
-        change.add(
-            std::array{values[r][0] - row.replicate_w_sr[r],
-                       values[r][kApparentQuantity] - row.replicate_apparent_w_sr[r],
-                       values[r][contrast_quantity(parts)] - row.replicate_contrast_w_sr[r]});
+      for (std::size_t r = 0; r < tally.size(); ++r)
+        change.add(std::array{tally[r].total - row.replicate_w_sr[r],
+                              tally[r].apparent - row.replicate_apparent_w_sr[r],
+                              tally[r].contrast - row.replicate_contrast_w_sr[r]});
       out.push_back({change.estimate(0), change.estimate(1), change.estimate(2)});
     }
   }

@@ -14,7 +14,8 @@
 #include "core/signature/aim_at_bright.h"
 #include "core/signature/effect_bounds.h"
 #include "core/signature/in_sight.h"
-#include "core/signature/pass.h"
+#include "core/signature/measured_view.h"
+#include "core/signature/row_bounds/row_bounds.h"
 #include "core/signature/scene_hash.h"
 
 namespace irsig {
@@ -82,34 +83,35 @@ void carry_out(const EffectPlanner& planner, const ViewRequest& request, const T
 }
 
 // Of the silhouette, surely seen from behind.
-double backface_fraction_at_least(const Pass& pilot) {
-  const double share = pilot.backface_fraction();
-  const auto hits =
-      static_cast<double>(pilot.counts().silhouette_backface_hits + pilot.counts().target_paths);
+double backface_fraction_at_least(const MeasuredView& pilot) {
+  const double share = backface_fraction(pilot);
+  const PathCounts& counts = pilot.totals.counts;
+  const auto hits = static_cast<double>(counts.silhouette_backface_hits + counts.target_paths);
   return hits > 0 ? std::max(0.0, share - 4 * std::sqrt(share * (1 - share) / hits)) : 0;
 }
 
 // The samples that all rows of a pilot ask for, from its last two stages or, with n_before = 0,
 // from one alone: the error then falls as n^-0.5 at least.
-std::uint64_t samples_of_rows(const Pass& pilot, std::uint64_t n_before,
+std::uint64_t samples_of_rows(const MeasuredView& pilot, std::uint64_t n_before,
                               const std::vector<double>& before, std::uint64_t n) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
   constexpr int kLooks = 6;
   constexpr double kNearEnough = 1.02;
   std::uint64_t samples = 16;
-  for (std::size_t row = 0; row < pilot.rows(); ++row) {
+  for (std::size_t k = 0; k < pilot.row.size(); ++k) {
+    const Row& row = pilot.row[k];
+    const double wanted = stderr_wanted_w_sr(pilot, row);
     const auto needed = [&](double unseen) {
-      return samples_needed_with_unseen(n_before, n_before > 0 ? before[row] : 0, n,
-                                        pilot.statistics(row).estimate(0).stderr_, unseen,
-                                        pilot.error_wanted(row), kMost);
+      return samples_needed_with_unseen(n_before, n_before > 0 ? before[k] : 0, n,
+                                        row.estimate.total.stderr_, unseen, wanted, kMost);
     };
-    double unseen = pilot.unseen_error(row, n);
+    double unseen = undersampling_error_w_sr(pilot.setup, row, n);
     std::uint64_t of_row = needed(unseen);
     // It falls more slowly than 1 / n, since more samples divide what is bounded from what is met
     // elsewhere: so it is asked for where the run will be.
     for (int look = 0; look < kLooks && of_row > n && of_row < kMost; ++look) {
-      const double there =
-          pilot.unseen_error(row, of_row) * static_cast<double>(of_row) / static_cast<double>(n);
+      const double there = undersampling_error_w_sr(pilot.setup, row, of_row) *
+                           static_cast<double>(of_row) / static_cast<double>(n);
       if (there <= kNearEnough * unseen) break;
       unseen = there;
       of_row = needed(unseen);
@@ -119,18 +121,17 @@ std::uint64_t samples_of_rows(const Pass& pilot, std::uint64_t n_before,
   return samples;
 }
 
-std::vector<double> errors_of(const Pass& pilot) {
+std::vector<double> errors_of(const MeasuredView& pilot) {
   std::vector<double> out;
-  for (std::size_t row = 0; row < pilot.rows(); ++row)
-    out.push_back(pilot.statistics(row).estimate(0).stderr_);
+  for (const Row& row : pilot.row) out.push_back(row.estimate.total.stderr_);
   return out;
 }
 
 // Whether what a pilot cannot have met is small against the errors that are wanted: a scatter of 0
 // proves nothing where all that shines is a hot spot round the corner.
-bool saw_enough(const Pass& pilot, std::uint64_t n) {
-  for (std::size_t row = 0; row < pilot.rows(); ++row)
-    if (pilot.unseen_error(row, n) > pilot.goal_w_sr(row)) return false;
+bool saw_enough(const MeasuredView& pilot, std::uint64_t n) {
+  for (const Row& row : pilot.row)
+    if (undersampling_error_w_sr(pilot.setup, row, n) > goal_w_sr(pilot, row)) return false;
   return true;
 }
 
@@ -148,7 +149,7 @@ using Rare = std::function<bool(std::uint64_t n, std::uint64_t asked)>;
 // follows unless little more is asked for, and a third where the second still asks for much more:
 // rare bright paths are then seen often enough to be judged. `rare`, if there is one, is told
 // before that how many the second asks for, if they are many; true: the view is begun anew.
-std::optional<std::uint64_t> samples_for_goal(Pass& pilot, std::uint64_t n_first,
+std::optional<std::uint64_t> samples_for_goal(MeasuredView& pilot, std::uint64_t n_first,
                                               std::uint64_t most, std::uint64_t& pilot_rays,
                                               const Rare& rare) {
   std::uint64_t samples = samples_of_rows(pilot, 0, {}, n_first);
@@ -161,8 +162,8 @@ std::optional<std::uint64_t> samples_for_goal(Pass& pilot, std::uint64_t n_first
   std::uint64_t n_before = n_first, n = kSecondPilotSamples;
   for (std::uint64_t stage = kSecondPilotStage;; ++stage) {
     const std::vector<double> before = errors_of(pilot);
-    pilot.run(n, stage, Pass::Kind::kPilot);
-    pilot_rays += pilot.counts().rays;
+    run_view(pilot, n, stage, RunKind::kPilot);
+    pilot_rays += pilot.totals.counts.rays;
     samples = std::min(samples_of_rows(pilot, n_before, before, n), most + 1);
     if (!asked && samples > kRareSamples && rare(n, samples)) return std::nullopt;
     asked = true;
@@ -184,17 +185,17 @@ struct ForGoal {
 // for.
 std::optional<ForGoal> aim_at_bright(const PreparedScene& scene, const ViewRequest& request,
                                      const ViewPlan& plan, const PreparedView& view,
-                                     const Pass& pilot, const Pass::Rows& rows, std::uint64_t n,
+                                     const MeasuredView& pilot, const RowKeys& rows, std::uint64_t n,
                                      std::uint64_t asked, std::uint64_t& pilot_rays) {
-  const BrightFacets bright = choose_bright(scene.target, *view.aimed, pilot.brightness());
+  const BrightFacets bright = choose_bright(scene.target, *view.aimed, facet_brightness(pilot));
   if (bright.none()) return std::nullopt;
   AimedView aimed = make_aimed_view(scene.target, request.viewpoint, bright);
   PreparedView at_bright = view;
   at_bright.aimed = std::make_shared<const AimedView>(aimed);
-  Pass alone(scene, request, plan, std::make_shared<const PreparedView>(std::move(at_bright)), rows,
+  MeasuredView alone(scene, request, plan, std::make_shared<const PreparedView>(std::move(at_bright)), rows,
              view_seed(scene, request));
   const SharedOut shared = share_out(alone, pilot_rays);
-  const double rays = static_cast<double>(pilot.counts().rays) * static_cast<double>(asked) /
+  const double rays = static_cast<double>(pilot.totals.counts.rays) * static_cast<double>(asked) /
                       static_cast<double>(n);
   if (kWorthAiming * shared.rays > rays) return std::nullopt;
   aimed.bright.share = shared.share;
@@ -202,7 +203,7 @@ std::optional<ForGoal> aim_at_bright(const PreparedScene& scene, const ViewReque
 }
 
 ForGoal for_goal(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& pilot_plan,
-                 const PreparedView& view, Pass& pilot, const Pass::Rows& rows,
+                 const PreparedView& view, MeasuredView& pilot, const RowKeys& rows,
                  std::uint64_t n_first, std::uint64_t& pilot_rays) {
   std::optional<ForGoal> aimed;
   const auto samples = samples_for_goal(pilot, n_first, request.accuracy.max_samples_per_replicate,
@@ -215,11 +216,11 @@ ForGoal for_goal(const PreparedScene& scene, const ViewRequest& request, const V
 }
 
 // Hits are counted with the strata in the proportion that the stored run has.
-absl::Status count_target_paths(Pass& pilot, const AccuracySpec& accuracy, ViewPlan& plan) {
-  pilot.run(kSecondPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
-  plan.pilot_rays += pilot.counts().rays;
+absl::Status count_target_paths(MeasuredView& pilot, const AccuracySpec& accuracy, ViewPlan& plan) {
+  run_view(pilot, kSecondPilotSamples, kFirstPilotStage, RunKind::kPilot);
+  plan.pilot_rays += pilot.totals.counts.rays;
   const double per_sample =
-      static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecondPilotSamples);
+      static_cast<double>(pilot.totals.counts.target_paths) / static_cast<double>(kSecondPilotSamples);
   if (per_sample == 0)
     return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
   const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
@@ -312,12 +313,12 @@ absl::Status check_forced(const std::vector<RowBounds>& rows, const EffectPlanne
 }
 
 // After the first number of reflections at which what is still under way hardly matters.
-void leave_out_late_reflections(Pass& pilot, EffectPlanner& planner, ViewPlan& plan) {
+void leave_out_late_reflections(MeasuredView& pilot, EffectPlanner& planner, ViewPlan& plan) {
   for (std::uint32_t n = 1; n < plan.effects.max_reflections; ++n) {
     std::vector<RowBounds::Bound> bounds;
-    for (std::size_t row = 0; row < pilot.rows(); ++row) {
+    for (const Row& row : pilot.row) {
       const double bound =
-          pilot.beyond_limit_m2(n) * pilot.brightest_w_m2_sr(row) / kOfLaterReflections;
+          beyond_limit_m2(pilot, n) * row.brightest_w_m2_sr / kOfLaterReflections;
       bounds.push_back({false, bound, bound, bound});
     }
     EffectPlanner trial = planner;
@@ -383,7 +384,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   const bool automatic = request.effects.mode == EffectChoice::Mode::kAuto && goal;
   const bool forced_off = request.effects.mode == EffectChoice::Mode::kOnly;
   const std::size_t bands = scene.axis.bands();
-  const Pass::Rows all{all_of(request.condition.size()), all_of(bands)};
+  const RowKeys all{all_of(request.condition.size()), all_of(bands)};
   std::shared_ptr<const AimedView> aimed;
   if (goal || accuracy.target_paths > 0 || forced_off)
     aimed = std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint));
@@ -402,7 +403,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
 
   // What is left out follows from a pilot of the emission alone, unless nothing could be.
   const std::uint64_t emission_size = emission_samples(accuracy.relative_error);
-  std::optional<Pass> emission;
+  std::optional<MeasuredView> emission;
   std::shared_ptr<const PreparedView> emission_view;
   EffectSet without_reflections = plan.effects;
   without_reflections.max_reflections = 0;
@@ -420,8 +421,8 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     emission_view = std::make_shared<const PreparedView>(
         PreparedView{aimed, surroundings.without_light(), without_reflections, unseen});
     emission.emplace(scene, request, emission_plan, emission_view, all, seed);
-    emission->run(emission_size, kEmissionStage, Pass::Kind::kPilot);
-    plan.pilot_rays += emission->counts().rays;
+    run_view(*emission, emission_size, kEmissionStage, RunKind::kPilot);
+    plan.pilot_rays += emission->totals.counts.rays;
     rows = effect_bounds(scene, request, limits_of(*emission), unseen.get(), surroundings);
   }
   if (request.max_reflections == 0) take_out_reflections(rows);
@@ -461,13 +462,13 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
                                     ? see_planned(request, rows, bands, surroundings, planner, plan)
                                     : surroundings.evaluate(all.condition, plan.effects));
     view = prepared(std::move(seen));
-    Pass pilot(scene, request, plan, view, all, seed);
+    MeasuredView pilot(scene, request, plan, view, all, seed);
     if (!goal) {
       RETURN_IF_ERROR(count_target_paths(pilot, accuracy, plan));
       return MadePlan{std::move(plan), std::move(view)};
     }
-    pilot.run(kFirstPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
-    plan.pilot_rays += pilot.counts().rays;
+    run_view(pilot, kFirstPilotSamples, kFirstPilotStage, RunKind::kPilot);
+    plan.pilot_rays += pilot.totals.counts.rays;
     if (automatic && !decided) {
       // The bounds are for the ledger, and for what late reflections may take.
       rows = effect_bounds(scene, request, limits_of(pilot), unseen.get(), surroundings);

@@ -6,7 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/signature/gas_rows.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/pass.h"
+#include "core/signature/measured_view.h"
 #include "core/signature/view_pictures.h"
 
 namespace irsig {
@@ -190,41 +190,38 @@ void add_gas(const GasRow& gas, SignatureResult& r) {
   }
 }
 
+SpectralEstimate spectral(const std::vector<Estimate>& of_bins, const SpectralSet& modes) {
+  SpectralEstimate out;
+  for (const Estimate& e : of_bins) {
+    out.value.push_back(e.value);
+    out.stderr_.push_back(e.stderr_);
+  }
+  out.modes = modes;
+  return out;
+}
+
 // All of a row but its picture. gas: null without.
-SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& scene,
+SignatureResult row_of(const MeasuredView& view, const Row& row, const PreparedScene& scene,
                        const ViewRequest& request, const ViewPlan& plan, const GasRow* gas) {
   SignatureResult r;
-  r.condition = pass.condition_of(row);
-  r.band = pass.band_of(row);
-  const BandOnAxis band = scene.axis.band(r.band);
-  const BandGrid& grid = band.grid;
-  const std::size_t bins = grid.lambda_um.size(), parts = scene.target.part.size();
-  const ReplicateStatistics& s = pass.statistics(row);
-  std::size_t q = 0;
-  r.intensity_w_sr = s.estimate(q++);
-  for (Estimate& cause : r.cause_w_sr) cause = s.estimate(q++);
-  r.apparent_intensity_w_sr = s.estimate(q++);
-  r.projected_area_m2 = s.estimate(q++);
-  for (std::size_t p = 0; p < parts; ++p) r.part_w_sr.push_back(s.estimate(q++));
-  r.contrast_intensity_w_sr = s.estimate(q++);
-  r.background_radiance_w_m2_sr = s.estimate(q++);
-  const auto spectrum = [&](SpectralEstimate& e) {
-    for (std::size_t k = 0; k < bins; ++k, ++q) {
-      e.value.push_back(s.estimate(q).value);
-      e.stderr_.push_back(s.estimate(q).stderr_);
-    }
-  };
-  spectrum(r.spectral);
-  for (SpectralEstimate& cause : r.spectral_cause) spectrum(cause);
-  spectrum(r.apparent_spectral);
-  spectrum(r.contrast_spectral);
-  spectrum(r.background_spectral);
-  r.spectral.modes = pass.modes(row, Pass::Replicated::kSource);
-  r.apparent_spectral.modes = pass.modes(row, Pass::Replicated::kApparent);
-  r.contrast_spectral.modes = pass.modes(row, Pass::Replicated::kContrast);
-  add_path(pass.light(row).environment(), band, pass.background_model_w_sr(row), r);
+  r.condition = row.condition;
+  r.band = row.band;
+  const RowEstimate& e = row.estimate;
+  r.intensity_w_sr = e.total;
+  std::copy(e.cause.begin(), e.cause.end(), r.cause_w_sr);
+  r.apparent_intensity_w_sr = e.apparent;
+  r.projected_area_m2 = e.projected_area_m2;
+  r.part_w_sr = e.part;
+  r.contrast_intensity_w_sr = e.contrast;
+  r.background_radiance_w_m2_sr = e.background;
+  r.spectral = spectral(e.total_spectrum, row.modes_of(Intensity::kSource));
+  for (std::size_t c = 0; c < kCauses; ++c) r.spectral_cause[c] = spectral(e.cause_spectrum[c], {});
+  r.apparent_spectral = spectral(e.apparent_spectrum, row.modes_of(Intensity::kApparent));
+  r.contrast_spectral = spectral(e.contrast_spectrum, row.modes_of(Intensity::kContrast));
+  r.background_spectral = spectral(e.background_spectrum, {});
+  add_path(row.light->environment(), row.on_axis, row.background_model_w_sr, r);
 
-  auto [source, apparent, contrast] = pass.measured(row);
+  auto [source, apparent, contrast] = measured(view, row);
   if (gas != nullptr) {
     add_gas(gas->source, gas->omitted.source, source);
     add_gas(gas->apparent, gas->omitted.apparent, apparent);
@@ -250,38 +247,38 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.contrast_numerical_error_w_sr = contrast.numerical_error();
   if (r.projected_area_m2.value > 0)
     r.apparent_temperature_k = apparent_temperature_k(
-        scene.band[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);
-  r.backface_fraction = pass.backface_fraction();
+        scene.band[r.band], row.on_axis.grid, r.intensity_w_sr.value / r.projected_area_m2.value);
+  r.backface_fraction = backface_fraction(view);
   if (request.accuracy.relative_error <= 0)
     r.stop_reason = StopReason::kFixedSamples;
   else if (r.numerical_error_w_sr <= request.accuracy.relative_error * std::abs(source.value) ||
-           (source.value == 0 && r.numerical_error_w_sr <= pass.goal_w_sr(row)))
+           (source.value == 0 && r.numerical_error_w_sr <= goal_w_sr(view, row)))
     r.stop_reason = StopReason::kTargetReached;
-  else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
+  else if (r.numerical_error_w_sr <= goal_w_sr(view, row))
     r.stop_reason = StopReason::kFloorReached;
   else
     r.stop_reason = plan.limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
-  r.absolute_floor_w_sr = pass.absolute_floor_w_sr(row);
+  r.absolute_floor_w_sr = absolute_floor_w_sr(view, row);
   r.reflections = plan.effects.max_reflections;
-  r.energy = pass.energy(row);
-  r.effect = plan.ledger[r.condition * scene.axis.bands() + r.band];
+  r.energy = view.totals.energy[(static_cast<std::size_t>(&row - view.row.data())) % view.setup.keys.band.size()];
+  r.effect = plan.ledger[row.planned];
   add_shares(r);
   estimate_times(
-      pass.counts(),
-      r.projected_area_m2.value > 0 ? pass.beyond_m2(0).value / r.projected_area_m2.value : 0,
+      view.totals.counts,
+      r.projected_area_m2.value > 0 ? view.totals.beyond.estimate(0).value / r.projected_area_m2.value : 0,
       request.environment != nullptr, r.effect);
-  r.replicate_w_sr = pass.replicates(row, Pass::Replicated::kSource);
-  r.replicate_apparent_w_sr = pass.replicates(row, Pass::Replicated::kApparent);
-  r.replicate_contrast_w_sr = pass.replicates(row, Pass::Replicated::kContrast);
+  r.replicate_w_sr = row.replicates(Intensity::kSource);
+  r.replicate_apparent_w_sr = row.replicates(Intensity::kApparent);
+  r.replicate_contrast_w_sr = row.replicates(Intensity::kContrast);
   if (gas != nullptr) add_gas(*gas, r);
   return r;
 }
 
 // The pictures' sizes, and of each row its picture: the target's, and what hot gas changes of it.
-void add_pictures(const Pass& pass, const PictureFrame& frame,
+void add_pictures(const MeasuredView& view, const PictureFrame& frame,
                   const std::vector<std::optional<GasRow>>& gas, const ViewRequest& request,
                   ViewResult& out) {
-  const ImagePlan& image = pass.image_plan();
+  const ImagePlan& image = view.totals.image_plan;
   out.image_width_px = frame.width_px;
   out.image_height_px = frame.height_px;
   if (image.empty()) return;
@@ -295,7 +292,7 @@ void add_pictures(const Pass& pass, const PictureFrame& frame,
   const std::size_t pixels = static_cast<std::size_t>(frame.width_px) * frame.height_px;
   for (std::size_t row = 0; row < out.row.size(); ++row)
     for (std::size_t i = 0; i < pixels; ++i) {
-      double sum = pass.image()[i * image.padded + row];
+      double sum = view.totals.image[i * image.padded + row];
       if (!gas.empty() && gas[row] && !gas[row]->picture_w_sr.empty())
         sum += gas[row]->picture_w_sr[i];
       out.row[row].image_w_m2_sr.push_back(static_cast<float>(scale * sum));
@@ -329,29 +326,30 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   const PictureFrame pictures = picture_frame(scene.target, view->aimed->frame, request);
   ASSIGN_OR_RETURN(const auto gas, gas_rows(scene, request, plan, view, pictures));
   const std::uint64_t seed = view_seed(scene, request);
-  Pass pass(scene, request, plan, std::move(view),
-            {request.selected_condition, request.selected_band}, seed);
-  pass.run(plan.samples_per_replicate, kStoredStage, Pass::Kind::kStored, pictures, paths);
+  MeasuredView measured(scene, request, plan, std::move(view),
+                        {request.selected_condition, request.selected_band}, seed);
+  run_view(measured, plan.samples_per_replicate, kStoredStage, RunKind::kStored, pictures, paths);
+  const PathCounts& counts = measured.totals.counts;
 
   ViewResult out;
-  out.samples = pass.counts().samples;
-  out.target_paths = pass.counts().target_paths;
-  out.rays = pass.counts().rays + plan.pilot_rays;
+  out.samples = counts.samples;
+  out.target_paths = counts.target_paths;
+  out.rays = counts.rays + plan.pilot_rays;
   out.replicates = request.accuracy.replicates;
   out.samples_per_replicate = plan.samples_per_replicate;
-  out.guarded_backface_hits = pass.counts().guarded_backface_hits;
-  out.silhouette_backface_hits = pass.counts().silhouette_backface_hits;
-  out.guarded_nonfinite = pass.counts().guarded_nonfinite;
-  out.guarded_negative = pass.counts().guarded_negative;
-  out.unknown_seen = pass.unknown_seen();
-  out.truncated_paths = pass.counts().truncated_paths;
+  out.guarded_backface_hits = counts.guarded_backface_hits;
+  out.silhouette_backface_hits = counts.silhouette_backface_hits;
+  out.guarded_nonfinite = counts.guarded_nonfinite;
+  out.guarded_negative = counts.guarded_negative;
+  out.unknown_seen = measured.totals.unknown_seen;
+  out.truncated_paths = counts.truncated_paths;
   out.seed = seed;
-  for (std::size_t row = 0; row < pass.rows(); ++row)
+  for (std::size_t row = 0; row < measured.row.size(); ++row)
     out.row.push_back(
-        row_of(pass, row, scene, request, plan, gas.empty() || !gas[row] ? nullptr : &*gas[row]));
+        row_of(measured, measured.row[row], scene, request, plan, gas.empty() || !gas[row] ? nullptr : &*gas[row]));
   for (const std::optional<GasRow>& of_row : gas)
-    if (of_row) out.rays = std::max(out.rays, pass.counts().rays + plan.pilot_rays + of_row->rays);
-  add_pictures(pass, pictures, gas, request, out);
+    if (of_row) out.rays = std::max(out.rays, counts.rays + plan.pilot_rays + of_row->rays);
+  add_pictures(measured, pictures, gas, request, out);
   return out;
 }
 

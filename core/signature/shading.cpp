@@ -23,10 +23,6 @@ double over(SourceRange range, const std::vector<double>& entry, const SourceTab
   return sum;
 }
 
-std::size_t quantities(std::size_t parts, const BandGrid& grid, bool spectra) {
-  return spectrum_quantity(parts) + (spectra ? (4 + kCauses) * grid.lambda_um.size() : 0);
-}
-
 // a += factor x b: each element by itself, the same bits however many at once.
 IRSIG_CLONES void add_scaled(double factor, const double* b, std::size_t n, double* a) {
   for (std::size_t i = 0; i < n; ++i) a[i] += factor * b[i];
@@ -129,14 +125,10 @@ void add_around(const ConditionSources& light, const LitWeights& weights,
 // Total, causes, apparent, contrast and background on the stored wavelengths, source by source:
 // each spectrum is gone through once for all replicates.
 void add_spectra(const ConditionSources& light, const LitWeights& weights,
-                 const SpectralBasis* basis, const BandOnAxis& band, std::size_t first,
-                 std::vector<std::vector<double>>& values) {
+                 const SpectralBasis* basis, const BandOnAxis& band,
+                 std::vector<RowTally>& tally) {
   const BandGrid& grid = band.grid;
   const std::size_t bins = grid.lambda_um.size();
-  const auto spectrum = [&](std::size_t replicate, std::size_t which) {
-    return values[replicate].data() + first + which * bins;
-  };
-  constexpr std::size_t kApparent = 1 + kCauses, kContrast = 2 + kCauses, kBackground = 3 + kCauses;
   BinRows source(basis, band), apparent(basis, band);
   const auto causes = light.causes();
   const SourceLayout& layout = light.layout();
@@ -145,35 +137,36 @@ void add_spectra(const ConditionSources& light, const LitWeights& weights,
       if (layout.around().contains(SourceId{piece.first})) {
         add_around(
             light, weights, basis, band, piece.first == layout.sky().first,
-            [&](std::size_t r) { return spectrum(r, 1 + c); },
-            [&](std::size_t r) { return spectrum(r, kApparent); });
+            [&](std::size_t r) { return tally[r].cause_spectrum[c].data(); },
+            [&](std::size_t r) { return tally[r].apparent_spectrum.data(); });
         continue;
       }
       for (const SourceId id : piece) {
         source.set(light.radiance(id));
         apparent.set(light.apparent(id));
         for (std::size_t r = 0; r < weights.replicates(); ++r) {
-          source.add_to(weights.sum(r).row(id), spectrum(r, 1 + c));
-          apparent.add_to(weights.sum(r).row(id), spectrum(r, kApparent));
+          source.add_to(weights.sum(r).row(id), tally[r].cause_spectrum[c].data());
+          apparent.add_to(weights.sum(r).row(id), tally[r].apparent_spectrum.data());
         }
       }
     }
   for (const SourceId id : layout.behind()) {
     apparent.set(light.apparent(id));
     for (std::size_t r = 0; r < weights.replicates(); ++r)
-      apparent.add_to(weights.sum(r).row(id), spectrum(r, kBackground));
+      apparent.add_to(weights.sum(r).row(id), tally[r].background_spectrum.data());
   }
   for (std::size_t bin = 0; bin < bins; ++bin) {
     double path = 0;
     for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i)
       path += grid.bin_weight[i] * light.environment().path_radiance[band.first_node + i];
     for (std::size_t r = 0; r < weights.replicates(); ++r) {
-      const double area = weights.area_m2(r), seen = spectrum(r, kApparent)[bin],
-                   instead = spectrum(r, kBackground)[bin];
-      for (std::size_t c = 0; c < kCauses; ++c) spectrum(r, 0)[bin] += spectrum(r, 1 + c)[bin];
-      spectrum(r, kApparent)[bin] = seen + area * path;
-      spectrum(r, kContrast)[bin] = seen - instead;
-      spectrum(r, kBackground)[bin] = area > 0 ? instead / area + path : path;
+      RowTally& of = tally[r];
+      const double area = weights.area_m2(r), seen = of.apparent_spectrum[bin],
+                   instead = of.background_spectrum[bin];
+      for (std::size_t c = 0; c < kCauses; ++c) of.total_spectrum[bin] += of.cause_spectrum[c][bin];
+      of.apparent_spectrum[bin] = seen + area * path;
+      of.contrast_spectrum[bin] = seen - instead;
+      of.background_spectrum[bin] = area > 0 ? instead / area + path : path;
     }
   }
 }
@@ -332,50 +325,47 @@ double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sum
   return sum;
 }
 
-void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
-              const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
-              bool stored, std::vector<std::vector<double>>& values) {
+void tally_row(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
+               const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
+               bool spectra, std::vector<RowTally>& tally) {
   const BandGrid& grid = band.grid;
   const std::vector<double>& path_radiance = light.environment().path_radiance;
   const SourceLayout& layout = light.layout();
-  values.assign(weights.replicates(), std::vector<double>(quantities(parts, grid, stored), 0.0));
+  tally.resize(weights.replicates());
   const auto causes = light.causes();
-  const std::size_t at_contrast = contrast_quantity(parts);
   double path = 0;
   for (std::size_t i = 0; i < band.nodes(); ++i)
     path += grid.band_weight[i] * path_radiance[band.first_node + i];
   count_work(Work::kShadedWeights, weights.replicates() * whole.source.size());
   for (std::size_t r = 0; r < weights.replicates(); ++r) {
     const SummedWeights& sum = weights.sum(r);
-    double* out = values[r].data();
+    RowTally& out = tally[r];
+    out.reset(parts, spectra ? grid.lambda_um.size() : 0);
     double seen = 0;
     for (std::size_t c = 0; c < kCauses; ++c) {
       for (const SourceRange& piece : causes[c]) {
-        out[1 + c] += over(piece, whole.source, whole, sum);
+        out.cause[c] += over(piece, whole.source, whole, sum);
         seen += over(piece, whole.apparent, whole, sum);
       }
-      out[0] += out[1 + c];
+      out.total += out.cause[c];
     }
     const double instead = over(layout.behind(), whole.apparent, whole, sum);
     const double area = weights.area_m2(r);
-    out[kApparentQuantity] = seen + area * path;
-    out[kAreaQuantity] = area;
-    out[at_contrast] = seen - instead;
-    out[at_contrast + 1] = area > 0 ? instead / area + path : path;
-    for (std::uint32_t p = 0; stored && p < parts; ++p) {
+    out.apparent = seen + area * path;
+    out.projected_area_m2 = area;
+    out.contrast = seen - instead;
+    out.background = area > 0 ? instead / area + path : path;
+    for (std::uint32_t p = 0; spectra && p < parts; ++p) {
       if (whole.columns == weights.weight(r).columns()) {
-        out[part_quantity(p)] =
-            weights.weight(r).dot(p, layout.of_intensity(), whole.source.data());
+        out.part[p] = weights.weight(r).dot(p, layout.of_intensity(), whole.source.data());
         continue;
       }
-      double of_part = 0;
       weights.weight(r).for_each(p, layout.of_intensity(), [&](SourceId id, const double* w) {
-        of_part += ordered_dot(whole.row(id), w + whole.first_column, whole.columns);
+        out.part[p] += ordered_dot(whole.row(id), w + whole.first_column, whole.columns);
       });
-      out[part_quantity(p)] = of_part;
     }
   }
-  if (stored) add_spectra(light, weights, basis, band, spectrum_quantity(parts), values);
+  if (spectra) add_spectra(light, weights, basis, band, tally);
 }
 
 double interpolation_w_sr(const SourceTable& table, SourceRange nodes, const SourceLayout& layout,

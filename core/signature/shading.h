@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/signature/row_tally.h"
 #include "core/sources/condition_sources.h"
 #include "core/sources/source_weights.h"
 #include "core/transport/path_tracer.h"
@@ -64,28 +65,14 @@ class LitWeights {
 [[nodiscard]] SummedWeights summed_light(const ConditionSources& light,
                                          const SourceWeights& weights, std::size_t parts);
 
-// Everything that is stored of one band, for each replicate. In-band: total; the kCauses; apparent;
-// projected area; parts; contrast; background radiance. On the stored wavelengths: the total, each
-// cause, apparent, contrast, background radiance. values[replicate][quantity]. Not `stored`, for
-// pilots: no spectra, and the parts are 0.
-// `whole`: source_table() over the band.
-// `parts`: how many parts can be seen first.
-void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
-              const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
-              bool stored, std::vector<std::vector<double>>& values);
-
-// Where evaluate() puts some of them.
-inline constexpr std::size_t kEmittedQuantity = 1, kApparentQuantity = 1 + kCauses,
-                             kAreaQuantity = 2 + kCauses;
-[[nodiscard]] constexpr std::size_t part_quantity(std::size_t part) {
-  return kAreaQuantity + 1 + part;
-}
-[[nodiscard]] constexpr std::size_t contrast_quantity(std::size_t parts) {
-  return part_quantity(parts);
-}
-[[nodiscard]] constexpr std::size_t spectrum_quantity(std::size_t parts) {
-  return contrast_quantity(parts) + 2;
-}
+// Computes everything that is stored of one band, for each replicate.
+//   parts    how many parts can be seen first
+//   whole    source_table() over the band
+//   spectra  false, for pilots: no spectra, and 0 for each part
+//   tally    [replicate] set
+void tally_row(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
+               const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
+               bool spectra, std::vector<RowTally>& tally);
 
 // The weights themselves, as means over the nodes: of what the target absorbs, of sky, of what lies
 // below the horizon. `unit`: of unit_table().

@@ -56,7 +56,7 @@ PathSettings ViewEstimator::settings(const EstimatorOptions& knobs) const {
   PathSettings out;
   out.max_reflections = knobs.max_reflections;
   out.replicates = knobs.replicates;
-  out.split = knobs.wide_roulette ? 2 : 1;  // as core/signature/pass.cpp has it
+  out.split = knobs.wide_roulette ? 2 : 1;  // as core/signature/trace_view.cpp has it
   out.roulette_survival_scale = knobs.wide_roulette ? 2 : 1;
   out.hot_lights = out.sun_disk_by_chance = knobs.hot_parts;
   out.pseudo_random = knobs.pseudo_random;
@@ -94,7 +94,7 @@ void ViewEstimator::trace_together(std::span<const ViewRow> rows, const PathSett
   const std::vector<PathWeights> weights = tracer.trace({}, no_image, counts);
   const std::size_t parts = target.part.size();
   const SpectralBasis* basis = simulator_.scene().path_basis();
-  std::vector<std::vector<double>> values;
+  std::vector<RowTally> tally;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ViewRow& row = rows[i];
     const BandOnAxis band = simulator_.scene().axis.band(row.band);
@@ -102,22 +102,18 @@ void ViewEstimator::trace_together(std::span<const ViewRow> rows, const PathSett
     const LitWeights lit(sources.wanted(i), weights, parts);
     const SourceTable whole =
         source_table(sources.wanted(i), basis, band.first_node, grid.band_weight);
-    evaluate(sources.wanted(i), parts, lit, basis, band, whole, true, values);
-    ReplicateStatistics s(values.front().size());
-    for (const auto& of_replicate : values) s.add(of_replicate);
-    const std::size_t spectrum = spectrum_quantity(parts);
-    out.intensity_w_sr.push_back(s.estimate(0));
-    out.emitted_w_sr.push_back(s.estimate(kEmittedQuantity));
-    out.projected_area_m2.push_back(s.estimate(kAreaQuantity));
-    out.apparent_intensity_w_sr.push_back(s.estimate(kApparentQuantity));
-    RowValue value{out.intensity_w_sr.back().value,
-                   out.emitted_w_sr.back().value,
-                   out.projected_area_m2.back().value,
-                   {}};
+    tally_row(sources.wanted(i), parts, lit, basis, band, whole, true, tally);
+    const RowEstimate e = estimates_of(tally);
+    const Estimate emitted = e.cause[static_cast<std::size_t>(Cause::kEmitted)];
+    out.intensity_w_sr.push_back(e.total);
+    out.emitted_w_sr.push_back(emitted);
+    out.projected_area_m2.push_back(e.projected_area_m2);
+    out.apparent_intensity_w_sr.push_back(e.apparent);
+    RowValue value{e.total.value, emitted.value, e.projected_area_m2.value, {}};
     std::vector<double>& spectral_stderr = out.spectral_stderr_w_sr_um.emplace_back();
-    for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
-      value.spectral_w_sr_um.push_back(s.estimate(spectrum + k).value);
-      spectral_stderr.push_back(s.estimate(spectrum + k).stderr_);
+    for (const Estimate& of_bin : e.total_spectrum) {
+      value.spectral_w_sr_um.push_back(of_bin.value);
+      spectral_stderr.push_back(of_bin.stderr_);
     }
     out.row.push_back(std::move(value));
   }

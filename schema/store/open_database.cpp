@@ -263,7 +263,7 @@ absl::Status end_write_ahead(WritableDatabase& written) {
   {
     // All that is committed is in the file before anything says so.
     ASSIGN_OR_RETURN(Rows row, database.query("PRAGMA wal_checkpoint(FULL)"));
-    ASSIGN_OR_RETURN(const bool told, row.next());
+    RETURN_IF_ERROR(row.next().status());
     const bool busy = row.integer() != 0;
     const std::int64_t frames = row.integer();
     if (busy || row.integer() != frames)

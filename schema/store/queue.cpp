@@ -95,7 +95,7 @@ absl::StatusOr<std::optional<QueuedJob>> lease_next_job(Database& database,
                    database.integer(sql::insert_attempt, *job_id, worker_id, now_s));
   IRSIG_STORE_TRY(database.run(sql::set_job_state, *job_id, static_cast<int>(JobState::kLeased)));
   ASSIGN_OR_RETURN(QueuedJob job, queued_job(database, *job_id, static_cast<std::uint64_t>(token)));
-  return std::move(job);
+  return job;
 }
 
 absl::StatusOr<LeasedJob> leased_job(Database& database, std::uint64_t fencing_token) {

@@ -304,7 +304,7 @@ class SweepUpdate {
  private:
   absl::Status check_shard() {
     ASSIGN_OR_RETURN(Rows row, database_.query(sql::resolved_sweep_by_id, sweep_id_));
-    ASSIGN_OR_RETURN(const bool found, row.next());
+    RETURN_IF_ERROR(row.next().status());
     schema::ResolvedSweep stored;
     if (!stored.ParseFromString(row.text()))
       return absl::DataLossError(

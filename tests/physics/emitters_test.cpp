@@ -136,12 +136,17 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
                                .emitters = std::make_shared<const Emitters>(around.emitters)},
                               EffectSet::everything(1, 3), environments, axis.node_um());
     const LitWeights lit(sources.wanted(0), weights, 2);
-    std::vector<std::vector<double>> values;
+    std::vector<RowTally> tally;
     const SpectralBasis* basis = simulator->scene().path_basis();
     const BandOnAxis band = axis.band(0);
-    evaluate(sources.wanted(0), 2, lit, basis, band,
-             source_table(sources.wanted(0), basis, band.first_node, band.grid.band_weight), true,
-             values);
+    tally_row(sources.wanted(0), 2, lit, basis, band,
+              source_table(sources.wanted(0), basis, band.first_node, band.grid.band_weight), true,
+              tally);
+    std::vector<std::vector<double>> values;
+    for (const RowTally& of_replicate : tally) {
+      values.emplace_back();
+      of_replicate.for_each([&](double x) { values.back().push_back(x); });
+    }
     return values;
   };
   const auto of_parts = values_of(by_part, a), of_elements = values_of(by_element, b);

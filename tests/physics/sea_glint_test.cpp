@@ -11,7 +11,7 @@
 #include <numbers>
 
 #include "core/environment/sea_surface.h"
-#include "core/signature/pass.h"
+#include "core/signature/measured_view.h"
 #include "scene_fixture.h"
 
 namespace irsig {
@@ -94,11 +94,10 @@ Lit lit_by_glitter(bool roofed, double elevation_deg, double wind_m_s) {
   const auto view = std::make_shared<const PreparedView>(PreparedView{
       std::make_shared<const AimedView>(make_aimed_view(simulator->target(), r.viewpoint)),
       environments, plan.effects});
-  Pass pass(simulator->scene(), r, plan, view, {{0}, {0}}, 5);
-  pass.run(1u << 13, 1, Pass::Kind::kStored);
-  const ReplicateStatistics& s = pass.statistics(0);
-  // In-band: total, emitted, sun, sky, sea, parts, apparent, area, the parts.
-  return {s.estimate(4), s.estimate(6), s.estimate(8)};
+  MeasuredView measured(simulator->scene(), r, plan, view, {{0}, {0}}, 5);
+  run_view(measured, 1u << 13, 1, RunKind::kStored);
+  const RowEstimate& e = measured.row[0].estimate;
+  return {e.cause[static_cast<std::size_t>(Cause::kSeaReflected)], e.apparent, e.part[0]};
 }
 
 TEST(SeaGlint, LightsAPlate) {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/signature/pass.h"
+#include "core/signature/measured_view.h"
 #include "core/spectral/planck.h"
 #include "scene_fixture.h"
 
@@ -59,10 +59,11 @@ struct Fake {
     const auto view = std::make_shared<const PreparedView>(PreparedView{
         std::make_shared<const AimedView>(make_aimed_view(simulator->target(), request.viewpoint)),
         environments, plan.effects});
-    Pass pass(simulator->scene(), request, plan, view, {{0}, {0}}, 7);
-    pass.run(samples, 1, Pass::Kind::kStored);
+    MeasuredView measured(simulator->scene(), request, plan, view, {{0}, {0}}, 7);
+    run_view(measured, samples, 1, RunKind::kStored);
     std::vector<Estimate> out;
-    for (std::size_t q = 0; q < 11; ++q) out.push_back(pass.statistics(0).estimate(q));
+    measured.row[0].estimate.for_each([&](const Estimate& e) { out.push_back(e); });
+    out.resize(11);
     return out;
   }
 };

@@ -88,7 +88,7 @@ std::string printed(const std::array<double, 12>& m) {
 }
 
 absl::StatusOr<FloatGrid::Ptr> read_grid(VdbArchive& archive, const std::string& name) {
-  ASSIGN_OR_RETURN(const VdbArchive::Entry* found, find(archive, name));
+  ASSIGN_OR_RETURN(VdbArchive::Entry * found, find(archive, name));
   VdbArchive::Entry& entry = *found;
   if (!entry.grid->isType<FloatGrid>())
     return refuse(fmt::format("grid {} is of {} ({}), expected float in the standard tree",

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/accuracy/measured.h"
+#include "core/signature/result.h"
+#include "core/signature/trace_view.h"
+#include "core/signature/view_pictures.h"
+#include "core/signature/view_setup.h"
+
+namespace irsig {
+
+// What the last run of a view gave for all rows together.
+struct RunTotals {
+  std::uint64_t samples = 0;  // of each replicate
+  PathCounts counts;
+  std::optional<UnknownSeen> unknown_seen;  // an emitter of unknown temperature that paths met
+  // Throughput that goes on after N - 2 s, N - s and N reflections (PathWeights::beyond_m2).
+  std::array<double, 3> beyond_m2{};
+  ReplicateStatistics beyond;                          // [number of reflections]
+  double front_area_m2 = 0, back_area_m2 = 0;          // of the silhouette, means over replicates
+  std::vector<EnergyLedger> energy;                    // [band]; empty in pilots
+  ImagePlan image_plan;
+  std::vector<double> image;
+};
+
+// MeasuredView is a view with its rows, as the last run measured them. Pilots and the stored run
+// are runs of the same view.
+struct MeasuredView {
+  MeasuredView(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+               std::shared_ptr<const PreparedView> view, RowKeys keys, std::uint64_t seed)
+      : setup(scene, request, plan, std::move(view), std::move(keys), seed),
+        row(rows_of(setup, request)) {}
+
+  ViewSetup setup;
+  std::vector<Row> row;  // conditions x bands
+  RunTotals totals;
+
+  // What the plan has come to state since.
+  void leave_out(std::vector<RowBounds::Bound> omitted) { setup.plan.omitted = std::move(omitted); }
+  void cut_reflections(std::uint32_t most) { setup.plan.effects.max_reflections = most; }
+};
+
+// A pilot has in-band numbers only.
+enum class RunKind : std::uint8_t { kPilot, kStored };
+
+// Traces all replicates of a view afresh.
+//   stage  of the view's random numbers
+//   kept   gets the weights of the paths, unless it is null
+void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, RunKind kind,
+              const PictureFrame& pictures = {}, std::vector<PathWeights>* kept = nullptr);
+// Runs a pilot of one stratum alone: of what is seen in it.
+void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t samples,
+                 std::uint64_t stage);
+
+// A row's three intensities with their errors and bounds; pilots are without those of the air and
+// of the background. Reflections that the plan leaves out are `omitted`, those that the request
+// does not allow `truncation`. [W/sr]
+struct MeasuredIntensities {
+  Measured source, apparent, contrast;
+};
+[[nodiscard]] MeasuredIntensities measured(const MeasuredView& view, const Row& row);
+
+// Fraction of the silhouette that primary rays met from behind on one-sided facets, which emit
+// nothing there.
+[[nodiscard]] double backface_fraction(const MeasuredView& view);
+
+// The error that the request wants of a row: relative to its value, the absolute floor, and the
+// larger of both. [W/sr]
+[[nodiscard]] double relative_goal_w_sr(const MeasuredView& view, const Row& row);
+[[nodiscard]] double absolute_floor_w_sr(const MeasuredView& view, const Row& row);
+[[nodiscard]] double goal_w_sr(const MeasuredView& view, const Row& row);
+// The standard error that a row may keep, besides its lasting bounds, for its numerical error to
+// reach its goal. [W/sr]
+[[nodiscard]] double stderr_wanted_w_sr(const MeasuredView& view, const Row& row);
+
+// An upper limit on the throughput that goes on after so many reflections, which sampling hardly
+// exceeds: 4 standard errors, and as much as none of the samples may have met. [m2]
+[[nodiscard]] double beyond_limit_m2(const MeasuredView& view, std::uint32_t reflections);
+
+// For choosing facets to aim at: how bright each facet that is in no hot part may look, per error
+// that is wanted, in the row where that is most; and how much of it can be seen.
+struct FacetBrightness {
+  std::uint32_t facet;
+  double seen_m2, per_m2;
+};
+[[nodiscard]] std::vector<FacetBrightness> facet_brightness(const MeasuredView& view);
+
+}  // namespace irsig

@@ -1,0 +1,36 @@
+#include "core/signature/row_bounds/row_bounds.h"
+
+namespace irsig {
+namespace {
+
+// Returns the integral of an error of the background's radiance over the silhouette and the band.
+//   spectrum  [direction of the background][node]
+double behind_silhouette_w_sr(const BoundInput& in,
+                              const std::vector<std::vector<double>>& spectrum) {
+  double out = 0;
+  std::size_t node = 0;
+  for (const SourceId id : in.setup.sources.layout().behind()) {
+    // Nothing of the target's materials is in these weights: they are the same at each node.
+    double area_m2 = 0;
+    for (const SummedWeights& s : in.lit.sums()) area_m2 += s.row(id)[0];
+    area_m2 /= in.setup.accuracy.replicates;
+    out += area_m2 * in_band(spectrum[node++], in.row.on_axis);
+  }
+  return out;
+}
+
+}  // namespace
+
+ThreeBounds background_bound(const BoundInput& in) {
+  const ViewEnvironment& e = in.row.light->environment();
+  if (e.background_interpolation.empty()) return {};
+  return {0, 0, behind_silhouette_w_sr(in, e.background_interpolation)};
+}
+
+double background_model_w_sr(const BoundInput& in) {
+  const ViewEnvironment& e = in.row.light->environment();
+  if (e.background_interpolation.empty()) return 0;
+  return behind_silhouette_w_sr(in, e.background_model_error);
+}
+
+}  // namespace irsig

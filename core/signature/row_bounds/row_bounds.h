@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/signature/row.h"
+#include "core/signature/seen_places.h"
+#include "core/signature/view_setup.h"
+
+namespace irsig {
+
+// The bounds on the error of a row that no scatter of samples shows, one file each. A new bound is
+// a file beside these, and a line in kBoundsOfWeights (row_bounds.cpp) or in measured().
+
+// What the paths of one run say of a row.
+struct BoundInput {
+  const ViewSetup& setup;
+  const Row& row;  // with its estimate
+  const LitWeights& lit;
+  const SummedWeights& mean;                           // over replicates
+  std::span<const double> largest;                     // [source] on any node; empty: not wanted
+  std::span<const SummedWeights> temperature_changes;  // [replicate] empty: temperatures are exact
+  const SeenPlaces* places = nullptr;                  // null: not wanted
+  double front_area_m2 = 0;                            // of the silhouette that emits
+};
+
+// Weights between the wavelengths that paths carry, and temperatures between blackbodies.
+[[nodiscard]] ThreeBounds spectral_basis_bound(const BoundInput& in);
+// Light of sky and sea between the directions in which it is known.
+[[nodiscard]] ThreeBounds direction_interpolation_bound(const BoundInput& in);
+// Temperatures of emitters that are computed or measured.
+[[nodiscard]] ThreeBounds temperature_bound(const BoundInput& in);
+// Interpolation of the background. Stored runs only.
+[[nodiscard]] ThreeBounds background_bound(const BoundInput& in);
+// The air in front of one place of the target for that in front of all. Stored runs only.
+[[nodiscard]] ThreeBounds target_depth_bound(const BoundInput& in);
+
+// One sigma of the models of the background, in the contrast. [W/sr]
+[[nodiscard]] double background_model_w_sr(const BoundInput& in);
+
+// Sets all bounds above, and the background's model error.
+void set_bounds_of_weights(const BoundInput& in, bool stored, Row& row);
+
+// Quadrature over the band, of outlines, of materials' tables and of the sun's spectrum. [W/sr]
+[[nodiscard]] double quadrature_bound_w_sr(const ViewSetup& setup, const Row& row);
+
+// What the scatter of samples cannot know, whether or not a sample has met it. (docs/methods.md)
+struct Undersampling {                                       // [W/sr]
+  double bound = 0, source = 0, apparent = 0, contrast = 0;  // standard errors but for `bound`
+};
+[[nodiscard]] Undersampling undersampling(const ViewSetup& setup, const Row& row,
+                                          std::uint64_t samples);
+// Error of the source's intensity by undersampling, for so many samples a replicate: of a view, or
+// of one stratum of a view that aims at bright facets. [W/sr]
+[[nodiscard]] double undersampling_error_w_sr(const ViewSetup& setup, const Row& row,
+                                              std::uint64_t samples);
+[[nodiscard]] double undersampling_error_w_sr(const ViewSetup& setup, const Row& row,
+                                              std::uint32_t stratum, std::uint64_t samples);
+
+}  // namespace irsig
