@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/quantity.h"
 #include "view/query_table.h"
 
@@ -47,7 +47,7 @@ constexpr const char* kFixedColumns =
     "apparent_temperature_k";
 
 TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto rows = run_query(db, {.season = "summer", .band = "lwir"});
   ASSERT_TRUE(rows.ok());
   EXPECT_EQ(rows->size(), 191U);
@@ -58,7 +58,7 @@ TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
 }
 
 TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const Query query{.season = "summer", .band = "lwir"};
   const auto all = run_query(db, query);
   ASSERT_TRUE(all.ok());
@@ -84,7 +84,7 @@ TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
 }
 
 TEST(Query, NearestAndWithin) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   Query query{.season = "winter", .band = "mwir", .aspect = SignatureFilter::Direction{90, 20}};
   query.nearest = 3;
   auto nearest = run_query(db, query);
@@ -99,7 +99,7 @@ TEST(Query, NearestAndWithin) {
 }
 
 TEST(Query, UnknownNamesListTheKnownOnes) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto season = run_query(db, {.season = "autumn"});
   EXPECT_EQ(season.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(season.status().message()),
@@ -113,7 +113,7 @@ TEST(Query, UnknownNamesListTheKnownOnes) {
 }
 
 TEST(Query, RefusesWhatMakesNoSense) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const SignatureFilter::Direction bow{0, 10};
   for (const Query& query :
        {Query{.aspect = bow}, Query{.nearest = 2}, Query{.interpolate = true},
@@ -126,17 +126,17 @@ TEST(Query, RefusesWhatMakesNoSense) {
 }
 
 TEST(Query, NoMatchIsNoErrorAndPrintsTheHeaderOnly) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string csv = printed(db, {.max_relative_error = 1e-9}, {}, "csv");
   ASSERT_EQ(lines(csv).size(), 1U);
   EXPECT_THAT(csv, StartsWith(kFixedColumns));
   EXPECT_EQ(printed(db, {.max_relative_error = 1e-9}, {}, "json"), "[]\n");
-  FakeStoreReader empty;
+  FakeDatabase empty;
   EXPECT_TRUE(run_query(empty, {.season = "winter"}).ok());
 }
 
 TEST(Query, CsvGivesBackTheSameDoubles) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto csv = lines(printed(db, {.row = 700}, {}, "csv"));
   ASSERT_EQ(csv.size(), 2U);
   EXPECT_THAT(csv[0], StartsWith(kFixedColumns));
@@ -153,7 +153,7 @@ TEST(Query, CsvGivesBackTheSameDoubles) {
 }
 
 TEST(Query, NamesWithCommasAndQuotesAreEscaped) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (auto& s : db.signatures) s.sweep = "ship \"A\", grey\n";
   EXPECT_THAT(printed(db, {.row = 1}, {}, "csv"), HasSubstr("1,\"ship \"\"A\"\", grey\n\",winter"));
   EXPECT_THAT(printed(db, {.row = 1}, {}, "json"),
@@ -161,7 +161,7 @@ TEST(Query, NamesWithCommasAndQuotesAreEscaped) {
 }
 
 TEST(Query, SpectrumHasOneLinePerWavelength) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto csv = lines(printed(db, {.row = 2}, {.spectrum = true}, "csv"));
   ASSERT_EQ(csv.size(), 1U + 9);
   EXPECT_THAT(
@@ -176,7 +176,7 @@ TEST(Query, SpectrumHasOneLinePerWavelength) {
 }
 
 TEST(Query, PartsAddUp) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto csv = lines(printed(db, {.row = 2}, {.parts = true}, "csv"));
   ASSERT_EQ(csv.size(), 3U);
   EXPECT_NEAR(std::stod(cells(csv[1])[15]) + std::stod(cells(csv[2])[15]),
@@ -184,7 +184,7 @@ TEST(Query, PartsAddUp) {
 }
 
 TEST(Query, NoProjectedAreaHasNoTemperature) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   db.signatures[0].apparent_temperature_k = 0;
   const auto csv = lines(printed(db, {.row = 1}, {}, "csv"));
   EXPECT_EQ(cells(csv[1])[13], "");
@@ -192,7 +192,7 @@ TEST(Query, NoProjectedAreaHasNoTemperature) {
 }
 
 TEST(Query, InterpolatesEverySeasonAndBand) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   Query query{.aspect = SignatureFilter::Direction{-60, 25}, .interpolate = true};
   auto rows = run_query(db, query);
   ASSERT_TRUE(rows.ok()) << rows.status();
@@ -230,7 +230,7 @@ TEST(Query, InterpolatesEverySeasonAndBand) {
 }
 
 TEST(Query, RefusesToExtrapolate) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto rows = run_query(db, {.aspect = SignatureFilter::Direction{30, -20}, .interpolate = true});
   EXPECT_EQ(rows.status().code(), absl::StatusCode::kOutOfRange);
   EXPECT_THAT(std::string(rows.status().message()),
@@ -238,8 +238,8 @@ TEST(Query, RefusesToExtrapolate) {
 }
 
 TEST(Query, InterpolationNeverMixesRanges) {
-  FakeStoreReader db = fake_database();
-  FakeStoreReader far = fake_database();
+  FakeDatabase db = fake_database();
+  FakeDatabase far = fake_database();
   for (auto& s : far.signatures) {
     s.range_m = 20000;
     s.intensity_w_sr *= 2;
@@ -257,7 +257,7 @@ TEST(Query, InterpolationNeverMixesRanges) {
 }
 
 TEST(Table, TextHasUnitsAndAlignedColumns) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto text = lines(printed(db, {.season = "winter"}, {}, "text"));
   ASSERT_EQ(text.size(), 4U + 191 * 2);
   EXPECT_THAT(text[2], HasSubstr("[W/sr]"));
@@ -280,7 +280,7 @@ TEST(Quantity, UnitsComeFromTheSuffix) {
 }
 
 TEST(Query, OfOneRangeAmongSeveral) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (std::size_t i = 0; i < db.signatures.size(); i += 2) db.signatures[i].range_m = 3000;
   const auto found = run_query(db, {.at_range_m = 3000});
   ASSERT_TRUE(found.ok()) << found.status();
@@ -291,7 +291,7 @@ TEST(Query, OfOneRangeAmongSeveral) {
 }
 
 TEST(Query, TheErrorIsThatOfTheQuantityAskedFor) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto all = run_query(db, {.season = "winter", .band = "lwir"});
   const auto contrast = run_query(db, {.season = "winter",
                                        .band = "lwir",
@@ -306,7 +306,7 @@ TEST(Query, TheErrorIsThatOfTheQuantityAskedFor) {
 }
 
 TEST(Query, SortsByAnyColumn) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   db.signatures[3].contrast_intensity_w_sr = kNotComputed;
   auto rows = run_query(db, {.season = "winter", .band = "lwir"});
   ASSERT_TRUE(rows.ok());
@@ -328,7 +328,7 @@ TEST(Query, SortsByAnyColumn) {
 }
 
 TEST(Query, WhatWasNotComputedIsNoNumber) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   db.signatures[0].contrast_intensity_w_sr = kNotComputed;
   db.signatures[0].guarded_negative.reset();
   db.signatures[1].guarded_negative = 0;
@@ -344,7 +344,7 @@ TEST(Query, WhatWasNotComputedIsNoNumber) {
 }
 
 TEST(Query, ATableForPeopleShowsTheQuantityAskedFor) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string source = printed(db, {.row = 1}, {}, "text");
   EXPECT_EQ(source.find("contrast"), std::string::npos);
   QueryContent content;
@@ -356,7 +356,7 @@ TEST(Query, ATableForPeopleShowsTheQuantityAskedFor) {
 }
 
 TEST(Query, InterpolatesASignedContrast) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto at = [&](double azimuth_deg) {
     auto rows = run_query(db, {.season = "winter",
                                .band = "lwir",

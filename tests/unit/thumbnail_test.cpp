@@ -9,7 +9,7 @@
 
 #include "core/image/image.h"
 #include "core/image/reader/exr_reader.h"
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/query.h"
 
 namespace irsig {
@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_thumbnail_test.png";
   const std::string png = *encode_png({2, 1, {0.0f, 1.0f}});
   db.thumbnails[db.signatures[4].signature_id].set_png(png);
@@ -55,14 +55,14 @@ absl::StatusOr<std::vector<PictureAnswer>> read_here(const std::vector<PictureTa
   return out;
 }
 
-void allow_images(FakeStoreReader& db) {
+void allow_images(FakeDatabase& db) {
   for (auto& [name, sweep] : db.sweeps)
     sweep.resolved.mutable_sweep()->mutable_output()->set_thumbnail_px(4);
 }
 
 // Once written as it was, with exit code 0.
 TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_damaged_test";
   const auto one = run_query(db, {.row = 5});
   ASSERT_TRUE(one.ok());
@@ -94,7 +94,7 @@ TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
 }
 
 TEST(Thumbnail, OnACommonScale) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_scaled_test.png";
   const auto exr = [](float hottest) { return *encode_exr({2, 2, {0.0f, 1.0f, 2.0f, hottest}}); };
   // The hottest image of the same band counts, that of another band does not.
