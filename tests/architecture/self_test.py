@@ -224,8 +224,8 @@ class Sentences(TreeTest):
 class Loaded(unittest.TestCase):
     def test_image_library_is_found(self):
         line = "\tlibOpenImageIO.so.2.4 => /lib/x86_64-linux-gnu/libOpenImageIO.so.2.4 (0x00007f)\n"
-        self.assertEqual(check_loaded.worker_only(line), ["libOpenImageIO.so"])
-        self.assertEqual(check_loaded.worker_only("\tlibsqlite3.so.0 => /lib/libsqlite3.so.0 (0x0)\n"), [])
+        self.assertEqual(check_loaded.apart(line), ["libOpenImageIO.so"])
+        self.assertEqual(check_loaded.apart("\tlibsqlite3.so.0 => /lib/libsqlite3.so.0 (0x0)\n"), [])
 
 
 class Libm(unittest.TestCase):

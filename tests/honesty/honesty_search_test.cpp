@@ -142,7 +142,7 @@ TEST(HonestySearch, DoesNotDependOnThreads) {
   options.first = 7;
   options.last = 9;
   options.invariances = 1;
-  options.most_reference_rays = 200'000;
+  options.most_reference_rays = 20'000;
   const SearchSummary one = search(options, nullptr);
   options.threads = 3;
   const SearchSummary three = search(options, nullptr);
