@@ -6,88 +6,34 @@
 namespace irsig {
 namespace {
 
-// A spectrum of one point is a number; a longer one is a table.
-template <typename SetValue, typename AddPoint>
-void put(const Spectrum& spectrum, SetValue set_value, AddPoint add_point) {
-  if (spectrum.size() == 1) return set_value(spectrum.front().value);
-  for (const SpectralPoint& at : spectrum) {
-    schema::SpectralPoint& point = *add_point();
-    point.set_lambda_um(at.lambda_um);
-    point.set_value(at.value);
-  }
-}
-
-class Writer {
+// Writes a model's properties into the fields of the message that have their keys' names.
+class WriteProperty {
  public:
-  explicit Writer(schema::Material& out) : out_(out) {}
+  explicit WriteProperty(schema::Material& out) : out_(out), fields_(*out.GetReflection()) {}
 
-  void operator()(const Lambert& m) { emissivity(m.emissivity); }
-  void operator()(const CookTorrance& m) {
-    constants(m.constants);
-    out_.set_roughness(m.roughness);
-    out_.set_fresnel(m.fresnel == Fresnel::kSchlick ? "schlick" : "exact");
-    out_.set_masking(m.masking == Masking::kSmith ? "smith" : "v_groove");
-    if (m.normal_emissivity >= 0) out_.set_normal_emissivity(m.normal_emissivity);
+  void operator()(MaterialKey key, double value) {
+    if (key.optional && value < 0) return;
+    fields_.SetDouble(&out_, field(key.name), value);
   }
-  void operator()(const Ward& m) {
-    diffuse(m.diffuse);
-    put(
-        m.specular, [&](double v) { out_.set_specular_reflectance(v); },
-        [&] { return out_.add_specular_reflectance_table(); });
-    out_.set_roughness(m.roughness);
+  void operator()(MaterialKey key, bool value) { fields_.SetBool(&out_, field(key.name), value); }
+  void operator()(MaterialKey key, Fresnel value) {
+    fields_.SetString(&out_, field(key.name), value == Fresnel::kSchlick ? "schlick" : "exact");
   }
-  void operator()(const SandfordRobertson& m) {
-    emissivity(m.emissivity);
-    diffuse(m.diffuse);
-    out_.set_grazing(m.grazing);
-    out_.set_lobe_width(m.lobe_width);
+  void operator()(MaterialKey key, Masking value) {
+    fields_.SetString(&out_, field(key.name), value == Masking::kSmith ? "smith" : "v_groove");
   }
-  void operator()(const PriestGermer& m) {
-    constants(m.constants);
-    out_.set_roughness(m.roughness);
-    out_.set_published(m.published);
+  void operator()(MaterialKey /*key*/, WardForm /*part of the kind*/) {}
+  // A spectrum of one point is a number; a longer one is a table.
+  void operator()(MaterialKey key, const Spectrum& spectrum) {
+    if (spectrum.size() == 1) return (*this)(MaterialKey{key.name}, spectrum.front().value);
+    const auto* table = field(absl::StrCat(key.name, "_table"));
+    for (const SpectralPoint& at : spectrum) {
+      auto& point = static_cast<schema::SpectralPoint&>(*fields_.AddMessage(&out_, table));
+      point.set_lambda_um(at.lambda_um);
+      point.set_value(at.value);
+    }
   }
-  void operator()(const BeardMaxwell& m) {
-    constants(m.constants);
-    diffuse(m.diffuse);
-    put(
-        m.volume, [&](double v) { out_.set_volume_reflectance(v); },
-        [&] { return out_.add_volume_reflectance_table(); });
-    out_.set_bias(m.bias);
-    out_.set_width(m.width);
-    out_.set_tau_deg(m.tau_deg);
-    out_.set_omega_deg(m.omega_deg);
-    out_.set_published(m.published);
-  }
-  void operator()(const Prisse& m) {
-    put(
-        m.reflectance, [&](double v) { out_.set_reflectance(v); },
-        [&] { return out_.add_reflectance_table(); });
-    out_.set_gamma_um(m.gamma_um);
-    out_.set_lambda0_um(m.lambda0_um);
-    out_.set_printed(m.printed);
-  }
-  void operator()(const TabulatedBrdf& m) {
-    schema::BrdfTable& brdf = *out_.mutable_brdf();
-    brdf.mutable_lambda_um()->Add(m.lambda_um.begin(), m.lambda_um.end());
-    brdf.mutable_theta_i_deg()->Add(m.theta_i_deg.begin(), m.theta_i_deg.end());
-    brdf.mutable_theta_r_deg()->Add(m.theta_r_deg.begin(), m.theta_r_deg.end());
-    brdf.mutable_phi_deg()->Add(m.phi_deg.begin(), m.phi_deg.end());
-    for (const float v : m.brdf_per_sr) brdf.add_brdf_per_sr(static_cast<double>(v));
-  }
-
- private:
-  void emissivity(const Spectrum& spectrum) {
-    put(
-        spectrum, [&](double v) { out_.set_emissivity(v); },
-        [&] { return out_.add_emissivity_table(); });
-  }
-  void diffuse(const Spectrum& spectrum) {
-    put(
-        spectrum, [&](double v) { out_.set_diffuse_reflectance(v); },
-        [&] { return out_.add_diffuse_reflectance_table(); });
-  }
-  void constants(const OpticalConstants& table) {
+  void operator()(MaterialKey /*key*/, const OpticalConstants& table) {
     if (table.size() == 1) {
       out_.set_n(table.front().n);
       out_.set_k(table.front().k);
@@ -100,8 +46,22 @@ class Writer {
       point.set_k(at.k);
     }
   }
+  void operator()(MaterialKey /*key*/, const TabulatedBrdf& m) {
+    schema::BrdfTable& brdf = *out_.mutable_brdf();
+    brdf.mutable_lambda_um()->Add(m.lambda_um.begin(), m.lambda_um.end());
+    brdf.mutable_theta_i_deg()->Add(m.theta_i_deg.begin(), m.theta_i_deg.end());
+    brdf.mutable_theta_r_deg()->Add(m.theta_r_deg.begin(), m.theta_r_deg.end());
+    brdf.mutable_phi_deg()->Add(m.phi_deg.begin(), m.phi_deg.end());
+    for (const float v : m.brdf_per_sr) brdf.add_brdf_per_sr(static_cast<double>(v));
+  }
+
+ private:
+  [[nodiscard]] const google::protobuf::FieldDescriptor* field(const std::string& name) const {
+    return out_.GetDescriptor()->FindFieldByName(name);
+  }
 
   schema::Material& out_;
+  const google::protobuf::Reflection& fields_;
 };
 
 }  // namespace
@@ -114,7 +74,7 @@ absl::StatusOr<schema::Material> message_of(const MaterialSpec& spec) {
   schema::Material out;
   out.set_name(spec.name);
   out.set_kind(model_kind(spec));
-  std::visit(Writer(out), spec.model);
+  for_each_property(spec.model, WriteProperty(out));
   return out;
 }
 

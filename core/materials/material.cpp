@@ -234,17 +234,36 @@ double Material::limit_seen_per_sr(double cos_o_min, double cos_o_max) const {
   return largest_between(limit_seen_, cos_o_min, cos_o_max);
 }
 
+namespace {
+
+// One overload a model: a model without one does not compile.
+struct PrepareModel {
+  const PreparedFor& at;
+  BrdfModelOr operator()(const Ward& m) const { return prepare_ward(m, at); }
+  BrdfModelOr operator()(const SandfordRobertson& m) const {
+    return prepare_sandford_robertson(m, at);
+  }
+  BrdfModelOr operator()(const BeardMaxwell& m) const { return prepare_beard_maxwell(m, at); }
+  BrdfModelOr operator()(const Prisse& m) const { return prepare_prisse(m, at); }
+  BrdfModelOr operator()(const TabulatedBrdf& m) const { return prepare_tabulated_brdf(m, at); }
+  // Material::prepare() has these three itself.
+  BrdfModelOr operator()(const Lambert& m) const { return own(m); }
+  BrdfModelOr operator()(const CookTorrance& m) const { return own(m); }
+  BrdfModelOr operator()(const PriestGermer& m) const { return own(m); }
+
+ private:
+  template <typename Model>
+  static BrdfModelOr own(const Model& m) {
+    return absl::InternalError(absl::StrCat(std::string(m.kind()), " is not prepared as a model"));
+  }
+};
+
+}  // namespace
+
 absl::Status Material::prepare_model(const MaterialSpec& spec, const std::vector<double>& node_um,
                                      double lambda_min_um, double lambda_max_um) {
   const PreparedFor at{node_um, lambda_min_um, lambda_max_um};
-  BrdfModelOr model = absl::InternalError("a model without an implementation");
-  if (const auto* m = std::get_if<Ward>(&spec.model)) model = prepare_ward(*m, at);
-  if (const auto* m = std::get_if<SandfordRobertson>(&spec.model))
-    model = prepare_sandford_robertson(*m, at);
-  if (const auto* m = std::get_if<BeardMaxwell>(&spec.model)) model = prepare_beard_maxwell(*m, at);
-  if (const auto* m = std::get_if<Prisse>(&spec.model)) model = prepare_prisse(*m, at);
-  if (const auto* m = std::get_if<TabulatedBrdf>(&spec.model))
-    model = prepare_tabulated_brdf(*m, at);
+  BrdfModelOr model = std::visit(PrepareModel{at}, spec.model);
   if (!model.ok()) return model.status();
   model_ = *std::move(model);
   roughness_ = -1;

@@ -130,22 +130,20 @@ void add_corners(const std::vector<Point>& table, double from_um, double to_um, 
 struct AddCorners {
   double from_um, to_um, tolerance;
   TableCorners& out;
-  template <typename... Table>
-  void see(const Table&... table) const {
-    (add_corners(table, from_um, to_um, tolerance, out), ...);
+
+  void operator()(MaterialKey /*key*/, const Spectrum& table) const {
+    add_corners(table, from_um, to_um, tolerance, out);
   }
-  void operator()(const Lambert& m) const { see(m.emissivity); }
-  void operator()(const CookTorrance& m) const { see(m.constants); }
-  void operator()(const Ward& m) const { see(m.diffuse, m.specular); }
-  void operator()(const SandfordRobertson& m) const { see(m.emissivity, m.diffuse); }
-  void operator()(const PriestGermer& m) const { see(m.constants); }
-  void operator()(const BeardMaxwell& m) const { see(m.constants, m.diffuse, m.volume); }
-  void operator()(const Prisse& m) const { see(m.reflectance); }
-  void operator()(const TabulatedBrdf& m) const {
+  void operator()(MaterialKey /*key*/, const OpticalConstants& table) const {
+    add_corners(table, from_um, to_um, tolerance, out);
+  }
+  void operator()(MaterialKey /*key*/, const TabulatedBrdf& m) const {
     for (const double um : m.lambda_um)
       if (um > from_um && um < to_um && um > m.lambda_um.front() && um < m.lambda_um.back())
         out.um.push_back(um);
   }
+  template <typename Other>
+  void operator()(MaterialKey /*key*/, const Other& /*no table*/) const {}
 };
 
 }  // namespace
@@ -153,7 +151,7 @@ struct AddCorners {
 TableCorners table_corners(const MaterialSpec& material, double from_um, double to_um,
                            double tolerance) {
   TableCorners out;
-  std::visit(AddCorners{from_um, to_um, tolerance, out}, material.model);
+  for_each_property(material.model, AddCorners{from_um, to_um, tolerance, out});
   std::sort(out.um.begin(), out.um.end());
   out.um.erase(std::unique(out.um.begin(), out.um.end()), out.um.end());
   return out;

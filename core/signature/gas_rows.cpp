@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
+#include "core/signature/add_estimates.h"
 #include "core/signature/gas_measurement.h"
 #include "core/spectral/planck.h"
 
@@ -19,29 +20,18 @@ using Change = GasRow::Change;
 // Of what a pilot knows of what is left out.
 constexpr double kGasSigmas = 4;
 
-void add(const Estimate& more, Estimate& to) {
-  to.value += more.value;
-  to.stderr_ = std::hypot(to.stderr_, more.stderr_);
-}
-
-void add(const Change& more, Change& to) {
+void add_change(const Change& more, Change& to) {
   add(more.in_band, to.in_band);
   to.bound_w_sr += more.bound_w_sr;
-  for (std::size_t k = 0; k < to.spectral.value.size(); ++k) {
-    to.spectral.value[k] += more.spectral.value[k];
-    to.spectral.stderr_[k] = std::hypot(to.spectral.stderr_[k], more.spectral.stderr_[k]);
-  }
-  to.spectral.modes.insert(to.spectral.modes.end(), more.spectral.modes.begin(),
-                           more.spectral.modes.end());
-  to.spectral.modes = leading_modes(to.spectral.modes, stored_modes(to.spectral.value.size()));
+  add(more.spectral, to.spectral);
   for (std::size_t r = 0; r < to.replicate.size(); ++r) to.replicate[r] += more.replicate[r];
 }
 
 // Both have random numbers of their own.
 void add_on_hull(const GasRow& more, GasRow& to) {
-  add(more.source, to.source);
-  add(more.apparent, to.apparent);
-  add(more.contrast, to.contrast);
+  add_change(more.source, to.source);
+  add_change(more.apparent, to.apparent);
+  add_change(more.contrast, to.contrast);
   add(more.on_hull, to.on_hull);
   add(more.apparent_on_hull, to.apparent_on_hull);
   to.lines_w_sr += more.lines_w_sr;
@@ -54,7 +44,7 @@ void add_on_hull(const GasRow& more, GasRow& to) {
   to.rays += more.rays;
 }
 
-void add(const RowBounds::Bound& more, RowBounds::Bound& to) {
+void add_bound(const RowBounds::Bound& more, RowBounds::Bound& to) {
   to.source += more.source;
   to.apparent += more.apparent;
   to.contrast += more.contrast;
@@ -151,13 +141,13 @@ class GasOfField {
       const bool product = request_.effects.without(Effect::kHotLineCorrelation) && !without_;
       if (without_) {
         // What was measured says only what it could have been.
-        add(left_out, plume);
+        add_bound(left_out, plume);
         const GasRow measured = std::exchange(row, nothing_of(bins(band)));
         row.rays = measured.rays;
         left_out = plume;
         lines = {};
       } else if (product) {
-        add(lines, left_out);
+        add_bound(lines, left_out);
       }
       row.omitted = left_out;
       row.ledger = {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/status_macros.h"
-#include "core/signature/gas_rows.h"
+#include "core/signature/light_component.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/measured_view.h"
 #include "core/signature/view_pictures.h"
@@ -134,62 +134,6 @@ void estimate_times(const PathCounts& counts, double reflected_fraction, bool at
   }
 }
 
-void add_gas(const Estimate& more, Estimate& to) {
-  to.value += more.value;
-  to.stderr_ = std::hypot(to.stderr_, more.stderr_);
-}
-void add_gas(const SpectralEstimate& more, SpectralEstimate& to) {
-  for (std::size_t k = 0; k < to.value.size(); ++k) {
-    to.value[k] += more.value[k];
-    to.stderr_[k] = std::hypot(to.stderr_[k], more.stderr_[k]);
-  }
-  to.modes.insert(to.modes.end(), more.modes.begin(), more.modes.end());
-  to.modes = leading_modes(to.modes, stored_modes(to.value.size()));
-}
-void add_gas(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
-  to.value += change.in_band.value;
-  to.stderr_ = std::hypot(to.stderr_, change.in_band.stderr_);
-  to.of(BoundOf::kPlume) += change.bound_w_sr;
-  to.of(BoundOf::kOmitted) += omitted_w_sr;
-}
-
-// What hot gas changes; of random numbers of its own.
-void add_gas(const GasRow& gas, SignatureResult& r) {
-  r.has_plume = true;
-  r.plume_w_sr = gas.source.in_band;
-  r.apparent_plume_w_sr = gas.apparent.in_band;
-  r.contrast_plume_w_sr = gas.contrast.in_band;
-  r.plume_emitted_w_sr = gas.emitted_w_sr;
-  r.apparent_plume_emitted_w_sr = gas.apparent_emitted_w_sr;
-  r.plume_bound_w_sr = gas.source.bound_w_sr;
-  r.apparent_plume_bound_w_sr = gas.apparent.bound_w_sr;
-  r.contrast_plume_bound_w_sr = gas.contrast.bound_w_sr;
-  r.plume_model_error_w_sr = gas.model_error_w_sr;
-  r.plume_reflected_w_sr = gas.on_hull;
-  r.apparent_plume_reflected_w_sr = gas.apparent_on_hull;
-  r.effect.insert(r.effect.end(), gas.ledger.begin(), gas.ledger.end());
-  r.plume_voxel_error_w_sr = gas.voxel_error_w_sr;
-  r.plume_area_m2 = gas.area_m2;
-  r.plume_spectral = gas.source.spectral;
-  r.apparent_plume_spectral = gas.apparent.spectral;
-  r.contrast_plume_spectral = gas.contrast.spectral;
-  add_gas(gas.source.in_band, r.intensity_w_sr);
-  add_gas(gas.apparent.in_band, r.apparent_intensity_w_sr);
-  add_gas(gas.contrast.in_band, r.contrast_intensity_w_sr);
-  add_gas(gas.source.spectral, r.spectral);
-  add_gas(gas.apparent.spectral, r.apparent_spectral);
-  add_gas(gas.contrast.spectral, r.contrast_spectral);
-  r.model_error_w_sr =
-      std::hypot(r.model_error_w_sr, gas.source_model_error_w_sr, gas.voxel_error_w_sr);
-  for (double* model : {&r.apparent_model_error_w_sr, &r.contrast_model_error_w_sr})
-    *model = std::hypot(*model, gas.model_error_w_sr, gas.apparent_voxel_error_w_sr);
-  for (std::size_t k = 0; k < r.replicate_w_sr.size(); ++k) {
-    r.replicate_w_sr[k] += gas.source.replicate[k];
-    r.replicate_apparent_w_sr[k] += gas.apparent.replicate[k];
-    r.replicate_contrast_w_sr[k] += gas.contrast.replicate[k];
-  }
-}
-
 SpectralEstimate spectral(const std::vector<Estimate>& of_bins, const SpectralSet& modes) {
   SpectralEstimate out;
   for (const Estimate& e : of_bins) {
@@ -200,9 +144,11 @@ SpectralEstimate spectral(const std::vector<Estimate>& of_bins, const SpectralSe
   return out;
 }
 
-// All of a row but its picture. gas: null without.
-SignatureResult row_of(const MeasuredView& view, const Row& row, const PreparedScene& scene,
-                       const ViewRequest& request, const ViewPlan& plan, const GasRow* gas) {
+// Returns all of a row but its picture.
+SignatureResult row_of(const MeasuredView& view, std::size_t index, const PreparedScene& scene,
+                       const ViewRequest& request, const ViewPlan& plan,
+                       const LightComponents& components) {
+  const Row& row = view.row[index];
   SignatureResult r;
   r.condition = row.condition;
   r.band = row.band;
@@ -221,12 +167,9 @@ SignatureResult row_of(const MeasuredView& view, const Row& row, const PreparedS
   r.background_spectral = spectral(e.background_spectrum, {});
   add_path(row.light->environment(), row.on_axis, row.background_model_w_sr, r);
 
-  auto [source, apparent, contrast] = measured(view, row);
-  if (gas != nullptr) {
-    add_gas(gas->source, gas->omitted.source, source);
-    add_gas(gas->apparent, gas->omitted.apparent, apparent);
-    add_gas(gas->contrast, gas->omitted.contrast, contrast);
-  }
+  MeasuredIntensities intensities = measured(view, row);
+  for (const auto& component : components) component->add_to(index, intensities);
+  const auto& [source, apparent, contrast] = intensities;
   r.target_depth_bound_w_sr = contrast.of(BoundOf::kDepth);
   r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);
   r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
@@ -260,7 +203,7 @@ SignatureResult row_of(const MeasuredView& view, const Row& row, const PreparedS
     r.stop_reason = plan.limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
   r.absolute_floor_w_sr = absolute_floor_w_sr(view, row);
   r.reflections = plan.effects.max_reflections;
-  r.energy = view.totals.energy[(static_cast<std::size_t>(&row - view.row.data())) % view.setup.keys.band.size()];
+  r.energy = view.totals.energy[index % view.setup.keys.band.size()];
   r.effect = plan.ledger[row.planned];
   add_shares(r);
   estimate_times(
@@ -270,14 +213,13 @@ SignatureResult row_of(const MeasuredView& view, const Row& row, const PreparedS
   r.replicate_w_sr = row.replicates(Intensity::kSource);
   r.replicate_apparent_w_sr = row.replicates(Intensity::kApparent);
   r.replicate_contrast_w_sr = row.replicates(Intensity::kContrast);
-  if (gas != nullptr) add_gas(*gas, r);
+  for (const auto& component : components) component->add_to(index, r);
   return r;
 }
 
 // The pictures' sizes, and of each row its picture: the target's, and what hot gas changes of it.
 void add_pictures(const MeasuredView& view, const PictureFrame& frame,
-                  const std::vector<std::optional<GasRow>>& gas, const ViewRequest& request,
-                  ViewResult& out) {
+                  const LightComponents& components, const ViewRequest& request, ViewResult& out) {
   const ImagePlan& image = view.totals.image_plan;
   out.image_width_px = frame.width_px;
   out.image_height_px = frame.height_px;
@@ -290,13 +232,13 @@ void add_pictures(const MeasuredView& view, const PictureFrame& frame,
   const double plane_scale = std::pow(request.viewpoint.range_m / frame.plane_m, 2);
   const double scale = 1.0 / (request.accuracy.replicates * pixel_area_m2 * plane_scale);
   const std::size_t pixels = static_cast<std::size_t>(frame.width_px) * frame.height_px;
-  for (std::size_t row = 0; row < out.row.size(); ++row)
-    for (std::size_t i = 0; i < pixels; ++i) {
-      double sum = view.totals.image[i * image.padded + row];
-      if (!gas.empty() && gas[row] && !gas[row]->picture_w_sr.empty())
-        sum += gas[row]->picture_w_sr[i];
-      out.row[row].image_w_m2_sr.push_back(static_cast<float>(scale * sum));
-    }
+  std::vector<double> sum(pixels);
+  for (std::size_t row = 0; row < out.row.size(); ++row) {
+    for (std::size_t i = 0; i < pixels; ++i) sum[i] = view.totals.image[i * image.padded + row];
+    for (const auto& component : components) component->add_picture(row, sum);
+    for (const double pixel : sum)
+      out.row[row].image_w_m2_sr.push_back(static_cast<float>(scale * pixel));
+  }
 }
 
 }  // namespace
@@ -324,7 +266,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   RETURN_IF_ERROR(check_request(scene, request));
   ASSIGN_OR_RETURN(auto view, prepared_for(scene, request, plan, std::move(prepared)));
   const PictureFrame pictures = picture_frame(scene.target, view->aimed->frame, request);
-  ASSIGN_OR_RETURN(const auto gas, gas_rows(scene, request, plan, view, pictures));
+  ASSIGN_OR_RETURN(const auto components, measure_components(scene, request, plan, view, pictures));
   const std::uint64_t seed = view_seed(scene, request);
   MeasuredView measured(scene, request, plan, std::move(view),
                         {request.selected_condition, request.selected_band}, seed);
@@ -344,12 +286,13 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   out.unknown_seen = measured.totals.unknown_seen;
   out.truncated_paths = counts.truncated_paths;
   out.seed = seed;
-  for (std::size_t row = 0; row < measured.row.size(); ++row)
-    out.row.push_back(
-        row_of(measured, measured.row[row], scene, request, plan, gas.empty() || !gas[row] ? nullptr : &*gas[row]));
-  for (const std::optional<GasRow>& of_row : gas)
-    if (of_row) out.rays = std::max(out.rays, counts.rays + plan.pilot_rays + of_row->rays);
-  add_pictures(measured, pictures, gas, request, out);
+  for (std::size_t row = 0; row < measured.row.size(); ++row) {
+    out.row.push_back(row_of(measured, row, scene, request, plan, components));
+    std::uint64_t rays = counts.rays + plan.pilot_rays;
+    for (const auto& component : components) rays += component->rays(row);
+    out.rays = std::max(out.rays, rays);
+  }
+  add_pictures(measured, pictures, components, request, out);
   return out;
 }
 

@@ -30,6 +30,12 @@ struct LibraryEntry {
                                                               std::string_view file_name);
 
 // "cook_torrance", "ward_1992" ...: the kind of a sweep file's [[material]] that this model is.
-[[nodiscard]] std::string model_kind(const MaterialSpec& spec);
+[[nodiscard]] std::string model_kind(const MaterialModel& model);
+[[nodiscard]] inline std::string model_kind(const MaterialSpec& spec) {
+  return model_kind(spec.model);
+}
+
+// One model of each kind, with the properties' defaults and empty tables.
+[[nodiscard]] const std::vector<MaterialModel>& material_models();
 
 }  // namespace irsig

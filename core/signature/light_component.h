@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/signature/measured_view.h"
+
+namespace irsig {
+
+// LightComponent is light of a view that is measured by paths of its own, beside the light that the
+// target sends and reflects (MeasuredView). Its random numbers are independent of all others, so
+// that values add up, and standard errors in squares. Rows are those of MeasuredView::row.
+class LightComponent {
+ public:
+  virtual ~LightComponent() = default;
+
+  // Adds the component's values, errors and bounds to a row's intensities.
+  virtual void add_to(std::size_t row, MeasuredIntensities& to) const = 0;
+  // Adds what else a row stores of the component: spectra, causes, model errors, ledger, replicates.
+  virtual void add_to(std::size_t row, SignatureResult& to) const = 0;
+  // Adds the component's picture of a row to [pixel] radiance x solid angle x range^2, summed over
+  // replicates. [W/sr]
+  virtual void add_picture(std::size_t row, std::span<double> pixel_w_sr) const = 0;
+  // Rays that a row's component took, pilots included.
+  [[nodiscard]] virtual std::uint64_t rays(std::size_t row) const = 0;
+};
+using LightComponents = std::vector<std::unique_ptr<const LightComponent>>;
+
+// Measures every component that the selected conditions of a request have. A new component is a
+// line here.
+//   view  with the light of the selected conditions
+[[nodiscard]] absl::StatusOr<LightComponents> measure_components(
+    const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+    const std::shared_ptr<const PreparedView>& view, const PictureFrame& pictures);
+
+}  // namespace irsig
