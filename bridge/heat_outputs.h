@@ -10,12 +10,13 @@
 
 namespace irsig {
 
-// Of the sweep's heat runs, in their order, computed here. None of a sweep without.
+// Computes the outputs of the sweep's heat runs, in their order, in this process. None of a sweep
+// without heat runs.
 [[nodiscard]] absl::StatusOr<HeatOutputs> heat_outputs(const schema::ResolvedSweep& sweep,
                                                        const Assets& assets);
 
-// What a heat job has left, read: of so many facets. INVALID_ARGUMENT: the bytes are none, or of
-// another mesh.
+// Reads a heat job's output for so many facets. INVALID_ARGUMENT: the bytes are no output, or that
+// of another mesh.
 [[nodiscard]] absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes,
                                                                 std::size_t facets);
 

@@ -26,13 +26,13 @@ class InputViews {
                                          const SweepTemperatures& temperatures,
                                          const HeatOutputs& heat);
 
-  // Of one job's view, in the order of the moves.
+  // Returns the moved views of one job, in the order of the moves.
   [[nodiscard]] absl::StatusOr<std::vector<MovedView>> views(const schema::ViewJob& job) const;
 
-  // What the moves can make more or less of: no plan of a view leaves it out.
+  // Effects that the moves can strengthen or weaken: no plan of a view leaves them out.
   [[nodiscard]] const std::vector<Effect>& moved_effects() const { return moved_effects_; }
 
-  // What the moves changed, as contributions of the inputs to each row and their sum.
+  // Writes the changes by the moves as contributions of the inputs to each row and their sum.
   // change: [move][row]
   void write(std::span<const std::vector<RowChange>> change, schema::ViewJobResult& result) const;
 
@@ -50,7 +50,7 @@ class InputViews {
   std::vector<Effect> moved_effects_;
 };
 
-// How many environments of a sweep's size its moved inputs keep in memory.
+// Returns the number of environments of a sweep's size that its moved inputs keep in memory.
 [[nodiscard]] int moved_environments(const schema::ResolvedSweep& sweep);
 
 }  // namespace irsig

@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// The memory that the workers of one process hold while they compute a sweep, from counts alone. All
-// conditions of a view are in memory at once, and what the sun does to the sky of each is kept from view to
-// view.
+// The memory that the workers of one process hold while they compute a sweep, from counts alone.
+// All conditions of a view are in memory at once, and the sun's effect on each condition's sky is
+// kept from view to view.
 struct JobMemory {
   double fixed_bytes = 0;          // program, scene, weights of paths
   double shared_bytes = 0;         // of these: what all workers of a process share
@@ -25,7 +25,7 @@ struct JobMemory {
   [[nodiscard]] double bytes(std::uint64_t conditions, std::uint32_t workers) const {
     return shared_bytes + workers * (bytes(conditions) - shared_bytes);
   }
-  // How many conditions so many workers have room for; 0: not one.
+  // Returns the number of conditions for which so many workers have memory; 0: not one.
   [[nodiscard]] std::uint64_t conditions_in(double bytes, std::uint32_t workers) const;
 };
 

@@ -39,11 +39,11 @@ class JobRunner {
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(
       const schema::JobSpec& job) const = 0;
-  // For people (model_warnings.h).
+  // Warnings for people (model_warnings.h).
   [[nodiscard]] virtual std::vector<Problem> warnings() const { return {}; }
-  // Of a worker with this runner; nothing for runners that compute nothing.
+  // Memory of a worker with this runner; nothing for runners that compute nothing.
   [[nodiscard]] virtual JobMemory memory() const { return {}; }
-  // What the sweep's heat jobs leave, all together.
+  // Size of the outputs of the sweep's heat jobs, all together. [bytes]
   [[nodiscard]] virtual std::size_t heat_bytes() const { return 0; }
 };
 

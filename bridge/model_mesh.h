@@ -12,8 +12,8 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<Mesh> model_mesh(const schema::ResolvedSweep& sweep,
                                               const Assets& assets);
 
-// The same facets before the model is placed: of a file in its own units, as if its axes were +x
-// forward and +z up.
+// Returns the facets of model_mesh() before the model is placed: for a file in its own units, as if
+// its axes were +x forward and +z up.
 [[nodiscard]] absl::StatusOr<Mesh> model_mesh_of_file(const schema::ResolvedSweep& sweep,
                                                       const Assets& assets);
 

@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-// Where a model is to stand, as far as a sweep or a user says.
+// Position of a model, as far as a sweep or a user states it.
 struct Placement {
   double unit_m = 1;
   bool placed = false;       // draft_m or offset_m is stated
@@ -26,7 +26,7 @@ struct PlacementNote {
 [[nodiscard]] std::vector<PlacementNote> placement_notes(const Mesh& mesh,
                                                          const Placement& placement);
 
-// Of the facets' area, what lies below z = 0, by their middles: 0 to 1.
+// Returns the fraction of the facets' area below z = 0, by their middles: 0 to 1.
 [[nodiscard]] double fraction_below_surface(const Mesh& mesh);
 
 // INVALID_ARGUMENT: nothing of the target rises above the sea or ground, so that nothing is seen,
@@ -38,11 +38,11 @@ struct PlacementNote {
 // is large and than 1 % of the shortest range; between the two it is a warning.
 [[nodiscard]] absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh);
 
-// What is odd about a model from a file, for people, each at the key that may be wrong. One-sided
-// parts with facets of open shells (not where the sweep states model.accepted_backface_fraction); a
-// size that suggests another unit; axes that suggest others; over a sea or ground, where it floats
-// or stands; sensors nearer than the target reaches, an offset farther than the target is large (of
-// generated models too).
+// Returns warnings for people about a model from a file, each at the key that may be wrong.
+// One-sided parts with facets of open shells (not where the sweep states
+// model.accepted_backface_fraction); a size that suggests another unit; axes that suggest others;
+// over a sea or ground, the way that the model floats or stands; sensors nearer than the target
+// reaches, an offset farther than the target is large (of generated models too).
 [[nodiscard]] std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep,
                                                   const SceneSpec& scene);
 

@@ -44,7 +44,7 @@ struct SweepScene : SceneSpec {
     std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures,
     const SweepPlumes& plumes);
 
-// Where the sun stands in one condition.
+// Position of the sun in one condition.
 struct SunAngles {
   double azimuth_deg, zenith_deg;
 };

@@ -19,7 +19,7 @@ using SweepPlumes = std::vector<std::shared_ptr<const PlumeField>>;
 [[nodiscard]] absl::StatusOr<SweepPlumes> plumes_from_sweep(const schema::ResolvedSweep& sweep,
                                                             const Assets& assets);
 
-// Of all fields.
+// Returns the size of all fields. [bytes]
 [[nodiscard]] std::size_t bytes_of(const SweepPlumes& plumes);
 
 }  // namespace irsig

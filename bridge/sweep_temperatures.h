@@ -36,7 +36,8 @@ struct SweepTemperatures {
     const schema::Condition& condition,
     const std::vector<std::map<std::size_t, std::string>>& unknown);
 
-// Whether jobs compute some of the sweep's temperatures and `heat` does not have what they left.
+// Returns true if jobs compute some of the sweep's temperatures and `heat` does not have their
+// outputs.
 [[nodiscard]] bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
 
 // The sweep's facets in its model's file's own coordinates; of a generated one, in those of the OBJ
@@ -56,9 +57,10 @@ struct SweepTemperatures {
     const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet,
     std::vector<std::map<std::size_t, std::string>>* unknown = nullptr);
 
-// Whether a part is 30 K or more above the coldest part in any condition, facets by their mean:
-// what Part.hot is by default (jobs/resolve_sweep.cpp, where all temperatures are stated). Not by
-// the hottest facet: of a hull in the sun every part has warm ones, and all parts would be hot.
+// Returns true if a part is 30 K or more above the coldest part in any condition, facets by their
+// mean: the default of Part.hot (jobs/resolve_sweep.cpp, where all temperatures are stated). The
+// hottest facet does not count: every part of a hull in the sun has warm facets, and all parts
+// would be hot.
 [[nodiscard]] bool is_hot(const schema::ResolvedSweep& sweep, const SweepTemperatures& temperatures,
                           std::size_t part);
 

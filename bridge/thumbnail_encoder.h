@@ -9,8 +9,8 @@
 
 namespace irsig {
 
-// How the pixels of an in-band radiance image, row by row from the top left, become the bytes of a
-// PNG and of an EXR file. Passed in, because the library behind it takes 0.2 s to load: only
+// Encoders of the pixels of an in-band radiance image, row by row from the top left, into the bytes
+// of a PNG and of an EXR file. Passed in, because the library behind them takes 0.2 s to load: only
 // `irsig-worker` pays for it, never `irsig`, which links the rest of this module.
 struct ThumbnailEncoder {
   using Encode = std::function<absl::StatusOr<std::string>(

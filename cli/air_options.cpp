@@ -53,9 +53,10 @@ AirOptions::AirOptions(CLI::App& command, bool own_temperature)
       ->type_name("NAME");
   group_->add_option("--profile", profile_, profile_names())->type_name("NAME");
   group_
-      ->add_option("--profile-file", profile_file_,
-                   "A radiosonde in CSV (docs/methods/atmosphere.md); --profile is then what lies "
-                   "above it and its other gases")
+      ->add_option(
+          "--profile-file", profile_file_,
+          "A radiosonde in CSV (docs/explanation/methods/atmosphere.md); --profile is then "
+          "what lies above it and its other gases")
       ->type_name("FILE");
   group_->add_option("--aerosol", aerosol_, aerosol_list())->type_name("NAME");
   group_->add_option("--visibility-m", visibility_m_, "Meteorological range: 100 to 100000");

@@ -15,13 +15,13 @@ struct ChosenAir {
   Atmosphere atmosphere;
   bool refraction = true;
   std::string title;  // for a plot
-  // With --sweep the season's; else black ground as warm as the air above it.
+  // The season's surface with --sweep; else black ground as warm as the air above it.
   SurfaceBoundary lower;
 
   // Mean radiance of sky and surface around a point at this height above the sea, as a run scatters
   // it into its paths. [band of the air]
   [[nodiscard]] absl::StatusOr<AirSpectrum> surroundings_w_m2_sr_um(double height_m) const;
-  // With --sweep: its place, and the time of the season's first condition.
+  // The sweep's place, with --sweep, and the time of the season's first condition.
   struct Place {
     double latitude_deg, longitude_deg, height_m;
     std::string time;
@@ -36,7 +36,7 @@ class AirOptions {
   // own_temperature: --temperature-k is the command's own, the air's is --air-temperature-k alone.
   explicit AirOptions(CLI::App& command, bool own_temperature = false);
 
-  // Whether any of them was given.
+  // Returns true if any of the options was given.
   [[nodiscard]] bool given() const;
 
   // INVALID_ARGUMENT names the options that are missing, contradict each other or are out of range.

@@ -341,12 +341,12 @@ void add_bands(CLI::App& app, int& exit_code) {
       "bands",
       "Which part of a stored band a detector sees the target best in: the signal-to-noise ratio "
       "of "
-      "its contrast in every window, with what is known of its error (docs/bands.md)");
+      "its contrast in every window, with what is known of its error (docs/reference/bands.md)");
   const auto o = std::make_shared<BandsCommand>(*command);
   CLI::Option_group* seen_by = command->add_option_group("Detector");
   seen_by
       ->add_option("--detector", o->detector,
-                   "The detector: response and noise, a TOML file (docs/bands.md)")
+                   "The detector: response and noise, a TOML file (docs/reference/bands.md)")
       ->type_name("FILE");
   seen_by
       ->add_option("--nei", o->nei_w_m2,

@@ -47,9 +47,9 @@ void add_profile(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);  // of all commands added before and after
 
 // Prints the message to standard error, after "irsig: " unless it begins with a place in a file,
-// and returns the exit code that the status stands for: 0 for OK; 2 for INVALID_ARGUMENT, NOT_FOUND,
-// OUT_OF_RANGE, PERMISSION_DENIED and UNAUTHENTICATED: what the user gave is wrong, or may not be
-// used; 1 otherwise.
+// and returns the exit code that the status stands for: 0 for OK; 2 for INVALID_ARGUMENT,
+// NOT_FOUND, OUT_OF_RANGE, PERMISSION_DENIED and UNAUTHENTICATED: what the user gave is wrong, or
+// may not be used; 1 otherwise.
 [[nodiscard]] int report(const absl::Status& status);
 
 }  // namespace irsig

@@ -21,7 +21,7 @@ class FilterOptions {
 
   [[nodiscard]] const std::string& database() const { return database_; }
   [[nodiscard]] absl::StatusOr<Query> query() const;
-  // Those given that choose signatures, as they were written; empty: none.
+  // The given options that choose signatures, as they were written; empty: none.
   [[nodiscard]] std::string text() const;
 
  private:

@@ -309,7 +309,7 @@ void add_goniometer(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "goniometer", "BRDF and directional emissivity of a scene on a plate, seen from all sides");
   const auto options = std::make_shared<GoniometerCommand>();
-  command->add_option("SPEC", options->spec_path, "What is measured: docs/goniometer.md")
+  command->add_option("SPEC", options->spec_path, "What is measured: docs/reference/goniometer.md")
       ->required()
       ->type_name("SPEC");
   command->add_option("--out", options->out, "Folder for tables, pictures and the material")

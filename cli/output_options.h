@@ -11,20 +11,20 @@
 
 namespace irsig {
 
-// In which form a command answers and where it goes: --format and --out, the same in every command.
-// Each format has a short form of its own: --csv is --format csv.
+// Format and destination of a command's answer: --format and --out, the same in every command. Each
+// format has a short form of its own: --csv is --format csv.
 class OutputOptions {
  public:
   // formats: those that the command has, the one that nobody has to ask for first. "text" is for
   // people and may also be called "table".
   OutputOptions(CLI::App& command, std::vector<std::string> formats);
 
-  // For commands that need a file: "-" is not one.
+  // Option for commands that need a file: "-" is not one.
   [[nodiscard]] CLI::Option* out_option() const { return out_option_; }
   [[nodiscard]] const std::string& out() const { return out_; }
 
-  // As it was asked for, or as the file's name says. INVALID_ARGUMENT: they contradict each other,
-  // or the name ends as no format of this command.
+  // Returns the format that was asked for, or that the file's name says. INVALID_ARGUMENT: they
+  // contradict each other, or the name ends as no format of this command.
   [[nodiscard]] absl::StatusOr<std::string> format() const;
 
   // Lets `write` fill the file, replaced when complete, or standard output: no --out, or "-".

@@ -5,7 +5,7 @@
 
 namespace irsig {
 
-// How far the target of a stored sweep reaches: what rows at another range ask for (ExtentOf).
+// Returns the extent of the target of a stored sweep, which rows at another range need (ExtentOf).
 [[nodiscard]] absl::StatusOr<TargetExtent> stored_target_extent(const StoredSweep& sweep);
 
 }  // namespace irsig

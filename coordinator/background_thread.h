@@ -29,7 +29,7 @@ class BackgroundThread {
     return true;
   }
 
-  // What was posted runs to its end.
+  // Stops the thread after all posted work has run.
   void stop() {
     {
       const std::lock_guard lock(mutex_);

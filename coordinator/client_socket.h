@@ -13,8 +13,8 @@ namespace irsig {
 // call of it blocks. The descriptor stays the caller's.
 class ClientSocket {
  public:
-  // What came of a call: bytes were moved (0: the handshake is done), the call is to be made again
-  // when the descriptor can be read or written, or nothing more comes of this connection.
+  // Outcome of a call: bytes were moved (0: the handshake is done), the call is to be made again
+  // when the descriptor can be read or written, or the connection has ended.
   enum class Next { kGoOn, kAfterReading, kAfterWriting, kEnded };
   struct Step {
     Next next;
@@ -27,7 +27,7 @@ class ClientSocket {
   virtual Step write(const char* from, std::size_t size) = 0;
   // Why the handshake ended; empty: the client left it.
   [[nodiscard]] virtual std::string problem() const = 0;
-  // What the client has shown, in PEM; empty without TLS.
+  // The client's certificate, in PEM; empty without TLS.
   [[nodiscard]] virtual std::string certificate() const = 0;
 };
 

@@ -8,7 +8,7 @@
 #include "absl/functional/any_invocable.h"
 #include "absl/status/status.h"
 #include "coordinator/farm.h"
-#include "schema/store/store.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 
@@ -34,9 +34,10 @@ class CommitLoop {
   // `work` runs on the loop's thread; `acknowledge` gets its status after the commit.
   void post(Kind kind, Work work, Acknowledge acknowledge);
 
-  // From here on the requests are served. One that fails in another way than by a refusal (an
-  // exception, a statement that cannot run) is undone by itself, and the others go on. `failed` is
-  // called, once, if the store cannot go on (the disk is full): nothing is acknowledged after that.
+  // Starts to serve the requests. A request that fails in another way than by a refusal (an
+  // exception, a statement that cannot run) is undone by itself, and the others continue. `failed`
+  // is called, once, if the store cannot continue (the disk is full): nothing is acknowledged after
+  // that.
   void start(Farm& farm, StoreWriter& store, absl::AnyInvocable<void(absl::Status)> failed);
   // Serves what is waiting and ends.
   void stop();

@@ -17,10 +17,10 @@
 
 namespace irsig {
 
-// Who may make which call. Over TLS it is asked of the caller's certificate, with every call anew:
-// its roles, its dates, whether the authority has revoked it. Where there is no TLS (a Unix socket
-// of mode 0600, --insecure-loopback, --insecure-network) whoever gets through may do everything.
-// Thread-safe.
+// Decides which caller may make which call. Over TLS each call is checked anew against the caller's
+// certificate: its roles, its dates, and the authority's list of revoked certificates. Without TLS
+// (a Unix socket of mode 0600, --insecure-loopback, --insecure-network) every connected caller may
+// do everything. Thread-safe.
 class Doorkeeper {
  public:
   // tls: null without TLS. crl_path: a file that is read anew when it has changed; empty: none.

@@ -16,10 +16,10 @@ struct JobName {
   friend auto operator<=>(const JobName&, const JobName&) = default;
 };
 
-// Which jobs are computed by a second worker, and what becomes of results that differ. A share of
-// jobs is chosen by a hash that no worker knows in advance. Of two results that differ a third
-// worker's decides, once there is one: until then nobody is to blame. Bookkeeping alone; it is
-// forgotten when the coordinator starts again. Not thread-safe.
+// Chooses jobs to be computed by a second worker, and judges results that differ. The chosen
+// fraction of jobs comes from a hash that no worker knows in advance. If two results differ, a
+// third worker's decides: until then neither worker is blamed. Bookkeeping alone, lost when the
+// coordinator starts again. Not thread-safe.
 class DoubleCheck {
  public:
   // share: of all jobs. salt: differs with every start of the coordinator.
@@ -60,12 +60,13 @@ class DoubleCheck {
   std::uint64_t audited_ = 0;
 };
 
-// How long jobs take here, and so who takes too long. Times in seconds of the farm's clock.
+// Detects jobs that take too long, from the times of recent jobs. Times in seconds of the farm's
+// clock.
 class Stragglers {
  public:
   void took(double seconds);
-  // Whether a job that has been computed for so long is worth a second worker that is idle: twice
-  // what jobs took lately, and long enough for a second one to matter.
+  // Returns true if a job that has been computed for so long is worth a second, idle worker: twice
+  // the recent typical time, and long enough for a second worker to matter.
   [[nodiscard]] bool is_one(double seconds) const {
     return known_ > 0 && seconds > 2 * typical_s_ && seconds > kShortest_s;
   }
@@ -76,7 +77,7 @@ class Stragglers {
   double typical_s_ = 0, known_ = 0;
 };
 
-// How many there were a second, of the last ones. Times as above.
+// Rate of recent events per second. Times as above.
 class Rate {
  public:
   void happened(double now_s) {

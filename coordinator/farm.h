@@ -16,7 +16,7 @@
 #include "coordinator/farm_table.h"
 #include "coordinator/lease_book.h"
 #include "schema/farm.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 
@@ -49,8 +49,8 @@ struct Submission {
                                                          std::uint32_t physics_version,
                                                          std::vector<Asset> assets);
 
-// What a worker returns. `checked`: what was found in the result by itself (check_plausible),
-// before it came here.
+// A result as a worker returns it. `checked`: outcome of the check of the result by itself
+// (check_plausible), made before.
 struct Returned {
   std::string worker_id;
   std::uint64_t fencing_token = 0;  // of its lease; 0: it comes from a spool
@@ -60,12 +60,12 @@ struct Returned {
   absl::Status checked = absl::OkStatus();
 };
 
-// What the coordinator decides: who gets which job, whose result is taken. The queue itself is in
-// the store, so that it survives a restart; only the workers' sessions are here, and they register
-// anew. Knows neither threads nor gRPC. Not thread-safe: the commit loop's thread owns it, and
-// opens and commits the store's transactions around its calls.
+// Decisions of the coordinator: which worker gets which job, and which results are accepted. The
+// queue itself is in the store, so that it survives a restart; only the workers' sessions are here,
+// and workers register anew. Knows neither threads nor gRPC. Not thread-safe: the commit loop's
+// thread owns it, and opens and commits the store's transactions around its calls.
 //
-// What follows what is in farm_table.h. Errors: NOT_FOUND = the worker is unknown (lost, or of an
+// farm_table.h has the transitions. Errors: NOT_FOUND = the worker is unknown (lost, or of an
 // earlier coordinator): it registers again. FAILED_PRECONDITION = refused for good: a foreign
 // failure, a worker of another class. ABORTED = the worker was set aside, with the reason.
 // INVALID_ARGUMENT = the result is not that of its job; it counts as a failure of its lease.
@@ -90,7 +90,7 @@ class Farm {
 
   // After a request was undone: leases that no session knows go back to the queue.
   absl::Status release_orphaned_leases();
-  // Who may send a result: may be asked from any thread.
+  // Workers that may send a result: may be asked from any thread.
   [[nodiscard]] const LeaseBook& leases() const { return leases_; }
 
   // Workers that have been silent too long lose their jobs.
@@ -113,7 +113,7 @@ class Farm {
     std::uint32_t count = 0;
     std::set<std::string> workers;
   };
-  // What is asked of a sweep with every lease and every result.
+  // Rules of a sweep for every lease and every result.
   struct SweepRules {
     std::optional<std::uint32_t> physics_version;  // that its keys were made with, if known
     std::set<std::uint32_t> other_versions = {};   // if not: that they were not made with
@@ -138,7 +138,7 @@ class Farm {
   absl::StatusOr<std::optional<QueuedJob>> duplicate(const JobName& job, JobState expected);
   absl::Status check_class(const Session& session);
   absl::Status check_physics(const Session& session, const JobName& job);
-  // Whether this worker's results may be stored here; the first one binds the database's class.
+  // OK if this worker's results may be stored here; the first one binds the database's class.
   absl::Status admit(const Session& session, const JobName& job);
   SweepRules& remember(const std::string& sweep_sha256, const schema::ResolvedSweep& sweep);
   absl::Status check_against_session(const Session& session, const std::string& sweep_sha256,
@@ -148,7 +148,7 @@ class Farm {
   [[nodiscard]] bool somebody_has_more_memory(std::uint64_t bytes) const;
   absl::StatusOr<bool> all_settled();
 
-  // Of a result.
+  // Stages of accepting a result.
   absl::StatusOr<schema::CompleteReply> take(const Session& session, const JobName& job,
                                              const Returned& returned);
   absl::StatusOr<schema::CompleteReply> store_now(const Session& session, const JobName& job,

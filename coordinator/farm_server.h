@@ -19,7 +19,7 @@ struct FarmServerOptions {
       on_failure;  // the store cannot go on; called at most once
   // A database that this coordinator made goes again when nobody submitted anything to it.
   bool remove_unused = false;
-  // With TLS: the authority's list of revoked certificates, read anew when it changes; empty: none.
+  // The authority's list of revoked certificates, with TLS, read anew when it changes; empty: none.
   std::string tls_crl = {};
 };
 
@@ -32,10 +32,11 @@ class FarmServer {
   static absl::StatusOr<std::unique_ptr<FarmServer>> start(FarmServerOptions options);
   virtual ~FarmServer() = default;
 
-  // Where it listens: with the port that the system chose, if port 0 was asked for.
+  // The address at which the server listens: with the port that the system chose, if port 0 was
+  // asked for.
   [[nodiscard]] virtual std::string address() const = 0;
-  // No more calls; what is waiting is committed; the database becomes one plain file. UNAVAILABLE:
-  // somebody reads it; it is complete, but its journal stays beside it.
+  // Refuses further calls, commits waiting ones, and makes the database one plain file.
+  // UNAVAILABLE: a reader has it open; it is complete, but its journal stays beside it.
   virtual absl::Status stop() = 0;
 };
 

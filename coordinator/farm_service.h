@@ -18,7 +18,7 @@ namespace irsig {
 // between two pieces is cut off.
 class FarmService final : public schema::Farm::CallbackService {
  public:
-  // What all calls share.
+  // State that all calls share.
   struct Desk {
     Desk(CommitLoop& commit_loop, std::string of_database)
         : loop(commit_loop), folder(std::move(of_database)) {}
@@ -42,7 +42,7 @@ class FarmService final : public schema::Farm::CallbackService {
     desk_.leases = &leases;
     desk_.door = &door;
   }
-  // No more submissions are looked at. Before the loop stops.
+  // Refuses further submissions. Called before the loop stops.
   void stop() { desk_.clerk.stop(); }
 
   grpc::ServerUnaryReactor* Register(grpc::CallbackServerContext* context,

@@ -24,20 +24,20 @@ class LeakyBucket {
   double level_ = 0, leaked_at_s_ = 0;
 };
 
-// What one connection may do, and what all may do together. The workers of a farm have three calls
-// at once and cancel one of them when the coordinator does not answer.
+// Limits of one connection, and of all together. The workers of a farm have three calls at once and
+// cancel one of them when the coordinator does not answer.
 struct FrameLimits {
   std::size_t most_streams = 32;  // that are open at once
   std::size_t few_streams = 8;    // ... once all connections together have most_streams_of_all
   std::size_t most_streams_of_all = 5000;
   double most_resets = 50, resets_per_s = 5;
   double most_resets_of_all = 5000, resets_of_all_per_s = 1000;
-  // Of what stands in front of a call: its path, and a few hundred bytes of metadata.
+  // Limit of a call's headers: its path, and a few hundred bytes of metadata.
   std::uint32_t most_header_bytes = 16384;
   int most_header_frames = 8;
 };
 
-// What all connections of a gate do together. Belongs to one thread.
+// Totals of all connections of a gate. Belongs to one thread.
 struct FrameTotals {
   explicit FrameTotals(const FrameLimits& all) : limits(all) {}
 

@@ -32,7 +32,7 @@
 namespace irsig {
 namespace {
 
-// Of 40 kB each while their handshake lasts (tests/fault/half_open_test.py).
+// Of 40 kB each while their handshake lasts (tests/system/half_open_test.py).
 constexpr rlim_t kMostOpenFiles = 16384;
 // For the database, its journals, submitted files, lists of certificates.
 constexpr int kKeptFree = 64;

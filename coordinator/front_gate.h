@@ -31,7 +31,7 @@ class FrontGate {
   // Connections that say nothing for so long are put out. The server must have started.
   virtual void start(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server,
                      int patience_ms) = 0;
-  // No more connections; those that there are go on.
+  // Refuses further connections; existing ones continue.
   virtual void close_door() = 0;
   // After the server has been shut down: what it has said last is sent.
   virtual void stop() = 0;

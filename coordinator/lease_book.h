@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// Who is registered, and who holds which lease: the farm writes it, and whoever receives a result
-// asks before it takes the result's bytes. Thread-safe.
+// Registered workers and their leases. The farm writes the book, and the receiver of a result asks
+// it before it accepts the result's bytes. Thread-safe.
 class LeaseBook {
  public:
   void registered(const std::string& worker_id) { hold(worker_id, 0); }
@@ -16,7 +16,7 @@ class LeaseBook {
     const std::lock_guard lock(mutex_);
     token_[worker_id] = fencing_token;
   }
-  // It stays registered.
+  // Ends the worker's lease; the worker stays registered.
   void release(const std::string& worker_id) {
     const std::lock_guard lock(mutex_);
     const auto found = token_.find(worker_id);

@@ -7,11 +7,12 @@
 
 namespace irsig {
 
-// For lines of a log whose number is up to strangers: one a second, the others are counted.
+// Limits log lines whose number strangers control to one a second; the others are counted.
 // Thread-safe.
 class OnceASecond {
  public:
-  // How many were not told since the last one that was; nullopt: nor is this one.
+  // Returns the number of lines suppressed since the last one allowed; nullopt: suppress this line
+  // too.
   [[nodiscard]] std::optional<std::int64_t> may_tell() {
     const std::int64_t now_s = std::chrono::duration_cast<std::chrono::seconds>(
                                    std::chrono::steady_clock::now().time_since_epoch())

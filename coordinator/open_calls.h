@@ -39,7 +39,7 @@ class OpenCalls {
     const std::lock_guard lock(mutex_);
     open_[&call] = {Steady::now(), Steady::now(), 0};
   }
-  // What came, or was taken: nothing at all is silence.
+  // Records bytes received or taken; 0 bytes count as silence.
   void moved(Call& call, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     const auto found = open_.find(&call);

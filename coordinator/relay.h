@@ -13,7 +13,7 @@
 
 namespace irsig {
 
-// What the connections of a gate share. Belongs to the gate's thread.
+// State that the connections of a gate share. Belongs to the gate's thread.
 struct RelayDesk {
   explicit RelayDesk(Visitors& registry) : visitors(registry) {}
 
@@ -28,10 +28,10 @@ struct RelayDesk {
   boost::asio::io_context loop{1};  // the last member: what waits in it uses the others
 };
 
-// From here on, until it ends: takes over the descriptor of a client, shakes hands with it, makes a
-// pair of sockets of which gRPC gets one, and carries bytes between the client and the other one.
-// What the client asks for is held against FrameLimits before gRPC sees it. A client that has said
-// nothing within `patience_ms` is put out.
+// Serves a client until the relay ends: takes over the client's descriptor, shakes hands with the
+// client, makes a pair of sockets of which gRPC gets one, and carries bytes between the client and
+// the other one. The client's requests are checked against FrameLimits before gRPC receives them. A
+// client that has sent nothing within `patience_ms` is disconnected.
 void start_relay(RelayDesk& desk, int client_fd, std::string address, int patience_ms);
 
 }  // namespace irsig

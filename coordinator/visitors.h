@@ -14,8 +14,8 @@ struct Visitor {
   std::string certificate;  // in PEM; empty without TLS
 };
 
-// Who is at the other end of each connection that a gate has handed to gRPC, by the name that gRPC
-// has of it (ServerContext::peer()). No name is given twice. Thread-safe.
+// Clients of the connections that a gate has handed to gRPC, by gRPC's name of the connection
+// (ServerContext::peer()). No name is given twice. Thread-safe.
 class Visitors {
  public:
   void enter(const std::string& peer, Visitor visitor) {

@@ -10,7 +10,7 @@ namespace irsig {
 // The consistency gate: whether what a resolved sweep says about its conditions can be true all at
 // once. A contradiction is reported to `findings` at the key that causes it, with both values
 // named; what is possible but odd is added to Condition.warning as "<path> ...", to be stored with
-// the rows and shown once. docs/sweep-file.md, "What is checked", lists every rule.
+// the rows and shown once. docs/reference/sweep-file.md, "What is checked", lists every rule.
 void check_weather(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Its pieces. Names of seasons, dates and the sun: of every sweep that has a place.

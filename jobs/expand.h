@@ -54,7 +54,7 @@ namespace irsig {
 [[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
                                                        int physics_version);
 
-// How many jobs that makes.
+// Returns the number of those jobs.
 [[nodiscard]] double job_count(const schema::ResolvedSweep& sweep);
 
 }  // namespace irsig

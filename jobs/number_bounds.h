@@ -25,7 +25,7 @@ struct NumberBounds {
 // included (tests/unit/number_bounds_test.cpp).
 [[nodiscard]] std::span<const NumberBounds> number_bounds();
 
-// Of "Viewpoints.range_m". The key must be in the table.
+// Returns the bounds of a key such as "Viewpoints.range_m". The key must be in the table.
 [[nodiscard]] const NumberBounds& bounds_of(std::string_view key);
 
 // A limit as it is printed: six digits, or all of them where those are another number.

@@ -33,13 +33,13 @@ void resolve_part_material(const std::string& name, const SectionCheck& check,
 // library are written out as their numbers.
 void resolve_build_ups(schema::Sweep& sweep, Findings& findings);
 
-// Whether the sweep file says a part's temperature in a season: its own, or the season's.
+// Returns true if the sweep file states a part's temperature in a season: its own, or the season's.
 [[nodiscard]] bool is_stated(const schema::Season& season, const schema::Part& part);
 
 // [[temperature_field]], and where seasons name them.
 void check_temperature_fields(const SweepFile& file, Findings& findings);
-// By name, with the hashes of their files; then of a season's condition, with the parts that have
-// their temperatures from it.
+// Resolves the fields by name, with the hashes of their files; then takes a season's field into its
+// condition, with the parts that have their temperatures from it.
 [[nodiscard]] std::map<std::string, schema::ConditionField> resolve_temperature_fields(
     const SweepFile& file);
 void take_temperature_field(const std::map<std::string, schema::ConditionField>& fields,
@@ -61,7 +61,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, 
 }
 void check_place(const schema::Sweep& sweep, Findings& findings);
 
-// What does not go together with above_surface_m of [place], seasons and conditions.
+// Reports settings that contradict above_surface_m of [place], seasons and conditions.
 void check_heights(const schema::Sweep& sweep, Findings& findings);
 // The lowest of all seasons. [m]
 [[nodiscard]] double lowest_above_surface_m(const schema::Sweep& sweep);
@@ -83,7 +83,7 @@ void write_air_defaults(schema::Air& air);
 [[nodiscard]] std::vector<schema::Surroundings> resolve_surroundings(const schema::Sweep& sweep,
                                                                      Findings& findings);
 
-// The same of one condition's, which are complete.
+// Like resolve_surroundings(), for one condition's surroundings, which are complete.
 void check_complete_surroundings(const schema::Sweep& sweep, const schema::Surroundings& complete,
                                  const std::string& path, Findings& findings);
 

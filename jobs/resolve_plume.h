@@ -10,7 +10,8 @@
 
 namespace irsig {
 
-// Whether the sweep's hot gas rises from a funnel and so depends on the weather of each condition.
+// Returns true if the sweep's hot gas rises from a funnel and so depends on the weather of each
+// condition.
 [[nodiscard]] bool has_funnel_plume(const schema::Sweep& sweep);
 
 // Puts the bytes of the file that [plume] names into file.content. Call it between parse_sweep and
@@ -33,7 +34,7 @@ struct PlumeWeather {
 void resolve_plumes(const SweepFile& file, const std::vector<PlumeWeather>& weather,
                     schema::ResolvedSweep& resolved, Findings& findings);
 
-// The same of a resolved sweep that came from somewhere else.
+// Like resolve_plumes(), for a resolved sweep that came from somewhere else.
 void check_resolved_plumes(const schema::ResolvedSweep& resolved, Findings& findings);
 
 }  // namespace irsig

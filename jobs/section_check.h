@@ -22,14 +22,14 @@ class Findings {
   explicit Findings(const SweepFile& file) : file_(file) {}
 
   void add(const std::string& path, const std::string& what);
-  // At "file:line:column", where that is no key's of the sweep file.
+  // Adds a finding at "file:line:column", where that is no key's of the sweep file.
   void add_at(const std::string& place, const std::string& what);
   // Remembers the key of what is possible but odd, and returns it as a line for a warning.
   std::string odd(const std::string& key, const std::string& what);
   // The key of a line that odd() returned; empty for others.
   [[nodiscard]] std::string key_of_odd(const std::string& warning) const;
   [[nodiscard]] bool empty() const { return found_.empty(); }
-  // Whether something was found at the path itself, or in the table that stands there.
+  // Returns true if there is a finding at the path itself, or in the table at the path.
   [[nodiscard]] bool any_at(const std::string& path) const;
   [[nodiscard]] std::size_t count() const { return found_.size(); }
   // INVALID_ARGUMENT with a problem (core/base/problems.h) for each error; OK if there are none.
@@ -63,7 +63,7 @@ class SectionCheck {
   void require(const Names& names, const std::string& why) const;
   // Keys other than these are errors: "<path> does not apply <why>".
   void only(const Names& names, const std::string& why) const;
-  // How many of the names are present; more than one is an error.
+  // Returns the number of the names that are present; more than one is an error.
   [[nodiscard]] int at_most_one(const Names& names) const;
   // Numbers whose limits depend on other keys (jobs/number_bounds.h has all other limits), limits
   // included; one that is out of its own bounds is reported already.

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// How long one list, map or text of a sweep may be, in elements or bytes: of the file and of the
+// Largest length of one list, map or text of a sweep, in elements or bytes: of the file and of the
 // resolved sweep, wherever the message stands.
 struct SizeBound {
   std::string_view key;  // "Sweep.part": message and field
@@ -23,8 +23,8 @@ struct SizeBound {
 // Every other text.
 inline constexpr std::size_t kLongestName = 1000;
 
-// What one sweep may ask for in all: rows = viewpoints x conditions x bands, jobs, and rows of
-// profiles under each signature.
+// Limits of one sweep in all: rows = viewpoints x conditions x bands, jobs, and rows of profiles
+// under each signature.
 inline constexpr double kMostRows = 1e8;
 inline constexpr double kMostJobs = 2e6;
 inline constexpr double kMostProfileRows = 1e6;

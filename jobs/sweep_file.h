@@ -18,7 +18,8 @@ struct SweepFile {
   schema::Sweep sweep;
   std::map<std::string, std::string> where;
   std::string file_name;
-  // What messages call a season that stands for something else: "condition[3]" (condition_table.h).
+  // Name in messages of a season that stands for something else: "condition[3]"
+  // (condition_table.h).
   std::map<std::string, std::string> written_as;
   // Text of the files that [air] and [[season]] name, by the path of the key (read_weather_files).
   std::map<std::string, std::string> content;
@@ -28,8 +29,8 @@ struct SweepFile {
   [[nodiscard]] std::string as_written(const std::string& message) const;
 };
 
-// The same problems, each with the place of its key in the file. Other codes than INVALID_ARGUMENT
-// are returned as they are.
+// Returns the same problems, each with the place of its key in the file. Other codes than
+// INVALID_ARGUMENT are returned as they are.
 [[nodiscard]] absl::Status located(const SweepFile& file, const absl::Status& status);
 
 // TOML -> Sweep by protobuf reflection. Errors (INVALID_ARGUMENT, one a line, each
@@ -38,8 +39,8 @@ struct SweepFile {
 [[nodiscard]] absl::StatusOr<SweepFile> parse_sweep(std::string_view text,
                                                     std::string_view file_name);
 
-// The same for a message of another grammar: fills it, and `file.where` (file.file_name must be
-// set).
+// Like parse_sweep(), for a message of another grammar: fills it, and `file.where` (file.file_name
+// must be set).
 [[nodiscard]] absl::Status fill_from_toml(std::string_view text, SweepFile& file,
                                           google::protobuf::Message& message);
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Remakes the pictures and tables of docs/accuracy.md, in about half an hour; nothing else should run on
+# Remakes the pictures and tables of docs/evidence/accuracy.md, in about half an hour; nothing else should run on
 # the machine meanwhile.
 #
 # usage: ops/accuracy-page.sh [path of the irsig executable]      (default: built by ops/build.sh)
@@ -40,7 +40,7 @@ import re
 import statistics
 import sys
 
-page, work = pathlib.Path("docs/accuracy.md"), pathlib.Path(sys.argv[1])
+page, work = pathlib.Path("docs/evidence/accuracy.md"), pathlib.Path(sys.argv[1])
 text = page.read_text()
 
 

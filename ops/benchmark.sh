@@ -3,7 +3,7 @@
 #
 # usage: ops/benchmark.sh [core|store|farm|farm_scale|atmosphere|heat|gas|plume|ray_facet|watertight ...]      (default: all but
 #        watertight, which takes an hour)
-#        ops/benchmark.sh page     measures the examples and writes their table into docs/performance.md
+#        ops/benchmark.sh page     measures the examples and writes their table into docs/evidence/performance.md
 set -euo pipefail
 cd "$(dirname "$0")/.."
 if [[ "$*" == page ]]; then

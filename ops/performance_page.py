@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the example jobs and writes the table of docs/performance.md that stands between its marks.
+"""Measures the example jobs and writes the table of docs/evidence/performance.md that stands between its marks.
 
 usage: ops/performance_page.py <irsig> [--only NAME ...]     (all: about 15 minutes on 2 cores)
 
@@ -10,7 +10,7 @@ the version with the program's (tests/architecture/check_performance_page.py).
 import datetime, os, pathlib, re, subprocess, sys, tempfile, time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs/performance.md"
+PAGE = ROOT / "docs/evidence/performance.md"
 BEGIN, END = "<!-- measured by ops/benchmark.sh page -->", "<!-- end of what was measured -->"
 
 # Name, changes of the example's text, numbers of workers.

@@ -12,7 +12,7 @@
 
 namespace irsig {
 
-// Which rows of a sweep an accuracy study looks at.
+// The rows of a sweep for an accuracy study.
 struct AccuracyRows {
   std::optional<std::string> season, time, band;
   // Azimuth and elevation; none: the middle one of the sweep's viewpoints.
@@ -22,8 +22,8 @@ struct AccuracyRows {
   double primary_rays = 0;
 };
 
-// What `rows` says of season, time and band, as indices of the sweep's. INVALID_ARGUMENT: it has no
-// such.
+// The chosen rows as indices of the sweep's season, time and band. INVALID_ARGUMENT: the sweep has
+// no such row.
 struct ChosenRows {
   std::uint32_t condition = 0;
   std::vector<std::uint32_t> band;

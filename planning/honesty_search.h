@@ -15,7 +15,7 @@ namespace irsig {
 // sweep is - parsed, resolved, run as a job -, and judged by an integrator of other means
 // (core/stability/reference_view.h) and by what must not change it.
 
-// What must change no number by more than its error.
+// Changes that must change no number by more than its error.
 enum class Invariance {
   kTurned,      // the world, about the vertical
   kRaised,      // the sensor, by 1 mm
@@ -61,8 +61,8 @@ struct SearchOptions {
   std::uint64_t most_reference_rays = 6'000'000;  // of a scene
   int invariances = 2;                            // of each scene, in rotation; kInvariances: all
   std::size_t threads = 1;
-  // Where failing scenes are written, made smaller; empty: nowhere. Smaller scenes are looked for
-  // with at most so many trials.
+  // Folder for failing scenes, made smaller; empty: none. At most so many trials look for smaller
+  // scenes.
   std::string failures;
   int shrink_trials = 40;
 };
@@ -105,10 +105,11 @@ struct SearchSummary {
     const SearchOptions& options,
     const std::function<void(const SceneVerdict&, double bound)>& done);
 
-// What a verdict says, in a line; what a search says: failures, values beyond 5, histogram, counts.
+// A verdict in one line; the summary of a search: failures, values beyond 5, histogram, counts.
 [[nodiscard]] std::string verdict_line(const SceneVerdict& verdict, double bound);
 [[nodiscard]] std::string summary_text(const SearchSummary& summary);
-// A line of the file in which the counts of all searches come together (docs/stability-search.csv).
+// A line of the file in which the counts of all searches come together
+// (docs/evidence/stability-search.csv).
 [[nodiscard]] std::string record_header();
 [[nodiscard]] std::string record_line(const SearchSummary& summary, const SearchOptions& options);
 

@@ -2,8 +2,8 @@
 
 namespace irsig {
 
-// From here on SIGINT and SIGTERM do not end this process: interrupted() says that one came.
-// SIGPIPE is ignored.
+// Makes SIGINT and SIGTERM set interrupted() from here on instead of ending this process. SIGPIPE
+// is ignored.
 void hear_interruptions();
 [[nodiscard]] bool interrupted();
 

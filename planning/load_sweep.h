@@ -12,8 +12,8 @@
 
 namespace irsig {
 
-// What the command line says instead of the sweep file's [accuracy], at most one; and instead of
-// its [effects]: "auto", "all" or "only=direct_sun,path_sun"; and how much of it.
+// Settings of the command line in place of the sweep file's: at most one of [accuracy]; [effects]
+// as "auto", "all" or "only=direct_sun,path_sun"; and the shard.
 struct AccuracyAsked {
   std::optional<double> relative_error, time_budget_s;
   std::optional<std::string> effects = std::nullopt;
@@ -27,7 +27,7 @@ struct LoadedSweep {
   schema::ResolvedSweep resolved;
   Assets assets;
   HeatOutputs heat = {};  // what its heat jobs leave; empty: not computed yet
-  // What is odd in it, one line each: its weather (jobs/check_weather.h), open shells of its model.
+  // Warnings, one line each: its weather (jobs/check_weather.h), open shells of its model.
   std::vector<std::string> warnings;
   JobMemory memory = {};  // of one worker
   SweepSize size = {};
@@ -35,7 +35,7 @@ struct LoadedSweep {
 
 // A sweep file with the content of the files that it names, not yet resolved.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
-// The same of a text that is not written yet: as if it stood in the file `path`.
+// Like load_sweep_file(), for a text that is not written yet: as if it stood in the file `path`.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_text(const std::string& text,
                                                         const std::string& path);
 

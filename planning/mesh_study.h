@@ -23,8 +23,8 @@ struct MeshStudyAsked {
   std::optional<double> relative_error;  // instead of the sweep's accuracy
 };
 
-// The same views on several meshes of the sweep's target, with every effect on unless the sweep
-// names those that it wants; each mesh has random numbers of its own. `seen` is told of each mesh
+// Computes the same views on several meshes of the sweep's target, with every effect on unless the
+// sweep names the effects; each mesh has random numbers of its own. `seen` is called for each mesh
 // when it is done. INVALID_ARGUMENT: a list of meshes that does not suit the sweep's model, a mesh
 // that cannot be made or read or whose groups are not those of the parts, two meshes that are the
 // same; no such season, time or band.

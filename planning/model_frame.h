@@ -15,7 +15,7 @@ struct AskedFrame {
   std::optional<std::string> forward_axis, up_axis;
 };
 
-// Where each came from: "given", "from the glTF 2.0 standard", "assumed".
+// Origin of unit and axes: "given", "from the glTF 2.0 standard", "assumed".
 struct FrameSources {
   std::string unit_m, forward_axis, up_axis;
 };

@@ -7,11 +7,11 @@
 
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
-// What one sweep of the pilot left in the database.
+// Results of one sweep of the pilot in the database.
 struct PilotStage {
   std::vector<StoredSignature> rows;
   std::vector<StoredLedger> ledgers;  // [row]
@@ -25,14 +25,14 @@ struct PilotStage {
   }
 };
 
-// Who computes a pilot's sweeps.
+// Computes a pilot's sweeps.
 class PilotFarm {
  public:
   virtual ~PilotFarm() = default;
   // Computes these sweeps, whose names are made different here, one after the other.
   virtual absl::StatusOr<std::vector<PilotStage>> run(
       std::vector<schema::ResolvedSweep> sweeps) = 0;
-  // Of the database that they are stored in.
+  // Returns the size of the database in which they are stored. [bytes]
   [[nodiscard]] virtual absl::StatusOr<double> bytes() const = 0;
   [[nodiscard]] virtual double cpu_s() const = 0;   // of all jobs so far
   [[nodiscard]] virtual double wall_s() const = 0;  // of the last run

@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "planning/sweep_pilot.h"
 #include "schema/farm.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
@@ -17,7 +17,7 @@ namespace irsig {
 // "predicted: 191 jobs, ...", one line.
 [[nodiscard]] std::string prediction_line(const StoredPrediction& prediction);
 
-// For whoever submits the sweep.
+// Returns the prediction as a message for the program that submits the sweep.
 [[nodiscard]] schema::Prediction as_message(const StoredPrediction& prediction);
 
 // Into a database that nobody else writes; made if it does not exist.

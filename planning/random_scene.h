@@ -10,9 +10,9 @@
 namespace irsig {
 
 // Random scenes for `irsig selftest --search`, each a function of its seed: within the grammar of
-// sweep files, and made of what error bars have broken on before (docs/stability.md).
+// sweep files, and made of what error bars have broken on before (docs/evidence/stability.md).
 
-// Which of its pieces a scene is mostly about.
+// The main subject of a scene.
 enum class SceneFamily {
   kBodies,        // up to 12 bodies of any kind
   kGrazingGloss,  // a glossy plate seen at 75 to 89.5 deg, often towards the sun
@@ -28,7 +28,7 @@ enum class SceneFamily {
 inline constexpr int kSceneFamilies = 10;
 [[nodiscard]] const char* name_of(SceneFamily family);
 
-// How scenes are made.
+// Parameters of the scenes.
 struct SceneGrammar {
   double best_relative_error = 0.01, worst_relative_error = 0.1;
   std::uint64_t max_samples_per_replicate = 16384;

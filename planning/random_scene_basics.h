@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_format.h"
 
-// What drawing a random scene (random_scene.cpp) and writing its files (random_scene_files.cpp)
-// share.
+// Shared parts of drawing a random scene (random_scene.cpp) and writing its files
+// (random_scene_files.cpp).
 namespace irsig::random_scene_basics {
 
 inline constexpr const char* kDate = "2025-06-21";
@@ -23,7 +23,7 @@ inline V3 cross(V3 a, V3 b) {
 }
 inline V3 unit(V3 a) { return (1 / std::sqrt(dot(a, a))) * a; }
 
-// As files state it.
+// Returns a number as files state it.
 inline std::string number(double v) { return absl::StrFormat("%.7g", v); }
 
 }  // namespace irsig::random_scene_basics

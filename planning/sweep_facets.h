@@ -12,10 +12,12 @@ namespace irsig {
 // The facets of a sweep and their temperatures, stated, computed or from a file.
 class SweepFacets {
  public:
-  // Of a database or a sweep file. FAILED_PRECONDITION: temperatures have yet to be computed.
+  // Loads the facets of a database or a sweep file. FAILED_PRECONDITION: temperatures have yet to
+  // be computed.
   static absl::StatusOr<SweepFacets> load(const std::string& database, const std::string& sweep);
 
-  // Not numbers: of a facet that nobody sees, or whose computed error leaves nothing of it.
+  // Temperature of a facet. NaN: no sensor sees the facet, or its computed error is as large as the
+  // temperature.
   struct Temperature {
     double kelvin, error_k;
   };

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// What a sweep's pilot measured. Times are CPU times of jobs that a real worker computed and a real
-// coordinator stored, apart from start_s.
+// Measurements of a sweep's pilot. Times are CPU times of jobs that a real worker computed and a
+// real coordinator stored, apart from start_s.
 struct SweepPilot {
   std::vector<ViewPilot> view;
   CountRule rule;
@@ -31,7 +31,7 @@ struct SweepPilot {
 // of light and temperature first, and 6 once more, from which the others' time follows.
 // FAILED_PRECONDITION: the sweep has a time budget that no pilot has turned into samples yet.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded);
-// The same on another farm.
+// Like pilot_sweep(loaded), on another farm.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& farm);
 
 // The costs of the piloted views.

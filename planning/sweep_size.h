@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What a sweep will store, from its counts alone.
+// Numbers of stored objects of a sweep, from its counts alone.
 struct SweepSize {
   std::uint64_t viewpoints = 0, conditions = 0, bands = 0;
   std::uint64_t all_viewpoints = 0;  // more than viewpoints: of a shard

@@ -169,7 +169,7 @@ absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mes
   std::string out = absl::StrCat(
       "# A sweep to begin with:\n#\n#   irsig plan ", asked.name, ".toml\n#   irsig run ",
       asked.name, ".toml --db ", asked.name,
-      ".sigdb\n#\n# Every key: docs/sweep-file.md.\nname = ", quoted(asked.name),
+      ".sigdb\n#\n# Every key: docs/reference/sweep-file.md.\nname = ", quoted(asked.name),
       "\ntime = [\"12:00", offset, "\"]      # of the day, with the offset from UTC\n");
   absl::StrAppend(
       &out, "\n# ", mesh.triangle.size(), " facets, ",

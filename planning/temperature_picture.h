@@ -19,9 +19,9 @@ namespace irsig {
     const SweepFacets& facets, int condition, const SignatureFilter::Direction& aspect,
     std::uint32_t long_side_px);
 
-// The same of a stored sweep. `query` says which: sweep, season and time as far as there are
-// several, and an aspect, which need not be that of a viewpoint; or the row of a signature, for all
-// of these. Its other filters are those of signatures: INVALID_ARGUMENT, as is a query that
+// Makes the picture of a stored sweep. `query` selects it: sweep, season and time as far as there
+// are several, and an aspect, which need not be that of a viewpoint; or the row of a signature, for
+// all of these. Its other filters are those of signatures: INVALID_ARGUMENT, as is a query that
 // selects several conditions (they are listed) or none.
 //   range  [K]; without: from the coldest to the hottest pixel
 [[nodiscard]] absl::StatusOr<FalseColorPicture> temperature_picture(

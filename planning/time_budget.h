@@ -12,7 +12,8 @@ namespace irsig {
 [[nodiscard]] schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep,
                                                  std::uint64_t samples);
 
-// Whether the sweep asks for a time budget that a pilot has yet to turn into a number of samples.
+// Returns true if the sweep asks for a time budget that a pilot has yet to turn into a number of
+// samples.
 [[nodiscard]] bool has_time_budget(const schema::ResolvedSweep& sweep);
 
 // Computes three viewpoints here, with few samples, and writes the samples per replicate that fill
@@ -21,8 +22,8 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> spend_time_budget(LoadedSweep& loaded,
                                                             std::uint32_t workers);
 
-// Whether `stored` is what spend_time_budget once made of `asked`: equal but for the samples. A
-// resumed sweep keeps the samples it was begun with, whatever a new pilot would measure.
+// Returns true if spend_time_budget once made `stored` from `asked`: equal but for the samples. A
+// resumed sweep keeps the samples with which it began, whatever a new pilot would measure.
 [[nodiscard]] bool is_same_but_for_samples(const schema::ResolvedSweep& stored,
                                            const schema::ResolvedSweep& asked);
 

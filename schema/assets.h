@@ -13,8 +13,7 @@ namespace irsig {
 // The bytes of files that a resolved sweep refers to, by their SHA-256.
 using Assets = std::map<std::string, std::string>;
 
-// What the jobs of a sweep's heat runs have computed, in their order: each a serialized HeatField.
-// Empty: not known.
+// Results of a sweep's heat runs, in their order: each a serialized HeatField. Empty: not known.
 using HeatOutputs = std::vector<std::string>;
 
 // The files that it needs: its model's (unless it is generated), its temperature fields', its
@@ -24,10 +23,10 @@ using HeatOutputs = std::vector<std::string>;
 // Empty: the sweep has no such file.
 [[nodiscard]] std::string_view asset(const Assets& assets, const std::string& sha256);
 
-// Of a sweep whose only file is its model; none if that is generated.
+// Returns the assets of a sweep whose only file is its model; none if the model is generated.
 [[nodiscard]] Assets model_alone(const schema::ResolvedSweep& sweep, std::string_view bytes);
 
-// Of all files together.
+// Returns the number of bytes of all files together.
 [[nodiscard]] std::size_t bytes_of(const Assets& assets);
 
 }  // namespace irsig

@@ -8,11 +8,11 @@
 
 namespace irsig {
 
-// What a serialized message would take in memory, read from its bytes before any of it is taken:
-// two bytes on the wire may stand for an empty message of 600.
+// Checks the memory that a serialized message would take, from its bytes, before any of it is
+// allocated: two bytes on the wire may stand for an empty message of 600.
 //
 // RESOURCE_EXHAUSTED beyond `most_bytes`. INVALID_ARGUMENT: the bytes are no message of this type,
-// or have fields that it does not know. The estimate is that of what protobuf allocates to within a
+// or have fields that it does not know. The estimate agrees with protobuf's allocation to within a
 // factor of two (tests/unit/wire_size_test.cpp).
 [[nodiscard]] absl::Status check_wire_size(std::string_view bytes,
                                            const google::protobuf::Descriptor& type,

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "serve/answers.h"
 #include "view/compare.h"
 
@@ -16,13 +16,13 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<PageReply> answer_contents(const PageSources& sources);
 [[nodiscard]] absl::StatusOr<PageReply> answer_progress(const PageSources& sources);
 
-// Of all aspects.
+// Answers about all aspects.
 [[nodiscard]] absl::StatusOr<PageReply> answer_map(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<PageReply> answer_cut(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<PageReply> answer_compare(const PageSources& sources,
                                                        const Question& q);
 
-// Of all windows of a band; of as many rows as a page can wait for.
+// Answers about all windows of a band, from as many rows as a page can wait for.
 [[nodiscard]] absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> bands_csv(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> bands_svg(const PageSources& sources, const Question& q);
@@ -33,14 +33,14 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> left_out_csv(const PageSources& sources,
                                                        const Question& q);
 
-// Of one row.
+// Answers about one row.
 [[nodiscard]] absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<PageReply> answer_spectrum(const PageSources& sources,
                                                         const Question& q);
 [[nodiscard]] absl::StatusOr<PageReply> answer_thumbnail(const PageSources& sources,
                                                          const Question& q);
 
-// To be saved; path without "/file/". NOT_FOUND: there is no such file.
+// Answers with a file to be saved; path without "/file/". NOT_FOUND: there is no such file.
 [[nodiscard]] absl::StatusOr<PageReply> answer_file(const PageSources& sources,
                                                     const std::string& file,
                                                     const Parameters& parameters);

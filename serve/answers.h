@@ -27,10 +27,10 @@ struct PageReply {
   bool is_self_contained = false;  // HTML with styles and pictures of its own, and nothing else
 };
 
-// What a GET of a path is answered with. Any number of threads may ask: each answer opens its
-// database and closes it. Whatever goes wrong is a reply, too: JSON {"error": words}, with 400 for
-// what was asked wrongly, 404 for what there is not, 409 for what the stored data cannot answer and
-// 503 where the database cannot be read.
+// Answers a GET of a path. Any number of threads may ask: each answer opens its database and closes
+// it. An error is a reply, too: JSON {"error": words}, with 400 for a malformed question, 404 for
+// something that does not exist, 409 for a question that the stored data cannot answer and 503
+// where the database cannot be read.
 [[nodiscard]] PageReply answer(const PageSources& sources, const std::string& path,
                                const Parameters& parameters);
 

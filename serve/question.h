@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/filters.h"
 #include "view/bands.h"
 #include "view/query.h"
 
@@ -23,7 +23,7 @@ struct Selection {
   double at_range_m = 0;
 };
 
-// Which window of a selection's band a detector sees best in.
+// Question for the window of a selection's band in which a detector sees best.
 struct BandQuestion {
   std::optional<std::size_t> detector;  // of those of the page; none: of constant noise
   double nei_w_m2 = 1e-9;               // then
@@ -31,8 +31,8 @@ struct BandQuestion {
   bool all_conditions = false;  // every season and time of the sweep, not the selection's alone
 };
 
-// What is asked of the page's server: a parameter of each name, of the CLI's names where it has
-// them (at_range_m: the stored range; range_m: as seen from there).
+// A question to the page's server: a parameter of each name, by the CLI's names where it has them
+// (at_range_m: the stored range; range_m: as seen from there).
 struct Question {
   Selection a;
   std::optional<Selection> b;  // compared with a; parameters b_*
@@ -56,7 +56,7 @@ enum class Needs {
 [[nodiscard]] absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs needs,
                                                       std::size_t databases);
 
-// The same for `view`.
+// Returns the question as filter and queries of `view`.
 [[nodiscard]] ValueFilter value_filter(const Selection& selection, SignatureQuantity quantity);
 [[nodiscard]] Query selection_query(const Selection& selection, SignatureQuantity quantity);
 [[nodiscard]] Query row_query(const Question& question);

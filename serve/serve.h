@@ -18,7 +18,7 @@ struct PageDetector {
   Detector detector;
 };
 
-// Who computes for a coordinator, when it was asked.
+// A worker of a coordinator, at the time of the question.
 struct PageWorker {
   std::string name, state;                         // idle, computing, set aside
   std::optional<double> job_s;                     // it computes its job for so long
@@ -45,8 +45,8 @@ struct ServeOptions {
   std::function<void(const std::string& url, const std::string& warning)> on_ready;
 };
 
-// Serves the page of signature databases until SIGINT or SIGTERM, which no other code of the process
-// may handle. Only reads. The errors of StoreReader::open;
+// Serves the page of signature databases until SIGINT or SIGTERM, which no other code of the
+// process may handle. Only reads. The errors of StoreReader::open;
 // INVALID_ARGUMENT: an address or port that is none; UNAVAILABLE: the port is taken.
 [[nodiscard]] absl::Status serve(const ServeOptions& options);
 

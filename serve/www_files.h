@@ -9,7 +9,7 @@ struct WwwFile {
   std::string_view name, bytes;
 };
 
-// What lies in serve/www.
+// Returns the files of serve/www.
 [[nodiscard]] const std::vector<WwwFile>& www_files();
 
 }  // namespace irsig

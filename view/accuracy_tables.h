@@ -61,8 +61,8 @@ struct StudiedRow {
 [[nodiscard]] StudiedRow present(const RowMeasurements& measured);
 [[nodiscard]] std::string accuracy_csv_header();
 
-// How far stored values are from longer runs, in stored standard errors and numerical errors: a
-// line for each quantity. Markdown.
+// Returns the deviations of stored values from longer runs, in stored standard errors and numerical
+// errors: a line for each quantity. Markdown.
 [[nodiscard]] std::string stated_errors_table(std::span<const StatedRow> rows);
 
 }  // namespace irsig

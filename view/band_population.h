@@ -12,10 +12,9 @@
 
 namespace irsig {
 
-// What a search for the best band looks at: rows of one band, weighted. (docs/bands.md)
+// Population of a search for the best band: rows of one band, weighted. (docs/reference/bands.md)
 
-// What a sensor sees of one target, on the band's stored wavelengths, and what is known of its
-// errors.
+// Contrast of one target at a sensor, on the band's stored wavelengths, and its errors.
 struct TargetContrast {
   std::vector<double> value;  // at the aperture: the target less its background. [W/(sr um)]
   SpectralSet modes;          // of its errors, and what they leave over
@@ -42,7 +41,7 @@ struct BandPopulation {
   std::size_t without_modes = 0;
 };
 
-// How much each row counts: all alike, or each aspect as the solid angle of the directions that are
+// Weight of each row: all alike, or each aspect as the solid angle of the directions that are
 // nearest to it (between the lowest and the highest viewpoint).
 enum class AspectWeight { kRows, kSolidAngle };
 

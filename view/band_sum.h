@@ -24,8 +24,9 @@ struct BandWeights {
   // [bin] um: the most that the response inside a bin differs from its mean there, times the bin
   std::vector<double> swing;
 
-  // By how much what spectra do inside bins changes the sum: as much of a bin's mean as the means
-  // around it are off straight lines may lie anywhere in the bin.
+  // Returns the bound of the sum's change by the shape of spectra inside bins: in each bin, the
+  // deviation of its mean from straight lines between the means around it may lie anywhere in the
+  // bin.
   [[nodiscard]] double shape_bound(std::span<const double> bin_mean) const;
 };
 
@@ -34,7 +35,7 @@ struct BandWeights {
 [[nodiscard]] absl::StatusOr<BandWeights> band_weights(std::span<const double> lambda_um,
                                                        const ResponseTable& response);
 
-// What a stored row is under another response.
+// A stored row under another response.
 struct InBand {
   // The standard error follows from the stored modes; where a row has none, it is that of errors
   // which are all one (the largest that it can be). Bounds are those of the whole band, which no
@@ -44,16 +45,16 @@ struct InBand {
   bool modes = false;  // all three have modes
 };
 
-// Of rows as run_query gives them. stored: the response of the band that the row was computed with
-// (empty: 1). INVALID_ARGUMENT: as band_weights(); a response that is narrower than the stored
-// step, of which a bin's mean says nothing; one where the band's own is 0, since nothing is known
-// of errors there. FAILED_PRECONDITION: a row without apparent and contrast spectra (format version
-// 2 or older).
+// Computes rows as run_query gives them. stored: the response of the band with which the row was
+// computed (empty: 1). INVALID_ARGUMENT: as band_weights(); a response that is narrower than the
+// stored step, for which a bin's mean is no information; one where the band's own is 0, since
+// errors are unknown there. FAILED_PRECONDITION: a row without apparent and contrast spectra
+// (format version 2 or older).
 [[nodiscard]] absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,
                                              const ResponseTable& response,
                                              const ResponseTable& stored);
 
-// The same of many rows, which may be of several sweeps. [row]
+// Like in_band() of one row, for many rows, which may be of several sweeps. [row]
 [[nodiscard]] absl::StatusOr<std::vector<InBand>> in_band(StoreReader& reader,
                                                           std::span<const QueryRow> rows,
                                                           const ResponseTable& response);

@@ -13,7 +13,7 @@ namespace irsig {
 // "mean SNR", "share with SNR >= 5": of axes and titles.
 [[nodiscard]] std::string merit_name(const MeritOf& merit);
 
-// What was compared, one line each, in a format of table.h.
+// Writes the compared windows, one line each, in a format of table.h.
 [[nodiscard]] absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                                         std::string_view format, std::ostream& out);
 
@@ -22,7 +22,7 @@ namespace irsig {
 [[nodiscard]] absl::Status write_map(const BandSearch& search, const MeritOf& merit,
                                      const BandSearch::Found& found, std::string_view format,
                                      std::ostream& out);
-// The same as colours over both limits, the best marked; a complete SVG document.
+// Returns the map as colours over both limits, the best marked; a complete SVG document.
 [[nodiscard]] std::string plot_map_of_windows(const BandSearch& search, const MeritOf& merit,
                                               const BandSearch::Found& found,
                                               const std::string& title);
@@ -31,12 +31,13 @@ namespace irsig {
 [[nodiscard]] absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
                                         const WindowChoice& choice, std::string_view format,
                                         std::ostream& out);
-// The same as curves of the first few.
+// Plots the ranges as curves of the first few candidates.
 [[nodiscard]] std::string plot_ranges(const BandSearch& search, const MeritOf& merit,
                                       const WindowChoice& choice, const std::string& title);
 
-// How far each row is seen, of each that was compared: season, time_utc, aspect, weight,
-// detection_range_m (nothing: below the nearest or beyond the farthest range, as `reach` says).
+// Writes the detection range of each row and each compared candidate: season, time_utc, aspect,
+// weight, detection_range_m (nothing: below the nearest or beyond the farthest range, as `reach`
+// says).
 [[nodiscard]] absl::Status write_detection(const BandSearch& search, const WindowChoice& choice,
                                            double threshold, std::string_view format,
                                            std::ostream& out);
@@ -50,8 +51,8 @@ namespace irsig {
 // A response as `irsig query --response` takes it.
 [[nodiscard]] std::string response_csv(const ResponseTable& response);
 
-// For people: which windows cannot be told apart, and what would tell them: the line of the sweep
-// file that asks for so many more samples.
+// Returns notes for people: the windows that cannot be told apart, and the line of the sweep file
+// that asks for enough samples to tell them apart.
 [[nodiscard]] std::vector<std::string> notes_on(const WindowChoice& choice,
                                                 const BandPopulation& population,
                                                 const schema::Accuracy& accuracy);

@@ -16,23 +16,24 @@
 
 namespace irsig {
 
-// Which part of a stored band a detector sees a target best in, or which two. (docs/bands.md)
+// Finds the part of a stored band in which a detector sees a target best, or the two best parts.
+// (docs/reference/bands.md)
 
-// What a detector sees through: a window between two of the search's edges, or a filter.
+// A passband of a detector: a window between two of the search's edges, or a filter.
 struct Passband {
   std::size_t first = 0, last = 0;
   bool operator==(const Passband&) const = default;
 };
 
-// With S the signal of a row (of a target, or of the target less the other one), V the variance of
-// the noise, 1 and 2 the two passbands:
+// Ways of pairing passbands. With S the signal of a row (of a target, or of the target less the
+// other one), V the variance of the noise, 1 and 2 the two passbands:
 //
 //   kNone        s = |S| / sqrt(V)
 //   kDifference  s = |S1 - g S2| / sqrt(V1 + g^2 V2),  g = sqrt(<B1^2> / <B2^2>): the gain with
 //                which both see as much of the population's backgrounds B, which then cancel
 //   kRatio       s = |angle between a and b| / sqrt(1 / |a|^2 + 1 / |b|^2),  a = (S1 / sqrt(V1),
 //                S2 / sqrt(V2)) of the target, b of the other: where both ratios S1 / S2 differ
-//                little, their difference over its noise; it takes no ratio of what may be 0
+//                little, their difference over its noise; no ratio of a signal that may be 0
 enum class Pairing { kNone, kDifference, kRatio };
 
 struct Candidate {
@@ -56,11 +57,12 @@ struct CandidateMerit {
   double best_numerical, best, as_good_numerical, as_good;
   // The merit that these errors alone would have, of no contrast at all.
   double errors_alone = 0;
-  // Whether it is at least three times that (a range: that of errors three times as large): if not,
-  // nothing is known of the contrast.
+  // True if the merit is at least three times errors_alone (a range: that of errors three times as
+  // large); if not, the contrast is unknown.
   bool known = true;
-  // How many times as many samples would tell it from the first (at two sigma); 0: it is told from
-  // it, or is the first; infinite: no number of samples, what is left are bounds and models.
+  // Factor on the samples that would tell the candidate from the first (at two sigma); 0: it is
+  // told from the first, or is the first; infinite: no number of samples, since bounds and models
+  // remain.
   double samples_to_tell = 0;
   // A range beyond those that it is taken from: its errors are infinite; of the first, what follows
   // from comparing with it is NaN.
@@ -96,12 +98,12 @@ class BandSearch {
 
   [[nodiscard]] double lambda_min_um(Passband p) const;
   [[nodiscard]] double lambda_max_um(Passband p) const;
-  // Of a filter; empty: a window.
+  // Name of a filter; empty: a window.
   [[nodiscard]] std::string_view name(Passband p) const;
   // The detector's response within a passband.
   [[nodiscard]] ResponseTable response(Passband p) const;
 
-  // With its gain and merit.
+  // Returns the candidate with its gain and merit.
   [[nodiscard]] Candidate candidate(const MeritOf& merit, Passband one,
                                     std::optional<Passband> other = {}) const;
 
@@ -116,11 +118,11 @@ class BandSearch {
   [[nodiscard]] Found search(const MeritOf& merit, double least_width_um, std::size_t most) const;
 
   [[nodiscard]] std::vector<double> snr(const Candidate& c) const;  // [row]
-  // Of the rows at one of the population's ranges alone.
+  // Merit of the rows at one of the population's ranges alone.
   [[nodiscard]] double merit_at(const MeritOf& merit, const Candidate& c, double range_m) const;
   // The standard error that samples leave of the mean's merit, to first order. One passband only.
   [[nodiscard]] double mean_stderr(Passband p) const;
-  // What is left of the background by a difference, of what the first passband has: rms over rows.
+  // Fraction of the first passband's background that a difference leaves: rms over rows.
   [[nodiscard]] double background_left(const Candidate& c) const;
 
   // Candidates compared by drawing their errors:
@@ -139,7 +141,7 @@ class BandSearch {
     double range_m;
   };
   [[nodiscard]] std::vector<Detection> detection(const Candidate& c, double threshold) const;
-  // Whether a merit that is a range lies beyond the ranges that it is taken from.
+  // Returns true if a merit that is a range lies beyond the ranges from which it is taken.
   [[nodiscard]] bool extrapolated(const MeritOf& merit, const Candidate& c) const;
 
   [[nodiscard]] const BandPopulation& population() const { return population_; }
@@ -163,7 +165,7 @@ class BandSearch {
   static double of(const ByLimit& by_limit, Passband p, std::size_t row) {
     return by_limit[p.last][row] - by_limit[p.first][row];
   }
-  // The same row at all its ranges, the nearest first.
+  // One row at all its ranges, the nearest first.
   struct Place {
     std::size_t first_row;
     double weight;

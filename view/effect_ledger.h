@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
@@ -28,15 +28,15 @@ struct LedgerRow {
 struct EffectSummary {
   std::string effect;
   std::uint64_t on = 0, off = 0, absent = 0;
-  // Of the rows where it is off: the largest bound relative to the intensity, of the source or at
-  // the aperture; kNotComputed: off nowhere, or a bound is not known.
+  // Largest bound relative to the intensity, of the source or at the aperture, among the rows where
+  // the effect is off; kNotComputed: off nowhere, or a bound is not known.
   double largest_bound = kNotComputed;
   std::map<std::string, std::uint64_t> reason;  // of the rows where it is not absent
-  // Of all views together; kNotComputed: no ledger says.
+  // Sums over all views; kNotComputed: no ledger states them.
   double saved_s = kNotComputed, spent_s = kNotComputed;
 };
 
-// In the order of the ledger. Rows without a ledger are left out.
+// Returns the effects in the order of the ledger. Rows without a ledger are left out.
 [[nodiscard]] std::vector<EffectSummary> summarize_effects(std::span<const LedgerRow> rows);
 
 [[nodiscard]] std::string summary_table(const std::vector<EffectSummary>& summary);

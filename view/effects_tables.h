@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// What `irsig verify-effects` prints and writes.
+// Output of `irsig verify-effects`.
 
 // One line a view, and one of its head.
 [[nodiscard]] std::string effects_view_header();
@@ -22,7 +22,7 @@ namespace irsig {
 // line of its own; empty: none. `where` says which cell it is.
 [[nodiscard]] std::string effects_failures(const std::string& where, const CheckedView& view);
 
-// Which effects were left out in how many of the rows.
+// Returns the effects that were left out, with the number of rows.
 [[nodiscard]] std::string effects_off(const EffectsSummary& summary);
 
 // The matrix as a whole: medians over cells, by the factors' levels too. Markdown.

@@ -15,10 +15,10 @@ struct ErrorPart {
   double share;       // of the square of the numerical error; all shares together are 1
 };
 
-// What the numerical error of a row's intensity, apparent or contrast intensity is made of: its
-// standard errors, then its bounds, those of 0 included. A row that was moved to another range
-// knows its bounds together only. Empty: the quantity has no bounds (background radiance), or the
-// row is interpolated or was stored without the quantity.
+// Returns the parts of the numerical error of a row's intensity, apparent or contrast intensity:
+// its standard errors, then its bounds, those of 0 included. For a row that was moved to another
+// range, bounds are known only together. Empty: the quantity has no bounds (background radiance),
+// or the row is interpolated or was stored without the quantity.
 [[nodiscard]] std::vector<ErrorPart> error_budget(const QueryRow& row,
                                                   const QuantityColumns& quantity);
 

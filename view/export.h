@@ -5,12 +5,12 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/query.h"
 
 namespace irsig {
 
-// How a table has spectra.
+// Form of spectra in a table.
 enum class TableSpectra {
   kNone,  // a line for each signature, in-band
   kLong,  // a line for each wavelength
@@ -41,7 +41,7 @@ struct ExportAsked {
 [[nodiscard]] absl::Status export_file(StoreReader& reader, const ExportAsked& asked,
                                        std::string_view format, const std::string& path);
 
-// The same CSV to a stream.
+// Writes the CSV of export_file() to a stream.
 [[nodiscard]] absl::Status export_csv(StoreReader& reader, const ExportAsked& asked,
                                       std::ostream& out);
 
@@ -49,13 +49,13 @@ struct ExportAsked {
 [[nodiscard]] absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
                                         const std::string& path);
 
-// The same for an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.
+// Writes an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.
 [[nodiscard]] absl::Status write_envi(StoreReader& reader, QueryRows& rows,
                                       SignatureQuantity quantity, const std::string& path);
-// The same for a target signature file. INVALID_ARGUMENT: rows of more than one sweep, season, band
-// or range, or two of one time and direction.
+// Writes a target signature file. INVALID_ARGUMENT: rows of more than one sweep, season, band or
+// range, or two of one time and direction.
 [[nodiscard]] absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& path);
-// Of "ship.sli": "ship.hdr".
+// Returns "ship.hdr" for "ship.sli".
 [[nodiscard]] std::string envi_header_of(const std::string& path);
 
 }  // namespace irsig

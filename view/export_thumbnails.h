@@ -22,12 +22,12 @@ struct ThumbnailsAsked {
 };
 
 // A folder of the stored images of all rows that a query selects: labels.csv, one line for each
-// (the columns are in docs/export.md), and images/ with its pictures. The folder appears when it is
-// complete. Until then it is FOLDER.partial, which the same call goes on with after an end of any
-// kind; INVALID_ARGUMENT if that one is of another question, or the folder is there. Rows without
-// an image are left out. NOT_FOUND: none has one. What going on cannot mend leaves no folder:
-// DATA_LOSS, an image is damaged; INVALID_ARGUMENT and FAILED_PRECONDITION, rows that cannot be put
-// before a background. The number of images.
+// (the columns are in docs/reference/export.md), and images/ with its pictures. The folder appears
+// when it is complete. Until then it is FOLDER.partial, which the same call goes on with after an
+// end of any kind; INVALID_ARGUMENT if that one is of another question, or the folder is there.
+// Rows without an image are left out. NOT_FOUND: none has one. What going on cannot mend leaves no
+// folder: DATA_LOSS, an image is damaged; INVALID_ARGUMENT and FAILED_PRECONDITION, rows that
+// cannot be put before a background. The number of images.
 [[nodiscard]] absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader,
                                                               const ThumbnailsAsked& asked,
                                                               const std::string& folder,

@@ -1,4 +1,5 @@
-// STK's target signature file (.tsf), as far as its public description goes (docs/export.md).
+// STK's target signature file (.tsf), as far as its public description goes
+// (docs/reference/export.md).
 #include <fmt/format.h>
 
 #include <algorithm>

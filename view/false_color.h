@@ -31,8 +31,8 @@ struct FalseColorPicture {
   std::optional<BarAxis> other{};  // of a quantity that the first determines, on the other side
 };
 
-// From the smallest to the largest value; of a single one, a little around it. NOT_FOUND: all are
-// NaN.
+// Returns the range from the smallest to the largest value; around a single value, a little more.
+// NOT_FOUND: all are NaN.
 [[nodiscard]] absl::StatusOr<ColorRange> range_of(const std::vector<float>& values);
 
 // "0,12.5". INVALID_ARGUMENT: not two finite numbers, the smaller one first.

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
-// What of computed temperatures a sweep has left out, in the rows of the sweep: made once of what
-// its heat jobs have left.
+// Effects on computed temperatures that a sweep has left out, in the rows of the sweep: made once
+// from the outputs of its heat jobs.
 class HeatEffects {
  public:
   // INVALID_ARGUMENT: what a heat job has left cannot be read.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/query.h"
 
 namespace irsig {
@@ -28,7 +28,7 @@ struct HourlyTemperature {
   StoredTemperature part;
 };
 
-// What a build-up's schedule says is behind the wall.
+// Conditions behind a wall by a build-up's schedule.
 struct HourlyInside {
   HourOfDay at;
   std::string season, build_up;
@@ -37,7 +37,7 @@ struct HourlyInside {
   bool heat_flux;  // which of them
 };
 
-// What a database knows of one viewpoint of a sweep through the hours of its days.
+// Stored and computed values of one viewpoint of a sweep through the hours of its days.
 struct Hours {
   std::string sweep;
   SignatureQuantity quantity;
@@ -46,8 +46,8 @@ struct Hours {
   std::optional<double> solar_offset_h;
   std::vector<HourlyValue> value;              // by day, band and hour
   std::vector<HourlyTemperature> temperature;  // computed ones, by day, part and hour
-  // Of the walls of these parts, from a day's first of these hours to its last, by day, build-up
-  // and hour: at both ends and where it bends; where it jumps, twice.
+  // Conditions behind the walls of these parts, from a day's first of these hours to its last, by
+  // day, build-up and hour: at both ends and where the schedule bends; where it jumps, twice.
   std::vector<HourlyInside> inside = {};
 };
 
@@ -60,7 +60,7 @@ struct Hours {
 // one for each band's values (+-2 numerical errors), one curve per day. A complete SVG document.
 [[nodiscard]] std::string plot_hours(const Hours& hours);
 
-// The same numbers, one line each, in a format of table.h.
+// Writes the numbers of plot_hours(), one line each, in a format of table.h.
 [[nodiscard]] absl::Status write_hours(const Hours& hours, std::string_view format,
                                        std::ostream& out);
 

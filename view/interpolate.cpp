@@ -22,8 +22,8 @@ constexpr std::size_t kResiduals = 12;
 // Those around a direction: what kinks near it shows in some of them only.
 constexpr std::size_t kNearResiduals = 6;
 // Of facets: what the scatter shows counts by this much beside what bounds leave open. Calibrated:
-// 0.3 to 0.5 keep every family of convex bodies in docs/stability.md between 0.5 and 1.3 errors
-// rms.
+// 0.3 to 0.5 keep every family of convex bodies in docs/evidence/stability.md between 0.5 and 1.3
+// errors rms.
 constexpr double kRoughOfFacets = 0.4, kRoughOfSignedFacets = 0.5;
 // The bounds of what facets can hide count as three standard errors from their middle: the rms of
 // an even distribution between them is 1 / sqrt(3) of half their distance, and this is a third of

@@ -25,7 +25,7 @@ struct SphereKernel {
   double length;  // chord on the unit sphere
 };
 
-// How a field may vary between its samples.
+// Possible variation of a field between its samples.
 enum class FieldKind {
   kFacets,        // facets of a body add to it, none takes away: intensity, area, a part, a cause
   kSignedFacets,  // some facets take away: contrast
@@ -55,7 +55,7 @@ struct SphereEstimate {
 // steps can meet all facets of a regular body alike, and their scatter is then 0.
 //
 // Accuracy: calibrated on closed forms of convex bodies, on rings, grids, Fibonacci and clustered
-// sets (tests/honesty/between_viewpoints_test.cpp; table in docs/stability.md).
+// sets (tests/honesty/between_viewpoints_test.cpp; table in docs/evidence/stability.md).
 // Limits: features narrower than the spacing that are not facets of a convex body (glints, gaps)
 // are seen neither by the value nor by its error.
 class SphereFit {
@@ -64,8 +64,9 @@ class SphereFit {
   // samples.
   static absl::StatusOr<SphereKernel> choose_kernel(const SphereSamples& samples);
 
-  // Without a kernel: the best one for the samples around `where`. OUT_OF_RANGE, with the reason,
-  // if `where` lies outside what the samples cover: see `uncovered`.
+  // Interpolates at a direction; without a kernel, with the best one for the samples around
+  // `where`. OUT_OF_RANGE, with the reason, if `where` lies outside the directions that the samples
+  // cover: see `uncovered`.
   static absl::StatusOr<SphereFit> at(const SphereSamples& samples, Vec<Body> where,
                                       std::optional<SphereKernel> kernel = std::nullopt);
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/accuracy/measured.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
@@ -11,7 +11,7 @@ namespace irsig {
 [[nodiscard]] Measured apparent_of(const StoredSignature& row);
 [[nodiscard]] Measured contrast_of(const StoredSignature& row);
 
-// The same bounds as they are stored: kNotComputed where the row's format did not keep one.
+// Bounds as they are stored: kNotComputed where the row's format did not keep one.
 enum class IntensityOf { kSource, kApparent, kContrast };
 [[nodiscard]] double stored_bound(const StoredSignature& row, IntensityOf intensity, BoundOf which);
 [[nodiscard]] double stored_undersampling_stderr(const StoredSignature& row, IntensityOf intensity);

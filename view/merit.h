@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// Of the signal-to-noise ratios s of the rows.
+// A merit of the signal-to-noise ratios s of the rows.
 enum class Merit {
   kMean,
   kPercentile,  // what all but `percentile` % of the population exceed
@@ -22,7 +22,8 @@ struct MeritOf {
   double percentile = 10, threshold = 5;
 };
 
-// Of rows with these weights, which sum to 1. kRange: of ranges that are reached, in place of s.
+// Computes the merit of rows with these weights, which sum to 1. kRange: of ranges that are
+// reached, in place of s.
 [[nodiscard]] double merit_of(const MeritOf& merit, std::span<const double> weight,
                               std::span<const double> snr);
 

@@ -9,9 +9,9 @@
 
 namespace irsig {
 
-// Of the bands of a cube: their stored wavelengths with the bins' limits (its CF bounds), responses
-// and in-band weights, all over (band, bin), and the responses as the sweep states them, over
-// points. NaN: a band of an earlier version of the sweep; bins that a band does not have.
+// Writes the bands of a cube: their stored wavelengths with the bins' limits (its CF bounds),
+// responses and in-band weights, all over (band, bin), and the responses as the sweep states them,
+// over points. NaN: a band of an earlier version of the sweep; bins that a band does not have.
 //   bands      their names, in their order
 //   lambda_um  of each; at most `bins`
 [[nodiscard]] absl::Status write_bins(NetcdfFile& file, const schema::ResolvedSweep& sweep,

@@ -19,7 +19,7 @@ class NetcdfFile {
   NetcdfFile(const NetcdfFile&) = delete;
   NetcdfFile& operator=(const NetcdfFile&) = delete;
 
-  // What follows goes into a group below the root, which is made; "/" is replaced by "_".
+  // Puts all following content into a new group below the root; "/" is replaced by "_".
   void group(const std::string& name);
 
   using Dimension = int;

@@ -4,25 +4,25 @@
 #include <vector>
 
 #include "schema/job.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/query.h"
 
 namespace irsig {
 
-// What a sweep asked for and what its rows stopped at: "1051 of 1146 rows reach 0.2 %, 95 only the
-// floor of 0.05 K (floor_reached)". Empty where every row reaches the relative error, or none was
-// asked for.
+// Returns the requested accuracy of a sweep and the stop reasons of its rows: "1051 of 1146 rows
+// reach 0.2 %, 95 only the floor of 0.05 K (floor_reached)". Empty where every row reaches the
+// relative error, or none was asked for.
 [[nodiscard]] std::string stopped_text(const StoredOutcome& outcome,
                                        const schema::Accuracy& accuracy);
 
 // A warning of views that were seen from behind in part, with the remedy. Empty: none.
 [[nodiscard]] std::string backface_text(const StoredOutcome& outcome);
 
-// Where a slice comes from, one line: "sliced from a.sigdb: 12 of 48 rows, --season winter; sweep
-// <sha256>".
+// Returns the origin of a slice, one line: "sliced from a.sigdb: 12 of 48 rows, --season winter;
+// sweep <sha256>".
 [[nodiscard]] std::string slice_text(const schema::Slice& slice);
 
-// Of the rows that a query found: how many of them stopped at their sweep's floor. [K]
+// Returns the number of a query's rows that stopped at their sweep's floor. [K]
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> floor_notes(
     StoreReader& reader, const std::vector<QueryRow>& rows);
 

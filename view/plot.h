@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/query.h"
 
 namespace irsig {
@@ -15,7 +15,7 @@ namespace irsig {
 // nothing matches; FAILED_PRECONDITION: an older irsig stored some of it without that quantity.
 // extent_of: needed for query.range_m, of which there may be several, each a curve of its own.
 
-// In-band values against aspect azimuth at one elevation, one panel per band, one curve per
+// Plots in-band values against aspect azimuth at one elevation, one panel per band, one curve per
 // season and time. If viewpoints stand on that elevation, they are the curve, with error bars (2
 // sigma); otherwise the curve is interpolated, with its 2 sigma band, and the viewpoints within
 // half a spacing of the ring are marked. Without elevation_deg: the lowest elevation that the
@@ -35,14 +35,14 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query,
                                                         const ExtentOf& extent_of = {});
 
-// The same of the air's transmittance between target and sensor, which has no sampling error.
+// Plots the air's transmittance between target and sensor, which has no sampling error.
 [[nodiscard]] absl::StatusOr<std::string> plot_transmittance(StoreReader& reader,
                                                              const Query& query,
                                                              const ExtentOf& extent_of = {});
 
-// In-band values over all aspects: one Lambert azimuthal equal-area map per season and time
+// Plots in-band values over all aspects: one Lambert azimuthal equal-area map per season and time
 // (columns) and band (rows), seen from above the target, bow up; one colour bar per band.
-// Interpolated between viewpoints, which are dots. Of one range.
+// Interpolated between viewpoints, which are dots. For one range.
 [[nodiscard]] absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query,
                                                    const ExtentOf& extent_of = {});
 

@@ -15,7 +15,8 @@ struct Curve {
   std::vector<double> low{}, high{};   // of a shaded band around it; empty: none
   std::optional<std::size_t> place{};  // default: its own in the panel
   bool marks = false;                  // a dot at each value
-  // Of a second, lighter band without edges; empty: none. Where it is not finite there is none.
+  // Limits of a second, lighter band without edges; empty: none. Where a limit is not finite there
+  // is no band.
   std::vector<double> far_low{}, far_high{};
 };
 

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What the plots share: which curves there are and how they are named.
+// Shared parts of the plots: their curves and the names of curves.
 
 // "winter", or "winter 01:30Z" if a season has more than one time, or with the sweep's name in
 // front or the range behind it if there are several.
@@ -41,7 +41,7 @@ struct LegendEntry {
   std::string name;
   Stroke stroke;
 };
-// How many of them fit side by side, at least 1.
+// Returns the number of entries that fit side by side, at least 1.
 [[nodiscard]] int legend_entries_per_line(const std::vector<LegendEntry>& entries, double width);
 // Side by side, centred at x; returns nothing: entries take one line of 20 px each `per_line`
 // entries.

@@ -20,8 +20,8 @@ struct Rgb {
                                              const std::vector<Rgb>& palette,
                                              std::optional<std::uint8_t> transparent = {});
 
-// What is wrong with a PNG: its signature, its chunks or one of their checksums; empty: nothing.
-// Pixels are not unpacked: a checksum that is right is taken for theirs.
+// Returns the defect of a PNG: its signature, its chunks or one of their checksums; empty: none.
+// Pixels are not unpacked: a correct checksum is taken for correct pixels.
 [[nodiscard]] std::string png_defect(std::string_view bytes);
 
 }  // namespace irsig

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 #include "view/signature_quantity.h"
 
 namespace irsig {
@@ -23,7 +23,7 @@ struct PolarCut {
   std::vector<PolarPoint> mark;   // stored viewpoints on the elevation, or near it
 };
 
-// How near a viewpoint is to an interpolated ring to be marked beside it.
+// Largest distance of a marked viewpoint from an interpolated ring.
 inline constexpr double kNearRingDeg = 2.5;
 
 // values: of one condition, band and range; none twice from one direction counts but the first.
@@ -35,7 +35,7 @@ inline constexpr double kNearRingDeg = 2.5;
                                                  const QuantityColumns& quantity,
                                                  std::optional<double> elevation_deg);
 
-// Of signatures of one condition, band and range.
+// Returns the values of signatures of one condition, band and range.
 [[nodiscard]] std::vector<StoredValue> values_of(std::span<const StoredSignature> signatures,
                                                  const QuantityColumns& quantity);
 

@@ -13,7 +13,7 @@ namespace irsig {
 
 void print_plain(std::FILE* to, std::string_view text);
 
-// For people, to standard output and to standard error.
+// Print for people, to standard output and to standard error.
 template <typename... Args>
 void print_text(fmt::format_string<Args...> format, Args&&... args) {
   print_plain(stdout, fmt::format(format, std::forward<Args>(args)...));
@@ -23,8 +23,8 @@ void print_note(fmt::format_string<Args...> format, Args&&... args) {
   print_plain(stderr, fmt::format(format, std::forward<Args>(args)...));
 }
 
-// For tables: byte for byte as they are written where programs read them, without control
-// characters where standard output is a terminal.
+// The stream for tables: unchanged bytes for programs, without control characters where standard
+// output is a terminal.
 [[nodiscard]] std::ostream& data_output();
 
 }  // namespace irsig

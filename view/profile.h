@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 
-// What a user asks of the profiles of a database; an empty string means "any".
+// A user's query of the profiles of a database; an empty string means "any".
 struct ProfileQuery {
   ProfileFilter filter;
   std::optional<std::uint64_t> row{};  // of the signature that the profiles belong to
@@ -25,9 +25,9 @@ struct ProfileQuery {
 [[nodiscard]] absl::Status write_profiles(const std::vector<StoredProfileRow>& rows,
                                           std::string_view format, std::ostream& out);
 
-// For people: apparent temperature against the number of reflections of every profile at one point,
-// the extent of those along a line, and published numbers beside ours, with the difference and the
-// remark that explains it.
+// Returns a summary for people: apparent temperature against the number of reflections of every
+// profile at one point, the extent of profiles along a line, and published numbers beside ours,
+// with the difference and the remark that explains it.
 [[nodiscard]] std::string profile_summary(const std::vector<StoredProfileRow>& rows,
                                           const std::vector<StoredPublished>& published);
 

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/interpolate.h"
 #include "view/signature_quantity.h"
 
 namespace irsig {
 
-// What a user asks of a database; an empty string means "any".
+// A user's query of a database; an empty string means "any".
 struct Query {
   // {}: so that a designated initializer may name some of the fields.
   std::string sweep{}, season{}, band{};
@@ -24,7 +24,7 @@ struct Query {
   std::optional<double> within_deg{};
   bool interpolate = false;
   std::optional<std::uint64_t> row{};
-  // What is asked about: max_relative_error, people's tables and plots go by it.
+  // The quantity of the query: max_relative_error, people's tables and plots refer to it.
   SignatureQuantity quantity = SignatureQuantity::kIntensity;
   std::optional<double> max_relative_error{};  // of the numerical error, interpolation included
   std::optional<double> at_range_m{};          // viewpoints of this range alone
@@ -33,7 +33,7 @@ struct Query {
 
 struct TargetShape;
 
-// How far a target reaches, and its triangles (silhouette.h).
+// Extent of a target, and its triangles (silhouette.h).
 struct TargetExtent {
   double length_m;  // longest side of its bounding box, along the axes of the body
   double reach_m;   // from the reference point to its farthest point
@@ -42,14 +42,14 @@ struct TargetExtent {
 };
 using ExtentOf = std::function<absl::StatusOr<TargetExtent>(const StoredSweep&)>;
 
-// Where an interpolated row comes from.
+// Origin of an interpolated row.
 struct Interpolation {
   SphereFit fit;
   std::vector<StoredSignature> from;  // in the order of fit.used()
   double interpolation_error_w_sr;    // part of numerical_error_w_sr
 };
 
-// Where a row that was moved to another range comes from (range_change.h).
+// Origin of a row that was moved to another range (range_change.h).
 struct RangeChange {
   double stored_range_m;
   double range_bound_w_sr;  // part of apparent_numerical_error_w_sr
@@ -64,7 +64,8 @@ struct QueryRow {
   std::optional<RangeChange> range_change{};
 };
 
-// What a query that interpolates nothing and moves nothing chooses. INVALID_ARGUMENT: as below.
+// Returns the filter of a query that neither interpolates nor moves rows. INVALID_ARGUMENT: as
+// below.
 [[nodiscard]] absl::StatusOr<SignatureFilter> filter_of(const Query& query);
 
 // Why a filter selects nothing: NOT_FOUND, if a name, range or row is unknown.
@@ -78,7 +79,7 @@ struct QueryRow {
                                                               const Query& query,
                                                               const ExtentOf& extent_of = {});
 
-// At most so many of them, as if drawn at random; the same ones each time.
+// At most so many of the rows, as if drawn at random; the same ones each time.
 struct SomeRows {
   std::vector<QueryRow> rows;  // each at all of query.range_m
   std::size_t matching;        // stored rows
@@ -89,27 +90,27 @@ struct SomeRows {
 
 class RangeChanger;
 
-// The same rows some at a time, for who goes through many: memory does not grow with their number.
-// (Interpolated ones come all at once.) The reader outlives it.
+// The rows of a query in batches, for streaming large results: memory does not grow with their
+// number. (Interpolated rows come all at once.) The reader outlives it.
 class QueryRows {
  public:
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<QueryRows>> open(
       StoreReader& reader, const Query& query, const ExtentOf& extent_of = {});
   virtual ~QueryRows() = default;
 
-  // Of stored rows that are gone through, each as many times as there are ranges; some of them may
+  // Number of stored rows that are read, each as many times as there are ranges; some of them may
   // be left out because of their error.
   [[nodiscard]] virtual std::size_t count() const = 0;
-  // Not empty, unless there are no more. ABORTED: rows were replaced meanwhile.
+  // Returns the next rows; empty if there are no more. ABORTED: rows were replaced meanwhile.
   [[nodiscard]] virtual absl::StatusOr<std::vector<QueryRow>> next() = 0;
 };
 
-// What a person should know beside the numbers: warnings of the rows' conditions, rows that an
-// older irsig stored without contrast and background.
+// Returns notes for a person: warnings of the rows' conditions, rows that an older irsig stored
+// without contrast and background.
 [[nodiscard]] std::vector<std::string> notes_on(const std::vector<QueryRow>& rows);
 
-// Where the nearest viewpoints are far from the aspect that was asked for, or those that it is
-// interpolated between are all above or all below it; empty: neither.
+// Returns a note if the nearest viewpoints are far from the requested aspect, or if the viewpoints
+// of an interpolation are all above or all below it; empty: neither.
 [[nodiscard]] std::string far_note(const std::vector<QueryRow>& rows, const Query& query);
 
 struct RowSpectrum {

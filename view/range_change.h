@@ -12,7 +12,8 @@
 
 namespace irsig {
 
-// Of a target's vertices in the body frame, whose origin is the reference point.
+// Returns the extent of a target from its vertices in the body frame, whose origin is the reference
+// point.
 [[nodiscard]] TargetExtent target_extent(std::span<const Vec<Body>> vertex);
 
 // The largest relative change of what a target subtends when its sensor moves from one range to

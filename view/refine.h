@@ -10,7 +10,8 @@
 
 namespace irsig {
 
-// Where interpolation between viewpoints does not know enough, and which viewpoints would mend it.
+// Finds the directions in which interpolation between viewpoints is too uncertain, and the
+// viewpoints that would mend it.
 
 // Errors are shares of the value beside them; of a quantity that may be below zero, of the rms of
 // its field.

@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// What refine() found, for people.
+// Returns the result of refine(), for people.
 [[nodiscard]] std::vector<std::string> notes_on(const Refinement& found,
                                                 std::span<const SignatureField> fields,
                                                 SignatureQuantity quantity, double relative_error);

@@ -30,15 +30,15 @@ struct RowWeights {
 // the same place twice, no weight above 0.
 [[nodiscard]] absl::StatusOr<RowWeights> read_row_weights(const std::string& path);
 
-// Of aspects [azimuth_deg, elevation_deg], as the directions of the table that each is the nearest
-// of.
+// Direction of an aspect, for weights_of_aspects(): an aspect has the weights of the directions of
+// the table to which it is the nearest.
 struct AspectDeg {
   double azimuth, elevation;
 };
 [[nodiscard]] std::vector<double> weights_of_aspects(const RowWeights& table,
                                                      std::span<const AspectDeg> aspect);
 
-// Of a condition and range. INVALID_ARGUMENT: the table has no line for it.
+// Returns the weight of a condition and range. INVALID_ARGUMENT: the table has no line for it.
 [[nodiscard]] absl::StatusOr<double> weight_of(const RowWeights& table, const StoredSignature& row);
 
 }  // namespace irsig

@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// What perspective makes of a target that is seen from another range on the same aspect.
+// Effect of perspective on a target that is seen from another range on the same aspect.
 struct ShapeChange {
   double area_ratio = 1;    // of the silhouette
   double target_ratio = 1;  // of the light that leaves the target for the sensor
@@ -14,12 +14,13 @@ struct ShapeChange {
   double area_bound = 0, target_bound = 0;
 };
 
-// What is known of the light of each part of one stored row. In-band numbers.
+// Light of each part of one stored row. In-band numbers.
 struct PartLight {
   double intensity_w_sr;
   // The radiance of a blackbody at the part's stated temperature [W/(m2 sr)]; NaN: none is stated.
   double blackbody_w_m2_sr;
-  // How much of its light may be spread unevenly over it: 0 for black surfaces of one temperature.
+  // Fraction of its light that may be spread unevenly over it: 0 for black surfaces of one
+  // temperature.
   double uneven;
 };
 

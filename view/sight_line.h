@@ -10,10 +10,10 @@
 
 namespace irsig {
 
-// What a signature's parts by cause are multiplied by on their way to the sensor, for one line of
-// sight, one condition and one band, on the band's stored wavelengths.
+// Factors on a signature's parts by cause on their way to the sensor, for one line of sight, one
+// condition and one band, on the band's stored wavelengths.
 struct SightLine {
-  // In the order of the stored spectra: emitted, sun, sky, sea and parts reflected.
+  // Causes in the order of the stored spectra: emitted, sun, sky, sea and parts reflected.
   static constexpr std::size_t kCauses = 5;
   static constexpr std::array<std::size_t, 2> kReflected = {2, 3};  // from around: sky, sea
   using Values = std::vector<double>;                               // [stored wavelength]

@@ -7,7 +7,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/measured.h"
-#include "schema/store/store.h"
+#include "schema/store/filters.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
@@ -24,7 +25,7 @@ struct QuantityColumns {
   // One sigma that uncertain inputs leave; of the background radiance: none.
   const char* input_name;
   double StoredSignature::*input_uncertainty;
-  // With its bounds; of the background radiance: none.
+  // The value with its bounds; null for the background radiance.
   Measured (*measured)(const StoredSignature&);
 
   using Values = google::protobuf::RepeatedField<float>;
@@ -33,7 +34,7 @@ struct QuantityColumns {
   const Values& (schema::Spectrum::*spectral_value)() const;
   const Values& (schema::Spectrum::*spectral_stderr)() const;
 
-  // Whether values below zero mean something (a target darker than its background).
+  // Returns true if values below zero are meaningful (a target darker than its background).
   [[nodiscard]] bool is_signed() const { return quantity == SignatureQuantity::kContrastIntensity; }
 };
 

@@ -62,10 +62,10 @@ struct PartAreas {
 [[nodiscard]] PartAreas part_areas(const TargetShape& shape, const Viewpoint& viewpoint,
                                    bool waterline);
 
-// By how much facets of each part change relative to each other between two ranges, whatever hides
-// them: [part] the sum over facets of the change of the area that they turn towards the sensor, or
-// the largest change by distance alone, where that is more; relative to the part's area, less the
-// change that all of them share.
+// Returns the changes of facets of each part relative to each other between two ranges, whatever
+// hides them: [part] the sum over facets of the change of the area that they turn towards the
+// sensor, or the largest change by distance alone, where that is more; relative to the part's area,
+// less the change that all of them share.
 [[nodiscard]] std::vector<double> facet_changes(const TargetShape& shape, const Viewpoint& from,
                                                 double to_range_m, bool waterline);
 

@@ -18,7 +18,8 @@ using ReadPictures =
 // The longest side that an image of a sweep may have: what it asked for, or, where an older irsig
 // did not store that, what any sweep may ask for.
 [[nodiscard]] std::uint32_t most_px_of(const schema::Sweep& sweep);
-// The same of a row; of an earlier version of its sweep, what any sweep may ask for.
+// Returns the limit for a row; for a row of an earlier version of its sweep, the limit of any
+// sweep.
 [[nodiscard]] absl::StatusOr<std::uint32_t> most_px_of(StoreReader& reader,
                                                        const StoredSignature& row);
 

@@ -42,7 +42,7 @@ struct PageSection {
 [[nodiscard]] std::string html_page(const std::string& title,
                                     const std::vector<PageSection>& sections);
 
-// The same tables as Markdown.
+// Returns the tables as Markdown.
 [[nodiscard]] std::string markdown_tables(const std::vector<PageTable>& tables);
 
 }  // namespace irsig

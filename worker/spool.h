@@ -25,7 +25,7 @@ namespace irsig {
 // not at all. One that is torn all the same (a disk that lied) is told by its hash, and removed.
 class Spool {
  public:
-  // What stands between two steps of a record's life, for tests that end the process there.
+  // Positions between two steps of a record's life, for tests that end the process there.
   enum class Step { kCreated, kWritten, kSynced, kNamed, kKept, kRemoved, kForgotten };
   using AtStep = std::function<void(Step)>;
 
@@ -52,7 +52,7 @@ class Spool {
 
   // A result was acknowledged, or nobody wants it.
   void remove(const std::string& name);
-  // It stays, and belongs to nobody.
+  // Keeps the record without an owner.
   void leave(const std::string& name);
 
  private:

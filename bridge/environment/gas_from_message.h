@@ -7,14 +7,14 @@
 
 namespace irsig {
 
-// What [plume] says of a file's grids. Not checked: check_plume_grids. INVALID_ARGUMENT: an
-// interpolation that is none.
+// Returns the meaning of a file's grids by [plume]. Not checked: check_plume_grids.
+// INVALID_ARGUMENT: an unknown interpolation.
 [[nodiscard]] absl::StatusOr<PlumeGrids> grids_from_message(const schema::Plume& plume);
 
-// What it says of a funnel's fuel.
+// Returns the properties of a funnel's fuel.
 [[nodiscard]] ExhaustSpec exhaust_from_message(const schema::Plume& plume);
 
-// Where it is, in the body frame.
+// Returns the plume's position in the body frame.
 [[nodiscard]] Vec<Body> position_of(const schema::Plume& plume);
 
 }  // namespace irsig

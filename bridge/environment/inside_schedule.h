@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// What a resolved build-up's inner side is over the day: temperature in K, of inside = "heat_flux"
-// heat into the wall in W/m2. nullopt: it has no schedule. INVALID_ARGUMENT: times that are none,
-// or not in their order.
+// Returns the daily schedule of a resolved build-up's inner side: temperature in K, or, for inside
+// = "heat_flux", heat into the wall in W/m2. nullopt: it has no schedule. INVALID_ARGUMENT: times
+// that are none, or not in their order.
 [[nodiscard]] absl::StatusOr<std::optional<DaySchedule>> inside_schedule(
     const schema::BuildUp& build_up);
 

@@ -12,9 +12,9 @@
 
 namespace irsig {
 
-// From a resolved sweep to its air, sky and sea: for the worker, and for whoever evaluates a line
+// Makes air, sky and sea from a resolved sweep: for the worker, and for code that evaluates a line
 // of sight of a stored sweep anew (another range, a printed sky). Pure: a resolved sweep names no
-// file. For sweeps that has_atmosphere() is true of (weather_from_message.h).
+// file. For sweeps for which has_atmosphere() is true (weather_from_message.h).
 
 // [condition]: the number of its weather, of as many as differ.
 struct SweepWeathers {
@@ -28,8 +28,8 @@ struct SweepWeathers {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const schema::ResolvedSweep& sweep, std::span<const double> node_um);
 
-// Where the spectra of air and hot gas jump inside the sweep's bands and a bin beyond them
-// (SceneSpec); empty without the embedded atmosphere and without hot gas.
+// Returns the wavelengths at which the spectra of air and hot gas jump inside the sweep's bands and
+// a bin beyond them (SceneSpec); empty without the embedded atmosphere and without hot gas. [um]
 [[nodiscard]] std::vector<double> spectral_breaks_um(const schema::ResolvedSweep& sweep);
 
 }  // namespace irsig

@@ -10,10 +10,10 @@
 
 namespace irsig {
 
-// Whether the sweep's air is the embedded atmosphere.
+// Returns true if the sweep's air is the embedded atmosphere.
 [[nodiscard]] bool has_atmosphere(const schema::ResolvedSweep& sweep);
 
-// Whether a condition's sea has slopes that mirror the sun.
+// Returns true if a condition's sea has slopes that mirror the sun.
 [[nodiscard]] bool is_rough_sea(const schema::Surroundings& surroundings);
 
 // The air of homogeneous surroundings and of none; beside the embedded atmosphere: none.
@@ -30,8 +30,9 @@ namespace irsig {
 [[nodiscard]] double above_surface_m(const schema::ResolvedSweep& sweep,
                                      const schema::Condition& condition);
 
-// The same where the reference point lies so high above the surface: that point itself, at least
-// 1 m up. above_surface_m 0: the target stands on the surface.
+// Height of the point that stands for the target, where the reference point lies so high above the
+// surface: the reference point itself, at least 1 m up. above_surface_m 0: the target stands on the
+// surface.
 [[nodiscard]] double air_point_height_m(const schema::ResolvedSweep& sweep, double above_surface_m);
 
 // The names that air.aerosol may have, in the order of AerosolKind.

@@ -16,7 +16,7 @@ struct UncertainInput {
   bool operator==(const UncertainInput&) const = default;
 };
 
-// Those that a sweep states, in the order of the grammar.
+// Returns the uncertain inputs that a sweep states, in the order of the grammar.
 [[nodiscard]] std::vector<UncertainInput> uncertain_inputs(const schema::Uncertainty& uncertainty);
 
 // A resolved sweep as it would be if an input were `move` sigmas higher: every value of it in

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// Where a coordinator listens, and what both sides prove there.
+// Address at which a coordinator listens, and the identity that both sides prove there.
 struct Address {
   std::string text;       // as given
   std::string target;     // as gRPC wants it
@@ -18,7 +18,7 @@ struct Address {
   std::shared_ptr<const TlsIdentity> tls;  // null: neither encrypted nor authenticated
 };
 
-// What a user says of the network.
+// A user's options of the network.
 struct NetworkOptions {
   TlsFiles tls;
   bool insecure_loopback = false;  // so may everybody on this machine

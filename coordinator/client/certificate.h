@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// What whoever shows a certificate may do at a coordinator.
+// Permissions of a certificate's holder at a coordinator.
 enum class Role {
   kSubmit,  // submit and cancel sweeps, ask how far they are
   kWork,    // compute jobs
@@ -29,7 +29,7 @@ inline constexpr Role kRoles[] = {Role::kSubmit, Role::kWork, Role::kRead};
 // read.
 [[nodiscard]] std::string role_oid(Role role);
 
-// What a certificate says of who shows it.
+// Facts that a certificate states about its holder.
 struct CertificateFacts {
   std::string name;        // its common name; may be anything that an authority has signed
   std::string serial_hex;  // lower case
@@ -37,7 +37,7 @@ struct CertificateFacts {
   bool of_a_server = false;  // may be shown by a coordinator
   double valid_from_unix_s = 0, valid_until_unix_s = 0;
 };
-// Of the first certificate of a PEM text. INVALID_ARGUMENT: there is none.
+// Reads the first certificate of a PEM text. INVALID_ARGUMENT: there is none.
 [[nodiscard]] absl::StatusOr<CertificateFacts> certificate_facts(const std::string& pem);
 
 // "expires in 3 days", "has expired": a certificate is soon at its end when less than 14 days, or

@@ -39,7 +39,7 @@ inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
 // of the moment at which somebody listens again.
 [[nodiscard]] std::shared_ptr<grpc::Channel> connect(const Address& address);
 
-// That a call on it ends so many seconds from now.
+// Returns the time at which a call ends that may take so many seconds from now.
 [[nodiscard]] std::chrono::system_clock::time_point deadline(double seconds);
 inline void set_deadline(grpc::ClientContext& context, double seconds) {
   context.set_deadline(deadline(seconds));
@@ -53,7 +53,7 @@ void silence_grpc();
 [[nodiscard]] absl::Status to_absl(const grpc::Status& status);
 [[nodiscard]] grpc::Status to_grpc(const absl::Status& status);
 
-// Whether the call may succeed when it is made again: the coordinator was not there.
+// Returns true if the call may succeed when it is made again: the coordinator was not there.
 [[nodiscard]] bool is_unreachable(const absl::Status& status);
 
 }  // namespace irsig

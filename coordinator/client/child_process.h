@@ -22,10 +22,10 @@ class ChildProcess {
   ChildProcess& operator=(ChildProcess&& other) noexcept;
   ~ChildProcess();  // kills what still runs
 
-  // How it ended ("killed by signal 9", "exit code 1"); nullopt while it runs.
+  // The process's end ("killed by signal 9", "exit code 1"); nullopt while it runs.
   [[nodiscard]] std::optional<std::string> ended();
   [[nodiscard]] bool succeeded() const { return exit_code_ == 0; }
-  // Of one that has ended by itself; nullopt while it runs, or if it was killed.
+  // Exit code of a process that has ended by itself; nullopt while it runs, or if it was killed.
   [[nodiscard]] std::optional<int> exit_code() const { return exit_code_; }
   void signal(int number) const;
   // Waits for its end, at most so long, then kills it. True if it ended by itself.
@@ -45,7 +45,8 @@ class ChildProcess {
   std::string end_;
 };
 
-// What a program of ours said last under its own name: the message, without the lines of its log.
+// Returns the last message that a program of ours printed under its own name, without the lines of
+// its log.
 [[nodiscard]] std::string last_message(const std::string& words, const std::string& program);
 
 }  // namespace irsig

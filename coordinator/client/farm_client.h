@@ -12,7 +12,7 @@
 
 namespace irsig {
 
-// What a user asks of a coordinator. Each call connects, waits at most `patience_s` for an answer
+// Requests of a user to a coordinator. Each call connects, waits at most `patience_s` for an answer
 // and returns UNAVAILABLE, naming the address, when there is none.
 
 // Sends the sweep, the files that it needs, what a pilot predicted of it (null: nothing did) and
@@ -26,13 +26,14 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator,
                                                               double patience_s = 10);
 
-// By name, by hash, or by the beginning (8 digits or more) of the hash. NOT_FOUND lists what there
-// is.
+// Cancels a sweep by name, by hash, or by the beginning (8 digits or more) of the hash. NOT_FOUND
+// lists the existing sweeps.
 [[nodiscard]] absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
                                                          std::string_view sweep_name_or_sha256,
                                                          double patience_s = 30);
 
-// Which of several sweeps workers go on with: named as for cancel(), priorities as in the store.
+// Sets the priority by which workers choose between sweeps: named as for cancel(), priorities as in
+// the store.
 [[nodiscard]] absl::Status prioritize(const Address& coordinator,
                                       std::string_view sweep_name_or_sha256, int priority,
                                       double patience_s = 30);

@@ -11,10 +11,10 @@
 
 namespace irsig {
 
-// What coordinators and workers say of what they do, on standard error: a line each, with its time,
-// level and what it is about, so that the logs of all machines can be joined by job. Lines quote
-// what other machines say: without control characters, none can forge a second line or write to the
-// terminal that shows them.
+// The log of coordinators and workers, on standard error: a line for each event, with its time,
+// level and subject, so that the logs of all machines can be joined by job. Lines quote text of
+// other machines without its control characters, so that no text can forge a second line or write
+// to the terminal that shows it.
 
 struct LogOptions {
   std::string format = "text";  // or "json": an object a line; time in UTC
@@ -31,10 +31,10 @@ void add_log_options(App& app, LogOptions& options) {
          "the least that is said: debug (every lease and result), info, warning, error or off")
       ->capture_default_str();
 }
-// From here on. Before it lines are text without a program. INVALID_ARGUMENT: an unknown name.
+// Starts the log. Earlier lines are text without a program. INVALID_ARGUMENT: an unknown name.
 [[nodiscard]] absl::Status start_log(const std::string& program, const LogOptions& options);
 
-// What a line is about; what is empty is left out. [text: the first 12 digits of a key]
+// Subject of a line; empty members are left out. [text: the first 12 digits of a key]
 struct LogAbout {
   std::string_view job_key = {};  // or its first digits
   std::string_view worker = {};

@@ -7,8 +7,9 @@
 
 namespace irsig {
 
-// What a coordinator holds under a hash, on a channel that the caller keeps: fetched in pieces.
-// NOT_FOUND: it holds nothing of that hash. DATA_LOSS: what came has another one.
+// Fetches the content that a coordinator holds under a hash, in pieces, on a channel that the
+// caller keeps. NOT_FOUND: it holds nothing of that hash. DATA_LOSS: the received bytes have
+// another one.
 [[nodiscard]] absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
                                                                 const std::string& sweep_sha256,
                                                                 double patience_s);

@@ -28,7 +28,8 @@ class LocalCrew : public WorkerCrew {
  private:
   absl::Status start_apart();
   absl::Status start_worker(std::size_t slot);
-  // Returns whether it has to be started again. ABORTED, FAILED_PRECONDITION: nobody of the crew has to.
+  // Returns whether it has to be started again. ABORTED, FAILED_PRECONDITION: nobody of the crew
+  // has to.
   absl::StatusOr<bool> has_died(ChildProcess& worker, std::uint64_t jobs_settled);
 
   std::uint32_t workers_;

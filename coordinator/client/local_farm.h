@@ -42,7 +42,7 @@ class LocalFarm {
   // Workers end at once, the coordinator after it has made the database one plain file, or after a
   // second or two in which a reader kept it from that (warning() says so; everything is stored).
   absl::Status stop();
-  // What the coordinator warned of at its end; empty: nothing.
+  // The coordinator's warning at its end; empty: none.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
  private:
@@ -51,7 +51,7 @@ class LocalFarm {
   [[nodiscard]] TlsFiles tls_files(const std::string& name) const;
   absl::Status make_crew();
   absl::Status start_coordinator();
-  // Whether it answers; a port is known from when it listens there.
+  // Returns true if the coordinator answers; its port is known once it listens there.
   absl::StatusOr<bool> answers(const std::string& log);
 
   LocalFarmPlan plan_;

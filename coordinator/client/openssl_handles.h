@@ -31,9 +31,9 @@ using CertificateStore = std::unique_ptr<X509_STORE, Freed<X509_STORE_free>>;
 std::vector<Certificate> certificates_of(const std::string& pem);
 // Null: it is none, or has a password, which nobody is asked for.
 PrivateKey private_key_of(const std::string& pem);
-// As text: lower-case hex.
+// Returns the number as lower-case hex.
 std::string hex_of(const ASN1_INTEGER* serial);
-// Of an authority.
+// Returns the store of an authority.
 CertificateStore store_of(const std::vector<Certificate>& trusted);
 // Shows the identity's certificate, with the others of its chain, and trusts its authority.
 // INVALID_ARGUMENT: OpenSSL does not take it.

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// What has been seen of a running sweep: enough for rates that leave out what was done before.
+// Observed progress of a running sweep: enough for rates without the jobs that were done before.
 struct ProgressView {
   double elapsed_s = 0;           // since temperatures, if there are any to compute, were known
   std::uint64_t done_before = 0;  // jobs and rays that this run found done

@@ -18,7 +18,7 @@ class ScratchFolder {
   // short).
   static absl::StatusOr<std::unique_ptr<ScratchFolder>> make(
       std::size_t longest_path = std::numeric_limits<std::size_t>::max());
-  // In a folder of the user's own.
+  // Makes it in a folder of the user's own.
   static absl::StatusOr<std::unique_ptr<ScratchFolder>> make_in(const std::string& place);
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;

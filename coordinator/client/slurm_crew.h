@@ -10,13 +10,14 @@
 
 namespace irsig {
 
-// What of Slurm a user asks for.
+// A user's request to Slurm.
 struct SlurmPlan {
   std::uint32_t nodes = 0;  // whole nodes, a worker on each CPU of theirs; 0: workers one by one
   std::string partition, time_limit;  // as sbatch has them; empty: Slurm's own
   std::vector<std::string> options;   // of sbatch, besides
   std::string host;                   // under which nodes reach this machine; empty: its name
-  // Told when workers have vanished from Slurm's queue, and what they wrote last; may be empty.
+  // Callback: given the last words of workers that have vanished from Slurm's queue, which may be
+  // empty.
   std::function<void(const std::string&)> say{};
 };
 
@@ -41,7 +42,7 @@ class SlurmCrew : public WorkerCrew {
   absl::Status hand_in();
   // The end of what the first worker wrote; empty: nothing.
   [[nodiscard]] std::string last_words() const;
-  // What a program of Slurm's prints; UNAVAILABLE: it failed, with its last words.
+  // Returns the output of a program of Slurm's; UNAVAILABLE: it failed, with its last words.
   absl::StatusOr<std::string> run(const std::vector<std::string>& arguments, const char* name);
 
   SlurmPlan plan_;

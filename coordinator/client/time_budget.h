@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// What a pilot measured, and what there is to do.
+// A pilot's measurements, and the remaining work.
 struct BudgetQuestion {
   double budget_s;            // wall time of the whole sweep
   std::uint32_t workers;      // that compute at the same time

@@ -15,11 +15,11 @@ class WorkerCrew {
   // Starts again what died. jobs_settled: so far; workers that keep dying without any job being
   // settled in between are not started for ever: an error, with their last words.
   virtual absl::Status keep_alive(std::uint64_t jobs_settled) = 0;
-  // They end, or will: nothing of what they still send is waited for.
+  // Ends the workers, at once or soon: their further messages are not waited for.
   virtual void stop() = 0;
 };
 
-// Whether workers may be started once more.
+// Decides if workers may be started once more.
 class DeathsWithoutProgress {
  public:
   // One more has died.

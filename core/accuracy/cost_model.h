@@ -9,21 +9,21 @@
 
 namespace irsig {
 
-// What a sweep will take, from pilots of a few of its views: arithmetic alone, nothing is traced
+// Predicted cost of a sweep, from pilots of a few of its views: arithmetic alone, nothing is traced
 // here.
 //
 // A view's job takes a + b n^p seconds of CPU time for n samples a replicate (p < 1: the more rays,
 // the nearer neighbours they are, and the faster each is traced); between counts that were tried it
-// is as measured. How many samples it takes for a relative error is decided as the job itself
-// decides it (core/signature/view_plan.cpp): by samples_needed from its own pilots of
-// kFirstPilotSamples and, where that one asks for more than kSecondPilotSamples, of so many, with a
-// third pilot where much more is asked for.
+// is as measured. The number of samples for a relative error is computed as in the job itself
+// (core/signature/make_plan.cpp): by samples_needed from its own pilots of kFirstPilotSamples and,
+// where that one asks for more than kSecondPilotSamples, of so many, with a third pilot where much
+// more is asked for.
 
 // One row of a view (a condition and a band).
 struct RowPilot {
   std::vector<double> stderr_w_sr;  // [stage]
-  // By the largest stage: |intensity|, the sum of the bias bounds but for that of what is unseen,
-  // and the error that this leaves.
+  // Results of the largest stage: |intensity|, the sum of the bias bounds but for undersampling,
+  // and the undersampling error that this leaves.
   double value_w_sr = 0, bias_w_sr = 0, unseen_w_sr = 0;
   double floor_w_sr = 0;  // an error that is small enough whatever the value; 0: none
 };
@@ -32,7 +32,8 @@ struct RowPilot {
 struct ProfilePointPilot {
   double stderr_wanted_k = 0;       // > 0, or
   std::uint64_t fixed_samples = 0;  // of a replicate
-  // Of each row, at kFirstProfileSamples and kSecondProfileSamples; empty if the count is fixed.
+  // Standard errors of each row, at kFirstProfileSamples and kSecondProfileSamples; empty if the
+  // count is fixed.
   std::vector<std::array<double, 2>> stderr_k;
 };
 
@@ -40,7 +41,7 @@ struct ViewPilot {
   // Increasing; the first two are those of the job's own pilots (less: where the sweep allows no
   // more). [stage]
   std::vector<std::uint64_t> samples;
-  // Of all the view's jobs, which include the two pilots for a relative error. [stage]
+  // CPU time of all the view's jobs, which include the two pilots for a relative error. [stage]
   std::vector<double> cpu_s;
   double time_exponent = 1;  // p
   std::vector<RowPilot> row;
@@ -63,8 +64,8 @@ struct CountRule {
 struct ViewCost {
   std::uint64_t samples = 0;  // of a replicate, in the stored run
   double cpu_s = 0;           // of all the view's jobs
-  // Of its rows: how many reach the relative error, and why others do not.
-  // at_floor: those that stop because their error is not above the floor.
+  // Counts of its rows: the rows that reach the relative error, and the others by reason.
+  // at_floor: rows that stop because their error is not above the floor.
   std::uint32_t rows = 0, reached = 0, at_floor = 0, kept_by_bias = 0, kept_by_limit = 0;
 };
 
@@ -88,7 +89,7 @@ struct SweepCost {
   double cpu_s = 0, wall_s = 0;
   double job_cpu_quartile1_s = 0, job_cpu_median_s = 0, job_cpu_quartile3_s = 0;
   double median_samples = 0;
-  // Of the rows.
+  // Fractions of the rows.
   double reached_fraction = 0, at_floor_fraction = 0, kept_by_bias_fraction = 0,
          kept_by_limit_fraction = 0;
 };

@@ -26,8 +26,8 @@ inline constexpr std::size_t kBounds = static_cast<std::size_t>(BoundOf::kMoved)
 
 struct BoundInfo {
   std::string_view name;
-  // It has one sign in all bands of a view that share their paths, so that it does not average out
-  // over bands or wavelengths.
+  // True if the bound has one sign in all bands of a view that share their paths, so that it does
+  // not average out over bands or wavelengths.
   bool shared_between_bands;
   std::string_view what;
 };
@@ -38,8 +38,8 @@ struct BoundInfo {
 struct Measured {
   double value = 0, stderr_ = 0;
   std::array<double, kBounds> bound{};
-  // What the samples' scatter cannot know: a standard error for the brightest that one sample could
-  // have brought, whether or not any has. One sign in all bands of a view, as bounds may have.
+  // Undersampling error: a standard error for the brightest light that one sample could have
+  // brought, whether or not any has. One sign in all bands of a view, as bounds may have.
   double undersampling_stderr = 0;
 
   [[nodiscard]] double& of(BoundOf which) { return bound[static_cast<std::size_t>(which)]; }
@@ -49,7 +49,8 @@ struct Measured {
   // sqrt(stderr^2 + undersampling_stderr^2 + bias_bound^2 / 3): a bias known only to lie within a
   // bound of 0 counts as uniformly distributed there.
   [[nodiscard]] double numerical_error() const;
-  // What a bound, or the standard error, brings to the square of the numerical error; 0 to 1.
+  // Returns the part of a bound, or of the standard error, in the square of the numerical error; 0
+  // to 1.
   [[nodiscard]] double share(BoundOf which) const;
   [[nodiscard]] double sampled_fraction() const;
   [[nodiscard]] double unseen_fraction() const;

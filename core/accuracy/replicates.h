@@ -39,29 +39,29 @@ class ReplicateStatistics {
 // miss it.
 [[nodiscard]] double stderr_wanted(double goal, double sum_of_bias_bounds);
 
-// What reflections after the last one allowed could have added.
+// Returns the most that reflections after the last allowed one could have added.
 //
 //   beyond       the throughput that goes on after N - 2 s, N - s and N reflections (N: the last
 //                allowed; s: spacing >= 1)
-//   last         what the paths of exactly N reflections contributed
+//   last         contribution of the paths of exactly N reflections
 //   at_most      throughput beyond N x the brightest radiance that it can meet: a rigorous bound
 //
 // Where the throughput falls geometrically - the logarithms of the two ratios agree to a quarter -
 // and `last` is known to a tenth, the rest is the geometric series last x r / (1 - r), r^s the last
-// ratio; half of it is added for what the test of the ratios leaves open. Else, or if that is
-// larger: at_most.
+// ratio; half of it is added for the uncertainty that the test of the ratios leaves. Else, or if
+// that is larger: at_most.
 [[nodiscard]] double truncation_bound(const std::array<double, 3>& beyond, std::uint32_t spacing,
                                       const Estimate& last, double at_most);
 
-// How many samples a replicate needs for a standard error of `target`, from a pilot's standard
-// errors e1, e2 at n1 < n2 samples: the error falls as n^-s with s from the pilot, held in [0.5,
-// 0.7] (plain Monte Carlo .. Owen-scrambled Sobol on silhouettes). The pilot's own scatter (32
-// replicates: 13 %) is met by aiming at 0.8 of the target. At least n2, at most n_max.
+// Returns the samples that a replicate needs for a standard error of `target`, from a pilot's
+// standard errors e1, e2 at n1 < n2 samples: the error falls as n^-s with s from the pilot, held in
+// [0.5, 0.7] (plain Monte Carlo .. Owen-scrambled Sobol on silhouettes). The pilot's own scatter
+// (32 replicates: 13 %) is met by aiming at 0.8 of the target. At least n2, at most n_max.
 [[nodiscard]] std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
                                            double target, std::uint64_t n_max);
 
-// The same where an error of what is unseen, which falls as 1 / n from `unseen` at n2, is part of
-// `wanted`: the smallest number over how the two may share it.
+// Like samples_needed(), where an undersampling error, which falls as 1 / n from `unseen` at n2, is
+// part of `wanted`: the smallest number over all divisions of `wanted` between the two errors.
 [[nodiscard]] std::uint64_t samples_needed_with_unseen(std::uint64_t n1, double e1,
                                                        std::uint64_t n2, double e2, double unseen,
                                                        double wanted, std::uint64_t n_max);

@@ -22,8 +22,8 @@ namespace irsig {
 // [mode or deviation][wavelength], in the unit of the spectrum
 using SpectralSet = std::vector<std::vector<double>>;
 
-// Of independent replicates: spectra d_r with sum_r d_r d_r^T = the covariance of their mean. Empty
-// for fewer than two.
+// Returns the deviations of independent replicates: spectra d_r with sum_r d_r d_r^T = the
+// covariance of their mean. Empty for fewer than two.
 [[nodiscard]] SpectralSet deviations(const SpectralSet& replicate);
 
 // The modes of sum_r d_r d_r^T, by its Cholesky factorisation with pivots on what is left relative
@@ -33,27 +33,29 @@ using SpectralSet = std::vector<std::vector<double>>;
 inline constexpr double kModesRest = 1e-4;
 [[nodiscard]] SpectralSet leading_modes(const SpectralSet& deviation, std::size_t at_most);
 
-// How many modes of each of a row's three spectra are stored: what 8 kB hold. 0: above 1365 bins.
+// Returns the number of modes that are stored of each of a row's three spectra: as many as fit into
+// 8 kB. 0: above 1365 bins.
 [[nodiscard]] std::size_t stored_modes(std::size_t bins);
 
-// As they are stored: [mode][wavelength], int16, little-endian, in units of
-// standard error / 32767. Not more than `at_most`.
+// Encodes modes for storage: [mode][wavelength], int16, little-endian, in units of standard error /
+// 32767. Not more than `at_most`.
 inline constexpr double kModeUnit = 1.0 / 32767;
 [[nodiscard]] std::string encoded_modes(const SpectralSet& modes, std::span<const double> stderr_);
 
-// What is wrong with stored modes of a spectrum with so many bins: their length, or a bin whose
-// modes have more than its variance. Empty: nothing.
+// Returns the error in stored modes of a spectrum with so many bins: their length, or a bin whose
+// modes exceed its variance. Empty: none.
 [[nodiscard]] std::string wrong_modes(std::string_view encoded, std::size_t bins);
 
 // The standard error of any sum over one spectrum.
 class SumErrors {
  public:
-  // No modes: nothing is known of correlations.
-  // INVALID_ARGUMENT: wrong_modes().
+  // Makes the errors of a spectrum. No modes: correlations are unknown. INVALID_ARGUMENT:
+  // wrong_modes().
   static absl::StatusOr<SumErrors> make(std::span<const float> stderr_, std::string_view encoded);
 
-  // Of sum_i weight(i) x value(i): sqrt(sum_k (weight . m_k)^2 + (|weight| . r)^2), never below the
-  // true one (Cauchy and Schwarz). Without modes: as if all errors were one.
+  // Returns the standard error of sum_i weight(i) x value(i): sqrt(sum_k (weight . m_k)^2 +
+  // (|weight| . r)^2), never below the true one (Cauchy and Schwarz). Without modes: as if all
+  // errors were one.
   [[nodiscard]] double of(std::span<const double> weight) const;
 
   [[nodiscard]] const SpectralSet& modes() const { return modes_; }

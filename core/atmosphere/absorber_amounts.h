@@ -29,7 +29,7 @@ using AirSpectrum = std::vector<double>;  // kAirBandCount band means
 enum class Gas { kH2o, kCo2, kO3, kN2o, kCh4, kCfc11, kCfc12, kCo };
 inline constexpr std::size_t kGasCount = 8;
 
-// What takes away radiance without structure inside a band: Beer's law holds for the band mean.
+// Absorbers without structure inside a band: Beer's law holds for the band mean.
 enum class GreyAbsorber {
   kWaterContinuum,
   kNitrogen,    // collision-induced, 4.3 um
@@ -41,16 +41,16 @@ enum class GreyAbsorber {
 };
 inline constexpr std::size_t kGreyAbsorberCount = 7;
 
-// What a stretch of air holds, per band: ADD the amounts of two stretches to get those of both,
-// whatever lies between them.
+// The absorbers in a stretch of air, per band. ADD the amounts of two stretches to get the amounts
+// of both, whatever lies between the stretches.
 //
 // Inside a band the air's lines make the transmittance a sum over exponentials, for each gas
 //   T_g = sum over terms i of w_i exp(-k_i u_g - k'_i u'_g),   T = product over g of T_g x
 //   exp(-grey depths)
 // with u_g the gas's amount scaled for pressure and temperature (absorption in the wings of lines),
-// u'_g that scaled for temperature only (their centres; weak absorption), the same for all terms of
-// a band. So u and u' add along a path while T of two stretches does NOT multiply. Everything that
-// carries the air's own lines must therefore be a transmittance of SUMMED amounts:
+// u'_g the amount scaled for temperature only (the lines' centres; weak absorption), the same for
+// all terms of a band. So u and u' add along a path while T of two stretches does NOT multiply.
+// Light that carries the air's own lines therefore needs a transmittance of SUMMED amounts:
 //   reflected sunlight  E0 T(u_sun + u_sensor), not T(u_sun) T(u_sensor);
 //   sky, background or far air seen through near air  sum over layers of B (T(u_near + u_l) -
 //   T(u_near + u_(l+1))).
@@ -71,8 +71,8 @@ struct AbsorberAmounts {
 
 // Band means of the transmittance, in [0, 1]; exactly 1 for no amounts.
 //
-// Accuracy, against MODTRAN: docs/validation.md, "Atmosphere". Numerics: relative 1e-13 of the sum
-// of exponentials for optical depths up to 700, 0 beyond.
+// Accuracy, against MODTRAN: docs/evidence/validation.md, "Atmosphere". Numerics: relative 1e-13 of
+// the sum of exponentials for optical depths up to 700, 0 beyond.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts);
 
 struct LineTerms;
@@ -86,14 +86,14 @@ class BandChoice {
 
   [[nodiscard]] bool operator[](std::size_t band) const { return sets_->wanted[band] != 0; }
 
-  // Of neighbours, in order.
+  // A range of neighbouring bands.
   struct Range {
     std::size_t first, last;  // one beyond
     [[nodiscard]] std::size_t size() const { return last - first; }
   };
   [[nodiscard]] const std::vector<Range>& ranges() const { return sets_->ranges; }
-  // Of the gas table, for core/atmosphere alone: the groups that have such a band, the lines in
-  // them.
+  // The gas table's groups that have a wanted band, and the lines in these groups; for
+  // core/atmosphere alone.
   [[nodiscard]] const std::vector<std::uint16_t>& line_groups() const { return sets_->line_groups; }
   [[nodiscard]] const LineTerms& line_terms() const { return *sets_->line_terms; }
 
@@ -114,7 +114,7 @@ class BandChoice {
 void pack(std::vector<double>& to, const AirSpectrum& of, const BandChoice& bands);
 const double* unpack(AirSpectrum& to, const double* from, const BandChoice& bands);
 
-// The same, but 0 in bands that are not wanted.
+// Like transmittance(amounts), but 0 in bands that are not wanted.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands);
 
 // sum = a + b (which may be the sum itself), in those bands; others are left.
@@ -126,7 +126,7 @@ void set_sum(AbsorberAmounts& sum, const AbsorberAmounts& a, const AbsorberAmoun
 class PackedAmounts {
  public:
   PackedAmounts(const AbsorberAmounts& amounts, const BandChoice& bands);
-  // The same, with nothing in other bands.
+  // Returns the packed amounts, with nothing in other bands.
   [[nodiscard]] AbsorberAmounts unpacked(const BandChoice& bands) const;
 
  private:
@@ -142,7 +142,7 @@ void set_sum(AbsorberAmounts& sum, const PackedAmounts& a, const AbsorberAmounts
 void add_between(AbsorberAmounts& sum, const AbsorberAmounts& low, const AbsorberAmounts& high,
                  double fraction, const BandChoice& bands);
 
-// One factor of it alone.
+// Returns one gas's factor of the transmittance alone.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, Gas gas);
 
 // Sum of the two scattering depths.

@@ -39,7 +39,8 @@ struct AerosolSpec {
 
 [[nodiscard]] absl::Status check_aerosol(const AerosolSpec& spec);
 
-// At one height, all per metre of path and per band of the air's grid.
+// Optical properties of the aerosol at one height, per metre of path and per band of the air's
+// grid.
 struct AerosolOptics {
   AirSpectrum absorption_per_m;
   AirSpectrum scattering_per_m;
@@ -57,7 +58,7 @@ struct AerosolOptics {
 //   relative_humidity_percent  of the air at that height
 //   surface_humidity_percent   at the surface, on which alone the Navy model depends
 //   bands                      0 in others
-// Accuracy: LOWTRAN7's tables as they are; against its runs docs/validation.md.
+// Accuracy: LOWTRAN7's tables as they are; against its runs docs/evidence/validation.md.
 [[nodiscard]] AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
                                            double relative_humidity_percent,
                                            double surface_humidity_percent,

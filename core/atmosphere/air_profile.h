@@ -25,8 +25,9 @@ struct AirProfile {
   std::vector<AirLevel> level;
 };
 
-// At least two levels, heights increasing and pressures decreasing, all quantities in range and
-// water vapour at most saturated over water (by 1 % of relative humidity, and only up to 20 km).
+// INVALID_ARGUMENT unless the profile has at least two levels, with increasing heights and
+// decreasing pressures, all quantities in range and water vapour at most saturated over water (by 1
+// % of relative humidity, and only up to 20 km).
 [[nodiscard]] absl::Status check_profile(const AirProfile& profile);
 
 // The air at a height inside the profile; outside, the nearest level's.
@@ -50,7 +51,7 @@ enum class AfglProfile {
 [[nodiscard]] absl::StatusOr<AfglProfile> afgl_profile_named(std::string_view name);
 [[nodiscard]] std::string_view name_of(AfglProfile which);
 
-// What stands in for a profile that nobody stated: tropical within 30 deg of the equator,
+// Returns the profile for a place where none is stated: tropical within 30 deg of the equator,
 // subarctic beyond 55 deg, mid-latitude between; the summer one from April to September in the
 // north, from October to March in the south.
 [[nodiscard]] AfglProfile default_afgl_profile(double latitude_deg, int month);

@@ -26,8 +26,8 @@ struct SunPlace {
   double distance_au = 1;
 };
 
-// What a path does to what is behind it, L = T L_behind + thermal + scattered, and what it lets
-// through itself.
+// The effect of a path on the radiance behind it, L = T L_behind + thermal + scattered, and the
+// path's own transmittance and radiance.
 struct PathRadiance {
   AirSpectrum transmittance;
   AirSpectrum thermal_w_m2_sr_um;
@@ -58,8 +58,8 @@ class Atmosphere {
   [[nodiscard]] const AtmosphereSpec& spec() const { return spec_; }
   [[nodiscard]] const AirProfile& profile() const { return spec_.profile; }
 
-  // What the path holds, 0 in bands that are not wanted. Those of pieces add up to those of the
-  // whole, to 2e-4 of transmittance.
+  // Returns the absorbers in the path, 0 in bands that are not wanted. Amounts of pieces add up to
+  // the amounts of the whole, to 2e-4 of transmittance.
   [[nodiscard]] AbsorberAmounts amounts(const LightPath& path,
                                         const BandChoice& bands = BandChoice()) const;
 

@@ -17,7 +17,7 @@ namespace irsig {
 //   t  kAirBandCount + 1 bands
 void multiply_lines(const LineTerms& lines, const double* scaled, const double* plain, double* t);
 
-// What a stretch adds to a group's entries.
+// Adds a stretch's amounts to the entries of a group.
 //   warmth    T / T0 - 1
 //   kg_m2     of the gas
 void add_to_lines(const GasTable& table, std::size_t group, double ln_pressure, double warmth,

@@ -15,7 +15,7 @@ namespace irsig {
 // of kLanes that share gas and reference; groups are filled up with entries of no band.
 struct GasTable {
   static constexpr std::size_t kLanes = 8;
-  // What entries are scaled about.
+  // The reference state about which entries are scaled.
   struct Reference {
     double pressure_pa, doppler_pa, temperature_k;
   };

@@ -15,10 +15,10 @@ namespace irsig {
 // tape7 and .7sc-style text (MODTRAN 4-5, LOWTRAN 7): IEMSCT 0 (transmittance alone), 1 (thermal
 // radiance), 2 (and scattered sunlight), 3 (direct solar irradiance); spectra against wavenumber or
 // wavelength; several runs one after the other in a file. Which columns and cards, and the CSV:
-// docs/methods/atmosphere.md, "Imported paths". A path to space has infinite range and target
-// height.
+// docs/explanation/methods/atmosphere.md, "Imported paths". A path to space has infinite range and
+// target height.
 struct ImportedPath {
-  // What the file says about itself; a quantity that it does not state is NaN.
+  // Facts that the file states about its path; a quantity that it does not state is NaN.
   double observer_height_m, target_height_m, range_m, zenith_deg;
   double sun_zenith_deg, latitude_deg, longitude_deg, ground_temperature_k;
   int day_of_year;  // 0: not stated
@@ -38,7 +38,7 @@ struct ImportedPaths {
 [[nodiscard]] absl::StatusOr<ImportedPaths> parse_imported_paths(std::string_view text,
                                                                  std::string_view file);
 
-// What a sweep's condition says, to be compared with what an import says. NaN: does not say.
+// Facts of a sweep's condition, for comparison with an import. NaN: not stated.
 struct ConditionFacts {
   double sun_zenith_deg, latitude_deg, longitude_deg, ground_temperature_k;
   int day_of_year;

@@ -9,11 +9,11 @@
 #include "core/atmosphere/imported_path.h"
 #include "core/base/file_errors.h"
 
-// What the readers of imported text have in common; private to this folder.
+// Shared parts of the readers of imported text; private to this folder.
 namespace irsig {
 
-// One run of a file: what it says about itself, and its samples as they stand in the file, but for
-// their units. A quantity that the file does not have is empty.
+// One run of a file: its stated facts, and its samples as written in the file but for their units.
+// A quantity that the file does not have is empty.
 struct SampledRun {
   ImportedPath path;                   // without its spectra
   std::vector<double> wavenumber_cm1;  // increasing or decreasing
@@ -26,7 +26,7 @@ struct SampledRun {
 // A number as people and Fortran write them ("1.2E-05", "1.2D-05", "+3", "1.234-102"), below 1e38.
 [[nodiscard]] bool parse_fortran_number(std::string_view text, double& value);
 
-// Without blanks around it.
+// Returns the text without the blanks around it.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 [[nodiscard]] std::vector<std::string_view> split_lines(std::string_view text);
 

@@ -100,7 +100,7 @@ struct ExpLane {
 [[gnu::always_inline]] inline double log1p_lane(double x) {
   const double sum = 1.0 + x, seen = sum - 1.0;
   const bool lost = seen == 0.0;
-  // What rounding made of x, and its logarithm, are off alike.
+  // Rounding changes x and its logarithm by the same factor.
   return lost ? x : ln_lane(sum) * (x / (lost ? 1.0 : seen));
 }
 

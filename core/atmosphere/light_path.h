@@ -67,9 +67,10 @@ class GrazingRay {
   // Central angle from where it touches to where it is so high.                          [rad]
   [[nodiscard]] double angle_rad(double height_m) const;
   [[nodiscard]] double height_m(double angle_rad) const;
-  // Of the ray above the local horizontal there: the dip of the horizon seen from there.  [rad]
+  // Elevation of the ray above the local horizontal at a height: the dip of the horizon seen from
+  // there.  [rad]
   [[nodiscard]] double dip_rad(double height_m) const;
-  // By how much it is bent from where it touches to that height.                          [rad]
+  // Bending of the ray between its tangent point and a height.  [rad]
   [[nodiscard]] double bending_rad(double height_m) const;
   [[nodiscard]] double bottom_m() const { return bottom_m_; }
   [[nodiscard]] bool straight() const { return point_.empty(); }

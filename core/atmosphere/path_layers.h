@@ -8,23 +8,24 @@
 
 namespace irsig {
 
-// What a stretch of a path scatters.
+// Scattering of a stretch of a path.
 struct StepScattering {
   AirSpectrum aerosol_depth = AirSpectrum(kAirBandCount, 0.0);
   AirSpectrum molecular_depth = AirSpectrum(kAirBandCount, 0.0);
   AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);  // of the aerosol
-  // All that is grey, scattering included: what is known of an optical depth whose transmittance
-  // has underflowed.
+  // Depth of all grey extinction, scattering included. It bounds an optical depth whose
+  // transmittance has underflowed.
   AirSpectrum grey_depth = AirSpectrum(kAirBandCount, 0.0);
 };
 
 // Mean of a quantity that decays exponentially from a to b.
 [[nodiscard]] double logarithmic_mean(double a, double b);
-// The same over a stretch of at least grey_depth; b = 0: by more than a double can tell.
+// Like logarithmic_mean(), over a stretch of at least grey_depth; b = 0: the decay exceeds the
+// range of a double.
 [[nodiscard]] double mean_of_decay(double a, double b, double grey_depth);
-// The same of sunlight, of which a and b may also be 0 in the Earth's shadow.
+// Like mean_of_decay(), of sunlight, of which a and b may also be 0 in the Earth's shadow.
 [[nodiscard]] double mean_of_sunlight(double a, double b, double grey_depth);
-// Of many bands at once.
+// Like mean_of_sunlight(a, b, grey_depth), for many bands at once.
 void mean_of_sunlight(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
                       const AirSpectrum& grey_depth, const BandChoice& bands);
 
@@ -34,13 +35,13 @@ void mean_of_sunlight(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum&
 // sun.
 class SunAmounts {
  public:
-  // From `height_m` to the top of the air.
+  // Computes the amounts from `height_m` to the top of the air.
   SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg,
              const BandChoice& bands = BandChoice());
 
   // Adds what lies between a height and the sun; false: the Earth is in the way.
   [[nodiscard]] bool add_to(AbsorberAmounts& sum, double height_m) const;
-  // Whether the sun shines on the lowest height.
+  // Returns true if the sun shines on the lowest height.
   [[nodiscard]] bool lit() const { return point_.front().lit; }
 
  private:
@@ -57,29 +58,30 @@ class SunAmounts {
 inline constexpr double kThermosphereM = 90e3;
 
 // Tables of aerosol models describe a given day's particles, and what they scatter, to perhaps a
-// third (docs/validation.md, "Atmosphere").
+// third (docs/evidence/validation.md, "Atmosphere").
 inline constexpr double kAerosolRelativeError = 0.3;
 
-// One sigma of a path's optical depth by the gas table, in parts of the depth: of lines below and
-// above 3000 cm-1 (where ten bands share one entry of the source), of the band between, which is
-// empty in the finer source, and of continua. The likeliest for MODTRAN's paths, left out one by
-// one: tests/physics/atmosphere_model_error_test.cpp.
+// One sigma of a path's optical depth by the gas table, as a fraction of the depth: of lines below
+// and above 3000 cm-1 (where ten bands share one entry of the source), of the band between, which
+// is empty in the finer source, and of continua. The maximum-likelihood values for MODTRAN's paths,
+// confirmed with each path left out in turn: tests/physics/atmosphere_model_error_test.cpp.
 inline constexpr double kLineDepthError = 0.125;
 inline constexpr double kCoarseLineDepthError = 0.38;
 inline constexpr double kEmptyBandDepthError = 0.75;
 inline constexpr double kEmptyBandCm1 = 2995;
 inline constexpr double kContinuumDepthError = 0.0165;
-// What passes of a dark path is not known better than this.
+// Error floor of the transmittance of a dark path.
 inline constexpr double kDarkError = 1e-5;
-// Of what air emits, 0.03 K: rms of the bands of the same paths in which nothing passes.
+// Relative error of the air's emission, 0.03 K: rms of the bands of the same paths that have no
+// transmittance.
 inline constexpr double kEmissionError = 0.0015;
 
-// One sigma of the model (docs/methods/atmosphere.md), not of the numerics, for all a path holds:
-// the depth's, in squares over its parts, as half of what the transmittance changes from one sigma
-// above to one below.
+// One sigma of the model (docs/explanation/methods/atmosphere.md), not of the numerics, for all
+// absorbers in a path. The errors of the depth's parts are added in squares; each is half the
+// change of the transmittance from one sigma above to one below.
 //   scattered     sunlight and surroundings in the path's radiance
 //   surroundings  their mean radiance, if it has a part in it: light that is scattered more than
-//                 once lies between it and the air's own, so that the error is their difference
+//                  once lies between it and the air's own, so that the error is their difference
 struct ModelError {
   AirSpectrum transmittance, radiance_w_m2_sr_um;
 };
@@ -99,8 +101,8 @@ class PhaseMean {
   [[nodiscard]] double molecular_per_sr() const { return molecular_ / weight_; }
 
  private:
-  // At equal steps of -ln(1 - asymmetry), to 0.97: forward, the phase function's logarithm is
-  // linear in it.
+  // Phase functions at equal steps of -ln(1 - asymmetry), to 0.97: in the forward direction the
+  // phase function's logarithm is linear in it.
   static constexpr std::size_t kPoints = 36;
   static constexpr double kStep = 0.1;
   std::array<double, kPoints> aerosol_{};
@@ -132,11 +134,11 @@ class PathLayers {
   // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
   AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_fraction;
   [[nodiscard]] AbsorberAmounts amounts() const { return node_.back().amounts.unpacked(bands_); }
-  // Of a ray that misses the air or has no length: nothing in it.
+  // True for a ray that misses the air or has no length.
   [[nodiscard]] bool empty() const { return layer_.empty(); }
   [[nodiscard]] double warmest_k() const { return warmest_k_; }
 
-  // The same behind near air.
+  // The path's emission as seen through near air.
   struct Emission {
     AirSpectrum thermal_w_m2_sr_um, surroundings_fraction;
   };

@@ -15,11 +15,11 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
 // Planck's function at the bands' centres.
 void planck_spectrum(AirSpectrum& out, double temperature_k, const BandChoice& bands);
 
-// What a step adds to the thermal radiance behind it. t: transmittance from the observer to its
-// ends, planck: of the air there.
+// Adds a step's thermal radiance to the radiance behind the step. t: transmittance from the
+// observer to the step's ends; planck: Planck's function at the air's temperature there.
 //   B linear in optical depth x from node to node, t = exp(-depth):
 //   integral of B exp(-x) dx = B_near (1 - t) + (B_far - B_near) ((1 - t) / depth - t).
-// Of the extinction only the absorbed share emits.
+// Only the absorbed fraction of the extinction emits.
 void add_emission(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
                   const AirSpectrum& t_far, const AirSpectrum& planck_near,
                   const AirSpectrum& planck_far, const BandChoice& bands);
@@ -29,7 +29,7 @@ void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const 
 // mean_of_decay of all bands; mean_of_sunlight likewise.
 void mean_of_decay(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
                    const AirSpectrum& grey_depth, const BandChoice& bands);
-// Of two steps, one behind the other.
+// Adds a step to the sum of the steps in front of it.
 void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands);
 
 // Phase functions: their integral over all directions is 1.

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// What the input cards that a tape7 echoes before a table say (docs/methods/atmosphere.md,
+// The input cards that a tape7 echoes before a table (docs/explanation/methods/atmosphere.md,
 // "Imported paths"); private to this folder.
 struct Tape7Cards {
   ImportedPath path;

@@ -25,7 +25,8 @@ class CsvRows {
   bool next_with_remarks();
   [[nodiscard]] std::string_view whole() const { return whole_; }
   [[nodiscard]] std::size_t line() const { return line_; }
-  // Of this line, valid until the next one.
+  // The cells of the current line, valid until the next call of cells(), next() or
+  // next_with_remarks().
   [[nodiscard]] const std::vector<CsvCell>& cells();
 
  private:

@@ -9,13 +9,14 @@ namespace irsig {
 // that a terminal obeys: C0 (escape sequences), DEL, C1. What is printed goes through one of these
 // first, and what is kept as a name is asked.
 
-// With "?" for each control character and each byte that is not UTF-8: one line, whatever it was.
+// Returns the text as one line, with "?" for each control character and each byte that is not
+// UTF-8.
 [[nodiscard]] std::string one_line(std::string_view text);
 
-// The same for text of several lines: "\n" and "\t" stay.
+// Like one_line(), for text of several lines: "\n" and "\t" stay.
 [[nodiscard]] std::string printable(std::string_view text);
 
-// Whether one_line() would leave it as it is.
+// Returns true if one_line() would leave the text unchanged.
 [[nodiscard]] bool is_one_line(std::string_view text);
 
 // The text as a string of JSON, quotes included: plain ASCII for every control character, U+FFFD

@@ -9,9 +9,9 @@
 
 namespace irsig {
 
-// One thing that is wrong with a user's input, and where. A status carries its problems beside its
-// message (problem_status, problems_of): whoever adds a place, a key or a prefix takes them from
-// there, and no code searches the text of a message.
+// A problem of a user's input and its place. A status carries its problems beside its message
+// (problem_status, problems_of). Code that adds a place, a key or a prefix takes the problems from
+// the status; no code searches the text of a message.
 struct Problem {
   std::string place;  // "file:line:column"; empty: not known
   std::string key;    // by its path in the sweep file: "part[2].name"; empty: none
@@ -33,7 +33,7 @@ struct Problem {
 // (of another file) become part of its text. The code stays.
 [[nodiscard]] absl::Status at_key(const std::string& key, const absl::Status& status);
 
-// Whether the message begins with a place in a file.
+// Returns true if the message begins with a place in a file.
 [[nodiscard]] bool begins_with_place(const absl::Status& status);
 
 // Collects the problems of several readers.

@@ -9,9 +9,9 @@
 
 namespace irsig {
 
-// What a program that imports may take for a file of so many bytes before the kernel ends it.
-// Memory is the space of addresses. A model of 25 MB takes 0.4 s and 8 bytes of memory a byte
-// (docs/decisions/0021); so nothing but a damaged file, or one made to do harm, comes near.
+// Limits of an importing program for a file of a given size, beyond which the kernel ends the
+// program. Memory is address space. A model of 25 MB takes 0.4 s and 8 bytes of memory a byte
+// (docs/decisions/0021), so that only damaged or malicious files reach the limits.
 struct ApartLimits {
   std::uint64_t memory_bytes;
   std::uint64_t cpu_s;   // of the processor

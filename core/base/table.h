@@ -5,7 +5,7 @@
 
 namespace irsig {
 
-// Where `at` lies in strictly increasing abscissae: x = (1 - fraction) x[index] + fraction x[index
+// Position of `at` in strictly increasing abscissae: x = (1 - fraction) x[index] + fraction x[index
 // + 1].
 struct TablePosition {
   std::size_t index;  // 0 .. x.size() - 2
@@ -19,7 +19,7 @@ struct TablePosition {
 // stands in for it (0, the edge value, an error) is a decision of physics.
 [[nodiscard]] TablePosition locate(std::span<const double> x, double at);
 
-// The same for x = first + i step, i = 0 .. count - 1, without a search.
+// Like locate(), for x = first + i step, i = 0 .. count - 1, without a search.
 [[nodiscard]] TablePosition locate_uniform(double first, double step, std::size_t count, double at);
 
 // Exactly y[i] at x[i]; between two points never outside their two values.

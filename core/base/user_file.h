@@ -21,8 +21,8 @@ inline constexpr std::uint64_t kMostModelBytes = 1'000'000'000;  // what a coord
 [[nodiscard]] absl::StatusOr<std::string> read_user_file(const std::string& path,
                                                          std::uint64_t most_bytes);
 
-// The same of a file that another one names: relative to the folder of that one, which an error
-// says.
+// Like read_user_file(), for a file that another file names. The name is relative to the folder of
+// the naming file, which errors mention.
 [[nodiscard]] absl::StatusOr<std::string> read_file_beside(const std::string& naming_file,
                                                            const std::string& name,
                                                            std::uint64_t most_bytes);

@@ -46,8 +46,9 @@ struct DetectorIntegrals {
   std::vector<SpectralPoint> signal, photons;
   double constant = 0, well = 0;  // well: 0, none
 
-  // Of the noise beside a signal, both as of the full integration time: where the well is full
-  // earlier, k = N / w times as often, v = k^2 constant + k N.
+  // Variance of the noise beside a signal; argument and result refer to the full integration time.
+  // Where the well is full earlier, the detector integrates k = N / w times as often, and v = k^2
+  // constant + k N.
   [[nodiscard]] double variance(double photons_sum) const {
     const double k = well > 0 && photons_sum > well ? photons_sum / well : 1;
     return k * (k * constant + photons_sum);

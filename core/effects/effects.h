@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// What a signature is made of. The table below says of each what it is, when it matters, how what
-// it contributes is bounded without being simulated, and what it costs.
+// Contributions to a signature. The table below states for each what it is, when it matters, how
+// its contribution is bounded without simulation, and its cost.
 enum class Effect : std::uint8_t {
   kSelfEmission,
   kDirectSun,
@@ -32,10 +32,11 @@ enum class Effect : std::uint8_t {
   kSpectralVariation,
   kPerspective,
   kRefraction,
-  // Of computed temperatures: decided for a whole sweep by its author, not for a row by its bound.
+  // Effects on computed temperatures: chosen for a whole sweep by its author, not for a row by its
+  // bound.
   kHeatExchange,
   kHeatDiffuseSun,
-  // Of hot gas: in ledgers of rows that have some.
+  // Effects of hot gas: in ledgers of rows that have some.
   kPlume,
   kPlumeOnHull,
   kHotLineCorrelation,
@@ -51,17 +52,19 @@ struct EffectInfo {
   std::string_view when;   // it matters
   std::string_view bound;  // of leaving it out
   std::string_view cost;
-  // Whether it can be left out: what can not costs nothing that leaving it out would save.
+  // True if the effect can be left out. An effect that is not optional costs no time that leaving
+  // it out would save.
   bool switchable;
-  // Of one processor, for each view and condition under the embedded atmosphere, without rays.  [s]
-  // As measured where docs/performance.md says, with 481 wavelengths: for estimates only.
+  // Time on one processor, for each view and condition under the embedded atmosphere, without rays.
+  // [s]
+  // As measured where docs/evidence/performance.md says, with 481 wavelengths: for estimates only.
   double view_s = 0;
 };
 // A ray and what is done where it ends: likewise.                                             [s]
 inline constexpr double kRaySeconds = 3e-7;
 
 [[nodiscard]] const std::array<EffectInfo, kEffects>& effect_table();
-// Of computed temperatures; what leaving them out changes is bounded in kelvin.
+// Effects on computed temperatures; their omission is bounded in kelvin.
 [[nodiscard]] const std::array<EffectInfo, kHeatEffects>& heat_effect_table();
 [[nodiscard]] const std::array<EffectInfo, kPlumeEffects>& plume_effect_table();
 [[nodiscard]] constexpr bool is_of_heat(Effect effect) {
@@ -80,7 +83,7 @@ inline constexpr std::array kReflectionEffects{Effect::kDirectSun,         Effec
                                                Effect::kLowerReflected,    Effect::kInterReflection,
                                                Effect::kHotPartsReflected, Effect::kJoinedLines};
 
-// What the user asks for. kAuto: what the accuracy asked for calls for.
+// The user's choice of effects. kAuto: the effects that the requested accuracy needs.
 struct EffectChoice {
   enum class Mode : std::uint8_t { kAuto, kAll, kOnly };
   Mode mode = Mode::kAll;
@@ -126,7 +129,8 @@ struct LedgerEntry {
   EffectReason reason;
   double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
   double fraction_w_sr;  // measured: what it contributes to the intensity at the target
-  // Of one processor, for the whole view, estimated from counts: spent (on) or saved (off).    [s]
+  // Time on one processor, for the whole view, estimated from counts: spent (on) or saved (off).
+  // [s]
   double time_s;
 
   // Numbers that are not known are equal.

@@ -8,12 +8,12 @@
 
 namespace irsig {
 
-// Of a goal, the share that the bounds of what is left out may take as a standard error (a bias
-// within +-b counts as b / sqrt(3)): 0.4 leaves 0.92 of it to the samples, which costs 9 to 19 % of
-// them.
+// Fraction of an accuracy goal that the bounds of omitted effects may take as a standard error (a
+// bias within +-b counts as b / sqrt(3)): 0.4 leaves 0.92 of the goal to the samples, which costs 9
+// to 19 % of them.
 inline constexpr double kOmittedShare = 0.4;
 
-// What is known of one row before it is traced. [W/sr]
+// Bounds of one row before it is traced. [W/sr]
 struct RowBounds {
   // The errors that are wanted, of the source and at the aperture; 0: none is stated.
   double goal_w_sr = 0, aperture_goal_w_sr = 0;
@@ -25,7 +25,7 @@ struct RowBounds {
     bool operator==(const Bound&) const = default;
   };
   std::array<Bound, kEffects> effect;
-  // Of all that is reflected, the sun's light apart.
+  // Bound of all reflected light but the sun's.
   Bound reflected;
 };
 
@@ -47,7 +47,7 @@ class EffectPlanner {
 
   [[nodiscard]] bool on(Effect effect, std::size_t condition) const;
   [[nodiscard]] bool on_anywhere(Effect effect) const;
-  // Whether any light is reflected at all.
+  // Returns true if any light is reflected.
   [[nodiscard]] bool reflections() const;
   // [row]: the sum of the bounds of what is left out. All reflections together count once.
   [[nodiscard]] std::vector<RowBounds::Bound> omitted() const;

@@ -16,7 +16,7 @@ struct Air {
   bool path_emission = false;  // whether the column radiates (1 - transmittance) B(T)
 };
 
-// What a line of sight does to radiance, on the wavelengths asked for:
+// Transmittance and radiance of a line of sight, on the wavelengths asked for:
 //   L at the aperture = transmittance L at the target + path_radiance.
 struct AirPath {
   std::vector<double> transmittance;

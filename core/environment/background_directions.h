@@ -20,14 +20,16 @@ class BackgroundDirections {
   // z: increasing, at least one; equal where radiance jumps. Directions beyond the first and the
   // last take its radiance.
   explicit BackgroundDirections(std::vector<float> z, double azimuth_rad = 0);
-  // As many as are needed from one z to another with a jump at each of `breaks` in between: close
-  // to a horizon, where the way through the air changes fastest, and below it above all.
+  // Returns as many directions as are needed from one z to another, with a jump at each of `breaks`
+  // in between. They are densest close to a horizon and below it, where the path through the air
+  // changes fastest.
   [[nodiscard]] static BackgroundDirections spanning(double from_z, double to_z,
                                                      std::vector<float> breaks, double azimuth_rad);
 
   [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(z_.size()); }
   [[nodiscard]] float z(std::uint32_t node) const { return z_[node]; }
-  // Whether a node is above a horizon that lies at that z: of two that coincide there the first.
+  // Returns true if a node is above a horizon at that z; of two nodes that coincide there, the
+  // first is.
   [[nodiscard]] bool above(std::uint32_t node, float horizon_z) const;
   // Unit vector away from the sensor.
   [[nodiscard]] Vec<Body> direction(double z) const;
@@ -36,7 +38,8 @@ class BackgroundDirections {
     std::uint32_t node;
     float weight;
   };
-  // Of a direction: one or two shares that add up to 1. Returns how many.
+  // Computes the interpolation weights of a direction: one or two that add up to 1. Returns their
+  // number.
   int shares(float z, Share* out) const;
 
  private:

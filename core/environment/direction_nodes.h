@@ -27,7 +27,8 @@ class DirectionNodes {
   [[nodiscard]] std::uint32_t lower() const { return lower_; }
   [[nodiscard]] std::uint32_t count() const { return sky_ + lower_; }
   [[nodiscard]] bool uniform() const { return sky_ == 1 && lower_ == 1; }
-  // Whether the rings below begin at the horizontal: of a target in the air, which sees sky there.
+  // Returns true if the rings below begin at the horizontal, as for a target in the air, which sees
+  // sky there.
   [[nodiscard]] bool has_limb() const { return lower_sin_.size() > 1 && lower_sin_.front() == 0; }
   [[nodiscard]] std::uint32_t azimuths() const { return azimuths_; }
 
@@ -35,8 +36,8 @@ class DirectionNodes {
     std::uint32_t node;
     float weight;
   };
-  // Of a unit vector in the body frame (z down: z < 0 is above the horizon): up to four shares that
-  // add up to 1. Returns how many.
+  // Computes the interpolation weights of a unit vector in the body frame (z down: z < 0 is above
+  // the horizon): up to four that add up to 1. Returns their number.
   int shares(float x, float y, float z, Share* out) const;
 
   // Unit vector towards a node.

@@ -18,7 +18,7 @@
 
 namespace irsig {
 
-// What lies below the horizon.
+// The surface below the horizon.
 struct SurfaceBoundary {
   enum class Kind {
     kRoughSea,  // facets with Cox and Munk's slopes for the wind: emission, reflected sky
@@ -34,7 +34,7 @@ struct SurfaceBoundary {
 // Lowest height above sea or ground of the point that stands for a target in the air. [m]
 inline constexpr double kLowestAirPointM = 1;
 
-// One season's weather: everything that does not move with the sun.
+// One season's weather: the part of a condition that does not depend on the sun.
 struct WeatherSpec {
   AtmosphereSpec air;  // its profile already bent to the surface
   bool refraction = true;
@@ -57,36 +57,37 @@ struct ConditionEnvironment {
   double sun_distance_au = 1;
 };
 
-// What one condition does to one view, on the wavelengths of the sweep (index i). Radiances in
-// W/(m2 sr um), irradiances in W/(m2 um). "Apparent": what of it arrives at the sensor, the air's
-// lines joined by summed absorber amounts (core/atmosphere/absorber_amounts.h), without the path's
-// own radiance. Inside one of the air's bands radiances follow Planck's function at the target's
-// air temperature, and sunlight the sun's spectrum.
+// Light and air of one view under one condition, on the wavelengths of the sweep (index i).
+// Radiances in W/(m2 sr um), irradiances in W/(m2 um). "Apparent" is the part that arrives at the
+// sensor, the air's lines joined by summed absorber amounts (core/atmosphere/absorber_amounts.h),
+// without the path's own radiance. Inside one of the air's bands radiances follow Planck's function
+// at the target's air temperature, and sunlight the sun's spectrum.
 //
-// Below the horizon: what the surface emits and reflects of the sky, seen through the air in front
-// of it; light that a rough sea mirrors from below the horizon has met the sea before. The sun that
-// a rough sea mirrors is in background_apparent only: for the target's reflections it is a light of
-// its own (sea_glint.h). What a grey surface reflects of the sun is in the nodes.
+// Below the horizon: the surface's emission and its reflection of the sky, seen through the air in
+// front of it; light that a rough sea mirrors from below the horizon has met the sea before. The
+// sun that a rough sea mirrors is in background_apparent only: for the target's reflections it is a
+// light of its own (sea_glint.h). The sun that a grey surface reflects is in the nodes.
 //
 // Accuracy (tests/physics/environment_nodes_test.cpp, mid-latitude summer, maritime aerosol of 23
 // km): night sky from the nodes 1.1e-3 in the mean over 1000 directions; sunlit sky at 3.7 um as
 // planes see it 1e-3, as lobes 30 deg wide see it 1 %; night sky behind air within 0.5 %; sunlit
-// sky in one direction 4 %, of which half is that of the sums compared with.
-// Limits: one zenith angle of the sun for all of a path; sunlight is scattered once.
+// sky in one direction 4 %, of which half is the error of the reference sums. Limits: one zenith
+// angle of the sun for all of a path; sunlight is scattered once.
 struct ViewEnvironment {
   using Spectrum = std::vector<double>;
   Spectrum transmittance;  // band means: of what surfaces emit
   Spectrum path_radiance;  // emitted and scattered between target and sensor
-  // What the air there holds; null: it is imported, or no embedded atmosphere.
+  // Absorbers between target and sensor; null: the air is imported, or there is no embedded
+  // atmosphere.
   std::shared_ptr<const AbsorberAmounts> air;
   std::vector<AirPath> end;                        // [Line::end] the same of the target's ends
   std::vector<IncidentRadiance::AirChange> end_change;  // [Line::end] by how much they differ
   Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
   IncidentRadiance around;                         // sky, then lower
   std::vector<Spectrum> background_apparent;       // [node of Line::behind]
-  // Of these: the most by which straight lines to the nodes beside them were found to err at three
-  // places between (within a factor of 2 of the largest error, tests/physics/horizon_test.cpp), and
-  // one sigma of the models. Empty: none.
+  // Errors of background_apparent: the largest deviation from straight lines to the neighbouring
+  // nodes found at three places between (within a factor of 2 of the largest error,
+  // tests/physics/horizon_test.cpp), and one sigma of the models. Empty: none.
   std::vector<Spectrum> background_interpolation, background_model_error;
 
   // IncidentRadiance::interpolation is the most by which straight lines between a node and those
@@ -96,11 +97,11 @@ struct ViewEnvironment {
   // mean radiance, in the worst quarter of a micrometre; 1.5e-3 and 8e-4. Of the sunlit sky: and
   // mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
   double sky_interpolation = 0, lower_interpolation = 0;
-  // Of leaving out EffectSet::joined_lines, relative to what is reflected of sky and surface at the
-  // target: the most by which any mean over directions of the apparent nodes can differ, in the
-  // worst quarter of a micrometre. 0 with it.
+  // Bound for leaving out EffectSet::joined_lines, relative to the reflected light of sky and
+  // surface at the target: the largest difference of any mean over directions of the apparent
+  // nodes, in the worst quarter of a micrometre. 0 if the lines are joined.
   double joined_lines_bound = 0;
-  // One sigma of the models, not of the numerics.
+  // One sigma of the models, without the numerics.
   Spectrum model_error_transmittance, model_error_path_radiance;
   double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
 };
@@ -138,7 +139,7 @@ class Environment {
 
   // The directions at which sky and sea are given; one azimuth if no condition has a sun.
   [[nodiscard]] const DirectionNodes& nodes() const;
-  // The same rings, with one azimuth if without.
+  // The rings of nodes(), with one azimuth if `with_azimuths` is false.
   [[nodiscard]] const DirectionNodes& nodes(bool with_azimuths) const;
 
   // The sun of a condition as the target's point sees it: lifted by refraction (if the weather has
@@ -152,7 +153,7 @@ class Environment {
   };
   [[nodiscard]] const SunSeen& sun_seen(std::uint32_t condition) const;
 
-  // From the target to a sensor.
+  // A line from the target to a sensor.
   struct Line {
     double range_m;
     double elevation_deg;  // of the sensor, at the target, geometric; -90 .. 90
@@ -165,17 +166,17 @@ class Environment {
     };
     std::vector<End> end = {};
   };
-  // From the point that stands for the target: `viewpoint` has range and elevation at its reference
-  // point. Without directions behind it.
+  // Returns the line from the point that stands for the target: `viewpoint` has range and elevation
+  // at its reference point. The line has no directions behind the target.
   [[nodiscard]] Line line(const Viewpoint& viewpoint) const;
 
-  // Where the sea (or ground) ends for the sensor of a line, refracted if the weather says so.
+  // End of the sea (or ground) for the sensor of a line, refracted if the weather is.
   struct Horizon {
     // Straight lines from the sensor that fall less than this pass above it: z of their unit vector
     // (BackgroundDirections).
     double z;
-    // What it hides of the target is what a sphere of this radius hides from straight lines that
-    // rise to the sensor by `lift_rad` more than the geometric ones.
+    // The Earth hides the same part of the target as a sphere of this radius hides from straight
+    // lines that rise to the sensor by `lift_rad` more than the geometric ones.
     double earth_radius_m, lift_rad;
     // Up to this height above the surface it hides what stands where the target does; 0: nothing.
     double hides_m = 0;
@@ -202,12 +203,13 @@ class Environment {
     SightLine& operator=(SightLine&&) noexcept;
     ~SightLine();
     [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
-    // What is returned depends on the line, the condition and the effects alone; what they leave
-    // out is 0. `effects`: of as many conditions as the environment has. Of lines behind nodes
-    // EffectSet::joined_lines says whether the air's lines are joined at every ring that is
+    // Returns the light of the line under a condition. The result depends on the line, the
+    // condition and the effects alone; effects that are left out are 0. `effects` has as many
+    // conditions as the environment. For lines with directions behind the target,
+    // EffectSet::joined_lines chooses whether the air's lines are joined at every ring that is
     // computed exactly (8 of a side), or at three of them. The nodes are those of
     // nodes(with_azimuths): INVALID_ARGUMENT if a sun is up whose scattered light is to be
-    // reflected and they have none.
+    // reflected and the nodes have no azimuths.
     [[nodiscard]] absl::StatusOr<ViewEnvironment> evaluate(std::uint32_t condition,
                                                            const EffectSet& effects,
                                                            bool with_azimuths);
@@ -222,8 +224,8 @@ class Environment {
   [[nodiscard]] absl::StatusOr<SightLine> sight_line(const Line& line) const;
 
   [[nodiscard]] std::size_t conditions() const;
-  // What a condition takes of memory while a view is computed, what is kept from view to view
-  // included: an upper limit without small change, from counts.                           [bytes]
+  // Upper limit of the memory that a condition needs while a view is computed, including memory
+  // kept between views; from counts, without small allocations.  [bytes]
   [[nodiscard]] double bytes_per_condition() const;
 
  private:

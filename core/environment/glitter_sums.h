@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// What a rough sea mirrors of one beam, by the cosine of the incidence on the facets in equal
-// steps: reflectances are put in afterwards. Private to core/environment, as all of this header.
+// Sums of one beam that a rough sea mirrors, by the cosine of the incidence on the facets in equal
+// steps; reflectances are applied afterwards. Private to core/environment, as all of this header.
 inline constexpr std::size_t kIncidences = 24;
 using Incidences = std::array<double, kIncidences>;
 

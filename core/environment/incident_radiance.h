@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// One number for each band, of many things side by side.
+// A table with one number for each band in each row.
 template <typename Number>
 struct BandRows {
   std::size_t bands = 0;
@@ -51,7 +51,7 @@ class IncidentRadiance {
     BandRows<float> surface;    // [node below the horizon] reflected by the surface
     std::vector<double> error;  // [node] of straight lines between nodes: relative
   };
-  // Of sunlight, at the sensor / at the target.
+  // Ratios of sunlight at the sensor to sunlight at the target.
   struct Ratios {
     BandRows<double> air;      // [ring]
     BandRows<double> surface;  // [ring below the horizon]
@@ -70,13 +70,13 @@ class IncidentRadiance {
                                                    std::uint32_t sky_nodes = 1);
   // Two dark nodes.
   [[nodiscard]] static IncidentRadiance dark(std::shared_ptr<const Shapes> shapes);
-  // The same with those sides dark that are not wanted.
+  // Returns a copy in which the sides that are not wanted are dark.
   [[nodiscard]] IncidentRadiance only(bool sky, bool lower) const;
 
   [[nodiscard]] std::uint32_t count() const { return rings_ * azimuths_; }
   [[nodiscard]] const Shapes& shapes() const { return *shapes_; }
 
-  // Of one node, on all wavelengths.                                       [W/(m2 sr um)]
+  // Radiance of one node, on all wavelengths.  [W/(m2 sr um)]
   [[nodiscard]] Spectrum radiance(std::uint32_t node) const;
   [[nodiscard]] Spectrum apparent(std::uint32_t node) const;
   // The most by which straight lines to the nodes beside it were found to err.
@@ -91,7 +91,7 @@ class IncidentRadiance {
   [[nodiscard]] Integrals integrals(std::size_t first, std::span<const double> weight,
                                     const double* function, std::size_t columns) const;
 
-  // The same bin by bin: of wavelengths first + i with bin_first[k] <= i < bin_first[k + 1].
+  // Integrals bin by bin, over wavelengths first + i with bin_first[k] <= i < bin_first[k + 1]:
   //   sum_i weight[i] L[node](first + i)
   struct Binned {
     std::vector<double> source, apparent;  // [node][bin]
@@ -111,7 +111,7 @@ class IncidentRadiance {
   [[nodiscard]] std::vector<Sum> sums(bool sky, std::span<const Weights> weights, std::size_t first,
                                       std::size_t n) const;
 
-  // By how much a line of sight's air changes if it is that in front of another place.
+  // Change of a line of sight's air when it is replaced by the air in front of another place.
   struct AirChange {
     std::vector<double> transmittance;             // [band]
     std::vector<double> path_thermal, path_solar;  // [band], in their shapes
@@ -129,14 +129,14 @@ class IncidentRadiance {
                                std::span<const double> weight, const WeightsOfNode& at) const;
 
  private:
-  // What is integrated over, in each band: with the shapes of thermal light and of sunlight.
+  // The integrand folded into each band, with the shapes of thermal light and of sunlight.
   struct Folded;
   [[nodiscard]] Folded fold(std::size_t first, std::span<const double> weight,
                             const double* function, std::size_t columns) const;
   [[nodiscard]] bool is_dark(std::uint32_t ring) const {
     return ring < sky_rings_ ? sky_dark_ : lower_dark_;
   }
-  // In the bands: the largest change of the light of a ring and of a node.
+  // The largest change of the light of a ring and of a node, in the bands.
   struct Changes;
   // Sunlight of a node in the bands.
   void sunlight_of(std::uint32_t node, bool apparent, double* out) const;

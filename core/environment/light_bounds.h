@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// What the sun of one condition can be at most at the target, on the air's bands. Private to
+// Upper bounds of one condition's sunlight at the target, on the air's bands. Private to
 // core/environment, as all of this header.
 struct ConditionBounds {
   ConditionBounds(const ConditionEnvironment& condition, const Environment::SunSeen& seen,

@@ -5,12 +5,11 @@
 
 namespace irsig {
 
-// What stands behind the target in one direction.
+// The background in one direction behind the target.
 struct BehindSight {
   bool sky;
-  // Of the ray where it passes the target: sine of its elevation, of the sky; of what lies below
-  // the horizon, sine of the depression at which the same angle to the surface is seen from the
-  // target's point.
+  // Sine of the ray's elevation where it passes the target, for the sky. Below the horizon: sine of
+  // the depression at which the surface is seen under the same angle from the target's point.
   double sine;
   // A ray that falls and yet misses the Earth: how far it is towards the one that touches, 0 .. 1.
   // 0 for all others.
@@ -36,7 +35,7 @@ class LineHorizon {
   LineHorizon(const GrazingRay& ray, double height_m, const Environment::Line& line,
               double lift_rad);
 
-  // Where the sea ends: z of the straight line from the sensor to the height at which the ray that
+  // End of the sea: z of the straight line from the sensor to the height at which the ray that
   // touches the surface passes the target (BackgroundDirections).
   [[nodiscard]] float z() const { return z_; }
   [[nodiscard]] Environment::Horizon horizon() const;

@@ -7,9 +7,9 @@
 
 namespace irsig {
 
-// From means over the hat functions of nodes (rings of those sines x azimuths) to the values at the
-// nodes whose linear interpolation has those means: the best fit, which keeps energy and hardly
-// blurs what lobes wider than a hat see of it. Private to core/environment.
+// Replaces means over the hat functions of nodes (rings of the given sines x azimuths) by the node
+// values whose linear interpolation best fits these means. The fit keeps energy and hardly blurs
+// the light of lobes wider than a hat. Private to core/environment.
 void fit_to_hats(std::vector<AirSpectrum>& node, const std::vector<double>& sine,
                  std::uint32_t azimuths);
 

@@ -26,7 +26,7 @@ class RingRatios {
   using Exact = std::function<AirSpectrum(std::size_t ring)>;
   RingRatios(std::size_t rings, Exact exact);
 
-  // The same whichever rings have been asked for before.
+  // Returns the ratio of a ring; it does not depend on the rings asked for before.
   [[nodiscard]] AirSpectrum at(std::size_t ring);
   // Linear between the first, a middle and the last of the exact rings.
   [[nodiscard]] AirSpectrum coarse(std::size_t ring);

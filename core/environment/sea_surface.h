@@ -24,7 +24,7 @@ inline constexpr double kMostSlopeWindMS = 20;
 // Unpolarised Fresnel reflectance of water at an angle of incidence.
 [[nodiscard]] double water_reflectance(std::complex<double> index, double cos_incidence);
 
-// The same at many wavelengths.
+// Refractive indices of water at many wavelengths.
 struct WaterSpectrum {
   std::vector<double> real, imaginary;  // of the index squared
 };
@@ -54,13 +54,12 @@ struct SeaFacet {
 // beam and of reflectance: P(slope) / (4 n_z^4 projected area).                        [1/sr]
 [[nodiscard]] double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s);
 
-// One sigma of glint_per_sr(), relative: of the slopes' variance, 0.004 [cox1954] (above 20 m/s and
-// 0.00512 for each m/s more), and what waves
-// that stand in the sun of others would take from it, L_sun / (1 + L_observer + L_sun) with the
-// shadowing function L of Gaussian slopes [smith1967], which is left out. (What is hidden from the
-// observer by other waves is not: of what he sees, the projected area is that of facets towards
-// him.) 0.07 with sun and observer at 30 deg and 5 m/s, 0.3 at 2 deg. Limits: uncorrelated heights;
-// swell.
+// Returns one sigma of glint_per_sr(), relative. The first part is the slopes' variance, 0.004
+// [cox1954] (above 20 m/s and 0.00512 for each m/s more). The second part is sunlight lost to waves
+// that stand in the shadow of others, which glint_per_sr() leaves out: L_sun / (1 + L_observer +
+// L_sun) with the shadowing function L of Gaussian slopes [smith1967]. (Hiding from the observer is
+// included: the projected area is that of facets towards him.) 0.07 with sun and observer at 30 deg
+// and 5 m/s, 0.3 at 2 deg. Limits: uncorrelated heights; swell.
 [[nodiscard]] double glint_model_relative(Vec<Body> to_observer, Vec<Body> to_sun,
                                           double wind_speed_m_s);
 

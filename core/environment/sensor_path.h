@@ -21,7 +21,8 @@ struct NodeWavelengths {
 };
 [[nodiscard]] absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um);
 
-// Where the air of one weather lets a sensor see the target, and what was imported for it.
+// The ray on which a sensor sees the target in the air of one weather, and the path that was
+// imported for it.
 struct SensorRay {
   LightPath path;  // from the sensor to the target
   double sensor_height_m = 0;
@@ -34,8 +35,8 @@ struct SensorRay {
                                                    const Environment::Line& line,
                                                    const BandChoice& bands);
 
-// The same to another place of the target; one that the Earth hides is taken as high as is seen.
-// Nothing is imported for it.
+// Returns the ray to another place of the target, without imported air. A place that the Earth
+// hides is replaced by the lowest visible one above it.
 [[nodiscard]] SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
                                  double height_m, const SensorRay& line,
                                  const Environment::Line::End& end);
@@ -51,7 +52,7 @@ class SensorPath {
   bool imported = false, imported_radiance = false;
   double lowest_m = 0, highest_m = 0;
 
-  // What the path sends out, from its own emission and its surroundings' mean radiance.
+  // Returns the path's radiance from its own emission and its surroundings' mean radiance.
   [[nodiscard]] AirSpectrum radiance(const AirSpectrum* surroundings) const;
 
   // On the sweep's wavelengths: as they are; band means, carried on inside a band by Planck's
@@ -60,7 +61,7 @@ class SensorPath {
   [[nodiscard]] std::vector<double> spread_thermal(const AirSpectrum& thermal) const;
   [[nodiscard]] std::vector<double> plus_solar(std::vector<double> thermal,
                                                const AirSpectrum& solar) const;
-  // Those carry both on inside a band.
+  // Shapes by which spread_thermal() and plus_solar() interpolate inside a band.
   [[nodiscard]] IncidentRadiance::Shapes shapes() const;
 
  private:

@@ -12,12 +12,12 @@
 
 namespace irsig {
 
-// What the sun of one condition adds to the light at the target, on the air's bands: direct,
-// scattered once by the air, mirrored by the sea. All 0 with the sun below the horizon. What is not
+// The light that the sun of one condition adds at the target, on the air's bands: direct, scattered
+// once by the air, mirrored by the sea. All 0 with the sun below the horizon. Light that is not
 // asked for is not computed. Private to core/environment.
 class SunLight {
  public:
-  // All outlive it.
+  // All arguments outlive the object.
   SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
            const ThermalSurroundings& weather, const SurfaceBoundary& surface,
            const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
@@ -39,9 +39,9 @@ class SunLight {
     // any direction of the cells around a node that was looked at; below twice what the differences
     // from the nodes beside it say of straight lines.
     std::shared_ptr<const IncidentRadiance::Sunlight> light;
-    // Of the sky, as ThermalSurroundings's relative errors, of the whole light. interpolation: mean
-    // over lobes of cos^20, 30 deg wide, of |linear - direct|: narrower features than a surface of
-    // slope 0.15 mirrors are beneath the nodes.
+    // Relative errors of the sky's light, as ThermalSurroundings's. interpolation: mean over lobes
+    // of cos^20, 30 deg wide, of |linear - direct|. Features narrower than a surface of slope 0.15
+    // mirrors are finer than the nodes.
     double interpolation = 0, model_relative = 0;
   };
   [[nodiscard]] const Around& around() const;
@@ -56,15 +56,16 @@ class SunLight {
   [[nodiscard]] LowerRatio lower_ratio(std::size_t ring, const AbsorberAmounts& near,
                                        const AirSpectrum& near_end) const;
   [[nodiscard]] AirSpectrum sky_ratio(std::size_t ring, const AbsorberAmounts& near) const;
-  // What a path scatters towards an observer: unit vector from the target to him.
+  // Returns the sunlight that a path scatters towards an observer, given the unit vector from the
+  // target to the observer.
   [[nodiscard]] AirSpectrum scattered_by(const PathLayers& path, Vec<Body> towards) const;
 
-  // In one direction, between two rings (of which the second has the share f), not averaged.
+  // Sunlight in one direction, between two rings (the second has the weight f), not averaged.
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
-  // Of one ring of ThermalSurroundings::limb(): radiance at the target, not averaged, and its ratio
-  // behind near air.
+  // Sunlight of one ring of ThermalSurroundings::limb(): radiance at the target, not averaged, and
+  // its ratio behind near air.
   [[nodiscard]] AirSpectrum limb_towards(Vec<Body> direction, std::size_t ring) const;
   [[nodiscard]] AirSpectrum limb_ratio(std::size_t ring, const AbsorberAmounts& near) const;
 
@@ -89,7 +90,7 @@ class SunLight {
   [[nodiscard]] std::vector<double> lower_node_error(const std::vector<Lower>& lower) const;
   //   sky  [node][band that is wanted]
   [[nodiscard]] Lower make_lower(std::size_t ring, const BandRows<double>& sky) const;
-  // Of a grey surface: its reflection of the sun, the same in all directions.
+  // BRDF of a grey surface for sunlight, the same in all directions.
   [[nodiscard]] double diffuse_per_sr() const;
   // Sets both kinds of interpolation error.
   void find_errors(Sky& sky) const;

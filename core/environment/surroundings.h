@@ -4,9 +4,9 @@ namespace irsig {
 
 enum class SurroundingsKind { kSea, kGround, kNone };
 
-// What the target sees instead of itself. Uniform over each hemisphere.
+// Surroundings of the target, uniform over each hemisphere.
 //   kSea, kGround:  sky above the horizon; below it a grey, diffuse, unshadowed surface at z = 0,
-//                   which is a sea's if suns may be mirrored by it
+//                    which is a sea's if suns may be mirrored by it
 //   kNone:          two stated radiances; no surface and no Earth.
 struct Surroundings {
   SurroundingsKind kind = SurroundingsKind::kNone;

@@ -23,7 +23,7 @@ struct SkyRing {
 
 // The surface below the horizon as seen in one direction, azimuth 0.
 struct LowerRing {
-  // What the surface reflects, by the direction of the sky that it comes from.
+  // Reflection by the surface of light from one cell of the sky.
   struct Cell {
     std::uint32_t ring, turn;         // of the sky; steps of azimuth from the direction of sight
     std::vector<double> weight = {};  // share x reflectance; [band that is wanted]
@@ -78,8 +78,8 @@ class ThermalSurroundings {
 
   // surface_model_relative() of what is below the horizon.
   [[nodiscard]] double surface_relative(double sine) const;
-  // One sigma of the model's radiance of a sky's ring; with clouds in the weather also what a black
-  // base of them changes, at 0.3 or 2.5 km, whichever is more.
+  // Returns one sigma of the model's radiance of a sky's ring. With clouds in the weather it
+  // includes the change by a black cloud base at 0.3 or 2.5 km, whichever is larger.
   [[nodiscard]] AirSpectrum model_error_of(const SkyRing& ring) const;
 
   // Radiance of the sky's ring through so much air in front, over its own.
@@ -94,7 +94,7 @@ class ThermalSurroundings {
  private:
   [[nodiscard]] SkyRing make_sky(double sin_elevation) const;
   [[nodiscard]] LowerRing make_lower(double sin_elevation) const;
-  // What water reflects, in the bands that are wanted.
+  // Computes the reflectance of water in the wanted bands.
   void reflect(AirSpectrum& out, double cos_incidence) const;
   void reflect_from_facets(LowerRing& ring, double cos_zenith) const;
   void reflect_diffusely(LowerRing& ring) const;
@@ -117,11 +117,11 @@ class ThermalSurroundings {
   mutable std::atomic<int> suns_to_come_;
 };
 
-// Where the rings of the limb lie, as BehindSight::limb has it: from the horizon up.
+// Positions of the limb's rings in units of BehindSight::limb, from the horizon up.
 inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.33, 0.16};
 
-// One sigma of what a surface emits and reflects, seen at an angle to it: relative.
-// Of a rough sea above kMostSlopeWindMS, whose slopes are held there, more.
+// Returns one sigma of a surface's emission and reflection at an angle to it, relative. Larger for
+// a rough sea above kMostSlopeWindMS, whose slopes are held there.
 [[nodiscard]] double surface_model_relative(const SurfaceBoundary& spec, double sine);
 
 // Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.

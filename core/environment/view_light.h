@@ -13,11 +13,11 @@
 
 namespace irsig {
 
-// One weather seen along one line: what all its conditions share is computed when it is first asked
-// for. Not for several threads. Private to core/environment.
+// One weather seen along one line. Parts that all conditions share are computed when first asked
+// for. For one thread only. Private to core/environment.
 class ViewLight {
  public:
-  // All outlive it.
+  // All arguments outlive the object.
   ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const Environment::Line& line,
             const LineHorizon& horizon, const NodeWavelengths& wavelengths,
             const std::vector<SensorPath>& end);
@@ -38,26 +38,27 @@ class ViewLight {
   [[nodiscard]] AirSpectrum seen_lower(std::size_t ring);
   // The air in front of a lower ring's surface, behind the line's.
   [[nodiscard]] const PathLayers::Behind& behind(std::size_t ring);
-  // The same in the sweep's bands, of all rings: sky, then lower. At the target, and at the
-  // sensor with the air's lines joined at all exact rings or at three.
+  // Light of all rings in the sweep's bands: sky, then lower. At the target, and at the sensor with
+  // the air's lines joined at all exact rings or at three.
   [[nodiscard]] const std::shared_ptr<const IncidentRadiance::Thermal>& rings();
   using Apparent = std::shared_ptr<const BandRows<double>>;
   [[nodiscard]] const Apparent& rings_apparent(bool joined_lines);
-  // Of joining them at three, for the light of one side, in front of which the ratios are those.
+  // Error bound of joining lines at three rings, for the light of one side, with the ratios in
+  // front of it.
   [[nodiscard]] double joined_lines_bound(RingRatios& ratio, double share,
                                           const std::vector<const AirSpectrum*>& light) const;
   [[nodiscard]] double joined_lines_bound(Solar* solar);
 
   void add_around(ViewEnvironment& out, const SunLight* sun, Solar* solar, bool joined_lines,
                   const DirectionNodes& nodes);
-  // What stands behind the target in one direction, at the sensor.
+  // Radiance behind the target in one direction, at the sensor.
   struct Behind {
     AirSpectrum thermal, light, model_error;
   };
   [[nodiscard]] Behind behind_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
   [[nodiscard]] Behind sky_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
   [[nodiscard]] Behind lower_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
-  // Of the sky from the horizon up: rings of the limb, then of the sky.
+  // Radiance of the sky from the horizon up: rings of the limb, then of the sky.
   [[nodiscard]] const AirSpectrum& sky_from_horizon(std::size_t ring);
   void add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);

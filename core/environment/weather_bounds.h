@@ -8,8 +8,8 @@
 namespace irsig {
 
 // The most that light can be, from the amounts of air straight up and down alone: no ring of the
-// sky is computed. docs/methods/atmosphere.md, "Bounds of light". Private to core/environment, as
-// all of this header.
+// sky is computed. docs/explanation/methods/atmosphere.md, "Bounds of light". Private to
+// core/environment, as all of this header.
 inline constexpr double kBoundsTopM = 10e3;
 
 void scale_amounts(AbsorberAmounts& amounts, double factor);
@@ -28,7 +28,7 @@ struct WeatherBounds {
   BandChoice bands;
   std::vector<double> sky_sine;  // of the rings
   AirSpectrum thermal;           // radiance of sky and surface
-  // From some heights above the target's straight up to kBoundsTopM, with a margin.
+  // Amounts from some heights above the target straight up to kBoundsTopM, with a margin.
   struct Above {
     double height_m;
     AbsorberAmounts amounts;
@@ -41,7 +41,7 @@ struct WeatherBounds {
   bool no_aerosol = false;
   AirSpectrum smallest_asymmetry, largest_asymmetry;
   AirSpectrum aerosol_sum;  // of aerosol_per_sr() over all directions
-  // By how much the nodes of the sky can exceed what they are fitted to.
+  // Factor by which the nodes of the sky can exceed the fitted means.
   double overshoot = 0;
   AirSpectrum mirrored_sky;  // by the surface, of a unit of the sky's light, over all directions
 

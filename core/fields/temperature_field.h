@@ -19,7 +19,7 @@ enum class FieldMatch : std::uint8_t { kIndex, kCentroid };
 // Outdoors, and on whatever burns. A value beyond them is a unit that was mistaken.
 inline constexpr double kColdestFieldK = 100, kHottestFieldK = 5000;
 
-// How the values of a file are to be taken.
+// Interpretation of a file's values.
 struct FieldImport {
   std::string file_name;  // for messages; its ending says the format: .csv, .ply
   TemperatureUnit unit = TemperatureUnit::kKelvin;
@@ -62,9 +62,9 @@ struct TemperatureField {
                                                                       const FieldImport& how,
                                                                       const FieldMesh& mesh);
 
-// At an instant: between two of the field's linearly, with up to a quarter of the change between
-// them as an error beside their own (an estimate: the curve is not known). OUT_OF_RANGE: before the
-// first, after the last.
+// Returns the temperatures at an instant: linear between two of the field's, with up to a quarter
+// of the change between them as an error beside their own (an estimate: the curve is not known).
+// OUT_OF_RANGE: before the first, after the last.
 [[nodiscard]] absl::StatusOr<FacetTemperatures> at_time(const TemperatureField& field,
                                                         double unix_s);
 

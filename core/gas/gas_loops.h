@@ -38,7 +38,7 @@ struct GrowthSums {
 void grow(std::size_t bands, const GrowthSums& sums, const double* weak, const double* lorentz,
           const double* doppler, const Steps& through);
 
-// What exp(-d) and exp(-d) - 1 of a segment are, in one number: the second where it is above -1/2
+// Computes exp(-d) and exp(-d) - 1 of a segment as one number: the second where it is above -1/2
 // (and not positive), else the first. For kGasLanes k points.
 void line_decay(std::size_t points, const std::int32_t* thousandth_ln, const HotLinePlace& place,
                 double amount_mol_m2, double* decay);
@@ -60,7 +60,8 @@ void planck_mean(std::size_t bands, const double* lambda_um, const double* scale
 
 // Weighted mean of what cold air lets through of what a segment of hot water takes.
 struct WaterPoints {
-  // Of each point's end: a place among the Lorenz curves' shares, and how far on to the next.
+  // Each point's end: an index into the fractions of the Lorenz curves, and the position on the way
+  // to the next.
   const std::int32_t* place;
   const double* on;
   const double *inverse_weight, *air;

@@ -21,7 +21,7 @@ struct JointLines {
 };
 [[nodiscard]] std::vector<JointLines> joint_lines(GasBands bands);
 
-// What air between the eye and gas means for any path of gas: made once, asked by many paths.
+// The air between the eye and gas, prepared once for any number of paths of gas.
 class ForegroundAir {
  public:
   // INVALID_ARGUMENT for bands that the air has not.
@@ -38,7 +38,7 @@ class ForegroundAir {
   std::vector<double> thin_air_;        // [band] of water's spread
   std::vector<double> transmittance_;   // [band]
   std::vector<double> joint_;           // [point of joint lines] weight times transmittance
-  // Of the hot water's absorption, by rising depth of the cold: kGasLanes k a band.
+  // Points of the hot water's absorption, by rising depth of the cold: kGasLanes k a band.
   std::vector<std::size_t> point_begin_;  // [band]
   std::vector<std::int32_t> place_;
   std::vector<double> on_, inverse_weight_, weight_, air_;
@@ -58,8 +58,8 @@ class GasPath {
   [[nodiscard]] GasThroughAir through(const ForegroundAir& of) const;
 
  private:
-  // What is stored of a layer, per band. Without joint lines: a factor of what is left (soot, gases
-  // with lines of their own); water alone.
+  // Stored quantities of a layer, per band. Without joint lines: a factor of the remaining light
+  // (soot, gases with lines of their own); water alone.
   enum Of { kFrom, kBy, kSootFrom, kWaterFrom, kWaterBy, kEmitted, kWeak, kShape, kKinds };
   void compute(std::span<const GasLayer> path);
   [[nodiscard]] double* of(std::size_t layer, Of what) {

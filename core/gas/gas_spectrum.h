@@ -27,7 +27,7 @@ struct GasBands {
   [[nodiscard]] std::size_t size() const { return last - first; }
 };
 
-// What gas along a line of sight does to what lies behind it, L = T L_behind + radiance.
+// Transmittance and radiance of gas along a line of sight, L = T L_behind + radiance.
 struct GasSpectrum {
   GasBands bands;
   std::vector<double> transmittance;        // [band - bands.first]
@@ -43,14 +43,15 @@ struct GasSpectrum {
 //   path  from the eye outwards; segments of length 0 count for nothing
 //
 // Errors: those of check_gas, with the segment's number (from 1); INVALID_ARGUMENT for bands that
-// do not exist. Accuracy and limits: docs/methods/gas.md.
+// do not exist. Accuracy and limits: docs/explanation/methods/gas.md.
 [[nodiscard]] absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasLayer> path,
                                                        GasBands bands = {});
 
-// The same as seen through air that lies between the eye and the path: `radiance` is what arrives,
-// `transmittance` that of air and gas together, `absorptance` what the gas takes of it. Nothing is
-// a product of band means where lines are shared: carbon dioxide (2140-2430 cm-1) and monoxide
-// (1900-2300) by common terms, water between ranked and product (water_through_air.h).
+// Like gas_spectrum(), as seen through air that lies between the eye and the path. `radiance` is
+// the arriving radiance, `transmittance` that of air and gas together, `absorptance` the fraction
+// of the air's transmittance that the gas absorbs. Where lines are shared, no result is a product
+// of band means: carbon dioxide (2140-2430 cm-1) and monoxide (1900-2300) use common terms, water
+// lies between ranked and product (water_through_air.h).
 struct GasThroughAir {
   GasSpectrum spectrum;
   std::vector<double> air_transmittance;  // without the gas

@@ -17,13 +17,13 @@ struct GasState {
 struct GasLayer {
   GasState state;
   double length_m = 0;
-  // Of the temperature along it, one standard deviation: emission is the mean of that at so much
-  // more and less, absorption that of the mean.
+  // Standard deviation of the temperature along the layer: emission is the mean of the emissions at
+  // the mean plus and minus the deviation, absorption is that of the mean.
   double temperature_spread_k = 0;
 };
 
-// Where the tables hold. Below 300 K the numbers of water and of CO2 outside 15 and 4.3 um are
-// those of 300 K.
+// Range of the tables. Below 300 K the numbers of water and of CO2 outside 15 and 4.3 um are those
+// of 300 K.
 inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 2000;
 inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
 inline constexpr double kGasSootMax = 1e-3;

@@ -22,7 +22,7 @@ struct HotLineBand {
   // 1000 ln of absorption in m2/mol, [(pressure * temperatures + temperature) * points + point]
   std::vector<std::int32_t> thousandth_ln;
 };
-// What the tables stand at.
+// Temperatures and pressures of the tables' entries.
 struct HotLineKnots {
   std::vector<double> ln_temperature, ln_pressure_atm;
 };

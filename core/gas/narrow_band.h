@@ -12,7 +12,7 @@ namespace irsig {
 // Known errors of RADCAL, kept: CO2 is 15-40 % high within the 4.3 um band and far too low in its
 // red wing below 700 K; 3.05-3.3 and 4.2-5 um away from the bands named in the code are empty; in
 // 8-12 um columns at 650-800 K send 1.3 to 1.6 of what line lists give. Totals look better than
-// bands (docs/methods/gas.md).
+// bands (docs/explanation/methods/gas.md).
 enum class HotGas { kH2o, kCo2, kCo };
 
 // Mean absorption of lines that lie at random within a narrow band.
@@ -24,7 +24,8 @@ struct NarrowBand {
 // False: at no temperature has the gas lines at random there (hot_lines.h may have others).
 [[nodiscard]] bool narrow_band_exists(HotGas gas, double wavenumber_cm1);
 
-// At some wavenumbers (centres of bands of 5 to 25 cm-1) and one temperature [K].
+// Computes the parameters at some wavenumbers (centres of bands of 5 to 25 cm-1) and one
+// temperature [K].
 void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double temperature_k,
                   std::span<NarrowBand> out);
 

@@ -5,13 +5,13 @@
 
 namespace irsig {
 
-// What cold air lets through of what hot water vapour sends. Hot and cold lines lie partly in the
-// same places: the hot gas's own strong lines are the cold gas's at 400 K and hardly any at 2000 K.
-// Between the two limits,
+// Transmittance of cold air for the emission of hot water vapour. Hot and cold lines lie partly in
+// the same places: the hot gas's own strong lines are the cold gas's at 400 K and hardly any at
+// 2000 K. Between the two limits,
 //   (1 - w) ranked + w product,   w = 0, 0.03, 0.14, 0.35, 0.60 at 300, 500, 700, 1000, 1500 K,
 // ranked: both gases strongest at the same wavenumbers; product: without regard to each other. w is
-// measured against HITRAN2016 at 2000-2100 cm-1, columns of 1-10 cm atm, 0.1-20 km of air.
-// Limit: one window; w grows with amount and range.
+// measured against HITRAN2016 at 2000-2100 cm-1, columns of 1-10 cm atm, 0.1-20 km of air. Limit:
+// one window; w grows with amount and range.
 [[nodiscard]] double water_independence(double temperature_k);
 
 // One sigma of w: the root of the sum of the squares of its own spread, and of what the air's terms
@@ -26,9 +26,10 @@ struct LorenzCurves {
   static constexpr std::size_t kShapes = 72, kShares = 161;
   using Curve = std::array<double, kShares>;
 
-  // Of a shape > 0: how far it lies between two neighbouring curves, those of whole numbers.
+  // Returns the position of a shape > 0 between two neighbouring curves, which stand at whole
+  // numbers.
   [[nodiscard]] static double place_of_shape(double shape);
-  // Of g in [0, 1]: likewise, of a curve's shares.
+  // Position of g in [0, 1] between two neighbouring points of a curve.
   struct Place {
     std::size_t low;
     double on;

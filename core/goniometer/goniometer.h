@@ -19,7 +19,7 @@ struct GoniometerBand {
   bool spectral = false;
 };
 
-// What lies under the goniometer: heights are -z of the body frame, the plate is horizontal.
+// The sample under the goniometer: heights are -z of the body frame, the plate is horizontal.
 struct GoniometerScene {
   Mesh mesh;
   std::vector<PartSpec> part;
@@ -76,9 +76,9 @@ struct GoniometerResult {
   double last_reflection = 0;
   double leaked = 0;        // of the reflected light: past the border of the plate and down
   double missed_field = 0;  // of the field of view: rays that met nothing
-  // How far the nearest border of the mesh lies from the fields of view, and how far it ought to
-  // lie so that neither a shadow nor a grain between sensor and field can be missing there: height
-  // x tan(largest zenith).
+  // Distance of the nearest border of the mesh from the fields of view, and the distance at which
+  // neither a shadow nor a grain between sensor and field can be missing there: height x
+  // tan(largest zenith).
   double border_m = 0, wanted_border_m = 0;
   bool creates_energy = false;          // some material does
   std::uint64_t rays = 0, guarded = 0;  // guarded: back faces met, numbers that were not finite

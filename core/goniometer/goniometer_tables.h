@@ -26,16 +26,16 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> material_csv(const GoniometerResult& result,
                                                        const std::vector<std::string>& provenance);
 
-// What a reader wants to know first, and how far the result is from what theory demands of it.
+// Returns the main results as text, and their deviations from theory.
 [[nodiscard]] std::string summary_text(const GoniometerResult& result);
 
 // Bounds that theory gives, found in a result.
 struct GoniometerChecks {
   double largest_closure_t = 0;  // |emissivity + DHR - 1| in standard errors ...
   double largest_closure = 0;    // ... and by itself
-  // Of brdf at azimuth phi against -phi, and of f(in, out) against f(out, in): rms of the relative
-  // difference, and what the standard errors alone would make of it. More than that is the
-  // difference between one set of grains and another.
+  // Symmetry of brdf at azimuth phi against -phi, and of f(in, out) against f(out, in): rms of the
+  // relative difference, and the part of it that the standard errors alone would make. A larger
+  // value is the difference between one set of grains and another.
   double mirror_rms = 0, mirror_noise = 0;
   double reciprocity_rms = 0, reciprocity_noise = 0;
   std::size_t mirror_pairs = 0, reciprocity_pairs = 0;

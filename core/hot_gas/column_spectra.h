@@ -18,7 +18,7 @@ class GasWavelengths {
 
   [[nodiscard]] const std::vector<double>& um() const { return um_; }
   [[nodiscard]] std::size_t band(std::size_t wavelength) const { return band_[wavelength]; }
-  // Those in which any wavelength lies, neighbours together.
+  // Gas bands in which any wavelength lies, neighbours together.
   [[nodiscard]] const std::vector<GasBands>& ranges() const { return ranges_; }
 
  private:
@@ -27,14 +27,14 @@ class GasWavelengths {
   std::vector<GasBands> ranges_;
 };
 
-// What a column of hot gas sends and takes, on a sweep's wavelengths: at its near end, or behind
-// air.
+// Emission and absorption of a column of hot gas, on a sweep's wavelengths: at its near end, or
+// behind air.
 struct ColumnLight {
   std::vector<double> emitted_w_m2_sr_um;
-  // Of light from behind that would arrive without the gas: the share that it takes.
+  // Absorbed fraction of light from behind that would arrive without the gas.
   std::vector<double> absorbed;
-  // What of the emission is extrapolated: from the column's steps, and steps twice as large, to
-  // none.
+  // Extrapolated part of the emission: from the column's steps, and steps twice as large, to
+  // infinitely small ones.
   std::vector<double> step_w_m2_sr_um;
   // One sigma of the emission: of the bands (gas_model_error.h), and since lines of water are not
   // known where hot and cold gas share them.
@@ -72,7 +72,7 @@ class HotColumn {
   [[nodiscard]] ColumnLight behind(const AirBeforeColumns& air) const;
 
  private:
-  // Of the gas's bands.
+  // Light in the gas's bands.
   struct BandLight {
     std::vector<double> emitted, absorbed, error;
   };

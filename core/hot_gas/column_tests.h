@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What one ray meets of hot gas, from near to far.
+// The hot gas on one ray, from near to far.
 using GasColumn = std::vector<GasSegment>;
 
 // Grey test gases that stand for the spectra of a column: a spectrum is, at each wavelength, some
@@ -25,11 +25,11 @@ class ColumnTests {
   static constexpr std::size_t kDepths = 6, kLambdas = 2;
   static constexpr std::size_t kGases = kPlumeSpecies * kDepths * 3;
   static constexpr std::size_t kCount = kGases * (kLambdas + 1);
-  // Which of the optical depths a gas has.
+  // Index of the optical depth of a gas.
   static std::size_t depth_of(std::size_t gas) { return gas / 3 % kDepths; }
   // [gas][emitted at each wavelength, absorbed]; 0 of species that there are not.
   void test(const GasColumn& column, std::span<double> out) const;
-  // Of tests: the absorbed ones, in their order.
+  // Returns the absorbed fractions among the tests, in their order.
   [[nodiscard]] static std::array<double, kGases> absorbed(std::span<const double> tests);
 
  private:
@@ -46,7 +46,7 @@ class ColumnTests {
                                                  std::span<const double> sums, double tolerance,
                                                  std::size_t most);
 
-// By how much weights of columns miss the sums. [test]
+// Returns the differences between the weighted sums of columns and the given sums. [test]
 [[nodiscard]] std::vector<double> column_misfit(const std::vector<std::vector<double>>& columns,
                                                 std::span<const double> weight,
                                                 std::span<const double> sums);

@@ -6,11 +6,11 @@ namespace irsig {
 
 // One sigma of ln(-ln T) of the bands of hot gas, from where their sources disagree: the optical
 // depth at `wavenumber_cm1` of CO2, H2O and CO together, at `temperature_k`. Of soot nothing is
-// known that could be compared. Sources and figures: docs/methods/gas.md.
+// known that could be compared. Sources and figures: docs/explanation/methods/gas.md.
 [[nodiscard]] double hot_depth_error(double wavenumber_cm1, double temperature_k);
 
-// What a column absorbs in a band, and one sigma of it: of `absorptance` the gases' part of the
-// optical depth may be wrong by hot_depth_error(), at the temperature that emits.
+// Returns one sigma of a column's absorptance in a band. The gases' part of the optical depth
+// behind `absorptance` may be wrong by hot_depth_error(), at the temperature that emits.
 [[nodiscard]] double absorptance_error(double absorptance, double wavenumber_cm1,
                                        const GasColumn& column, double temperature_k);
 

@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-// How finely rays of a view are cut: what this costs is measured with half as many steps.
+// Returns the step sizes for rays of a view. Half as many steps measure their error.
 [[nodiscard]] SegmentSteps view_steps();
 
 // Collects what rays meet and lets none go on. For one thread.
@@ -32,8 +32,8 @@ class ColumnCollector final : public RayMedium {
   mutable std::vector<GasColumn> columns_;
 };
 
-// Where gas is thick: in a band its mean absorption is the sum of weight x what the test gases
-// absorb, and -ln(1 - that) is at least optical_depth.
+// Bands in which gas is thick. In a band its mean absorption is the sum of weight x absorption of
+// the test gases, and -ln(1 - that) is at least optical_depth.
 struct ThickGas {
   double optical_depth = 0;
   std::vector<std::array<double, ColumnTests::kGases>> weight;  // [band]
@@ -60,9 +60,9 @@ class GasOnView final : public RayMedium {
   [[nodiscard]] std::optional<double> cross(Vec<Body> from, Vec<Body> direction, double end_m,
                                             std::span<double> measure,
                                             std::span<float> share) const override;
-  // Of a column, from its tests: the sum of classes that takes most nearly the same of all test
-  // gases, each relative to the largest, in least squares. unlike: the root of the mean square of
-  // what is left.
+  // Weights of the classes that represent a column, from its tests: the sum of classes whose
+  // absorption of all test gases, each relative to the largest, is nearest in least squares.
+  // unlike: root mean square of the residual.
   struct Shares {
     std::array<double, kMostClasses> of_class{};
     double unlike = 0;

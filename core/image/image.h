@@ -15,9 +15,9 @@ struct RadianceImage {
   std::vector<float> radiance_w_m2_sr;
 };
 
-// For machines: OpenEXR, one float32 channel "Y", the pixels as they are. RLE compression: for a
-// 128 x 64 thumbnail, 60 % of it target, 0.10 ms and 17.8 kB, against 0.05 ms and 34.1 kB without,
-// 0.32 ms and 16.7 kB with ZIP, 1.9 ms and 32.1 kB with PIZ.
+// Encodes for machines: OpenEXR, one float32 channel "Y", the pixels as they are. RLE compression:
+// for a 128 x 64 thumbnail, 60 % of it target, 0.10 ms and 17.8 kB, against 0.05 ms and 34.1 kB
+// without, 0.32 ms and 16.7 kB with ZIP, 1.9 ms and 32.1 kB with PIZ.
 [[nodiscard]] absl::StatusOr<std::string> encode_exr(const RadianceImage& image);
 
 // Linear from black to white, what is outside is black or white. [W/(m2 sr)]
@@ -25,8 +25,8 @@ struct GreyScale {
   float black_w_m2_sr, white_w_m2_sr;
 };
 
-// For people: PNG, 8 bit grey, on the scale given or else from 0 to the image's largest radiance;
-// black everywhere when that is 0. 0.15 ms and 2.0 kB for the same.
+// Encodes for people: PNG, 8 bit grey, on the scale given or else from 0 to the image's largest
+// radiance; black everywhere when that is 0. 0.15 ms and 2.0 kB for the same image.
 [[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image);
 [[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image,
                                                      const GreyScale& scale);
@@ -36,7 +36,7 @@ struct GreyScale {
 // pixels that do not fill it, or one that is not finite. Safe to call from several threads; no
 // thread of its own.
 
-// What stands in front of and behind a target whose image is of the target alone, 0 elsewhere.
+// Light in front of and behind a target, for an image of the target alone, 0 elsewhere.
 struct SeenFrom {
   double gain = 1;                         // what of the target's radiance arrives
   double path_radiance_w_m2_sr = 0;        // between target and sensor
@@ -53,7 +53,7 @@ struct SeenFrom {
 // are background, and so are pixels that no path of it met.
 [[nodiscard]] RadianceImage seen_from(const RadianceImage& image, const SeenFrom& there);
 
-// Where an image shows something, and how bright it is at most.
+// The part of an image that is not black, and its largest radiance.
 struct ImageContent {
   float hottest_w_m2_sr = 0;
   std::uint32_t shown_px = 0;                                          // pixels that are not 0

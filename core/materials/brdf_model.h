@@ -25,9 +25,9 @@ class BrdfModel {
 
   // 1: grey. Otherwise one spectrum for each wavelength.
   [[nodiscard]] virtual std::size_t spectra() const = 0;
-  // For each spectrum. [1/sr]
+  // Writes the BRDF of each spectrum. [1/sr]
   virtual void brdf_per_sr(const ReflectionGeometry& g, float* out) const = 0;
-  // For each spectrum, the integral of brdf cos_i over w_i.
+  // Computes, for each spectrum, the integral of brdf cos_i over w_i.
   virtual void dhr(double cos_o, std::span<double> out) const = 0;
 
   // Directions for w_o = (sin_o, 0, cos_o), and their density. [1/sr]
@@ -35,10 +35,10 @@ class BrdfModel {
                                      double sin_phi) const = 0;
   [[nodiscard]] virtual double density_per_sr(const ReflectionGeometry& g) const = 0;
 
-  // As in Material. [1/sr]
+  // The limit of Material::cos_brdf_limit_per_sr(). [1/sr]
   [[nodiscard]] virtual double cos_brdf_limit_per_sr(const ReflectionRange& range) const = 0;
 
-  // As in Material.
+  // The slopes of Material::narrowest_slope() and Material::roulette_slope2().
   [[nodiscard]] virtual double narrowest_slope() const = 0;
   [[nodiscard]] virtual double roulette_slope2() const = 0;
 };

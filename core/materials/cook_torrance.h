@@ -19,9 +19,9 @@ namespace irsig {
 [[nodiscard]] std::vector<double> fresnel_table(const OpticalConstant& constants, Fresnel form,
                                                 int cells);
 
-// How a lobe's reflection at one angle is spread over cos_d: DHR(lambda) = sum over entries of
-// moment x fresnel_table. `weight` is brdf cos_i / density of a direction drawn from the lobe, for
-// F = 1.
+// Returns the distribution of a lobe's reflection at one angle over cos_d: DHR(lambda) = sum over
+// entries of moment x fresnel_table. `weight` is brdf cos_i / density of a direction drawn from the
+// lobe, for F = 1.
 template <typename Weight>
 [[nodiscard]] std::vector<double> lobe_moments(const LobeQuadrature& quadrature, double cos_o,
                                                int cells, Weight&& weight) {

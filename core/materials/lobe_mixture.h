@@ -45,7 +45,7 @@ class LobeMixture {
   std::vector<double> probability_;  // [kCells + 1][lobe]
 };
 
-// What models whose directions come from a mixture share.
+// The common part of models that draw directions from a mixture of lobes.
 class LobeModel : public BrdfModel {
  public:
   [[nodiscard]] std::size_t spectra() const override { return spectra_; }

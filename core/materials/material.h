@@ -19,8 +19,8 @@ namespace irsig {
 class BrdfModel;
 struct DhrTable;
 
-// The ship's hull of [zhou2026] in three readings (its table contradicts itself: docs/methods.md):
-// hull, hull_index, hull_paper.
+// The ship's hull of [zhou2026] in three readings (its table contradicts itself:
+// docs/explanation/methods.md): hull, hull_index, hull_paper.
 [[nodiscard]] absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind);
 
 // Scalar Priest-Germer as the Cook-Torrance lobe that it is: m = sqrt(2) sigma, exact Fresnel, no
@@ -55,11 +55,12 @@ class Material {
   [[nodiscard]] float roulette_slope2() const { return roulette_slope2_; }
 
   // brdf x cos_i is nowhere larger at any node, for all reflections of a range: proven for each
-  // model (docs/methods/README.md, "The largest reflection"); infinite where a model has no limit
-  // there. [1/sr]
+  // model (docs/explanation/methods/README.md, "The largest reflection"); infinite where a model
+  // has no limit there. [1/sr]
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const;
-  // The same of light under these cosines, whoever looks; and for one who looks under these, of
-  // light from anywhere. [1/sr]
+  // Upper bounds of brdf x cos_i for light of the given cosines and any view direction
+  // (limit_of_light_per_sr), and for view directions of the given cosines and any light
+  // (limit_seen_per_sr). [1/sr]
   [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
   [[nodiscard]] double limit_seen_per_sr(double cos_o_min, double cos_o_max) const;
   // Says how much of the reflected light is how bright, at its largest node.
@@ -153,7 +154,7 @@ class Material {
   std::shared_ptr<const BrdfModel> model_;   // the others
 };
 
-// What every reflection calls.
+// Every reflection calls this function.
 
 inline float Material::shape_per_sr(const Reflection& r) const {
   if (roughness_ <= 0) return static_cast<float>(1.0 / std::numbers::pi);

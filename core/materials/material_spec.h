@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// What a user states of a material: a model of the surface and its optical properties. Prepared for
-// a set of wavelengths it becomes a Material (core/materials/material.h).
+// A material as a user states it: a model of the surface and its optical properties. Prepared for a
+// set of wavelengths it becomes a Material (core/materials/material.h).
 
 struct OpticalConstant {
   double lambda_um, n, k;

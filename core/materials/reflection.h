@@ -31,7 +31,7 @@ struct ReflectionRange {
   return {r.cos_i, r.cos_o, r.cos_h, r.sin2_h, r.cos_d};
 }
 
-// The same light path walked the other way.
+// Returns the same light path in the opposite direction.
 [[nodiscard]] inline ReflectionGeometry reversed(const ReflectionGeometry& g) {
   return {g.cos_o, g.cos_i, g.cos_h, g.sin2_h, g.cos_d};
 }

@@ -25,9 +25,9 @@ struct SlopeLobe {
 // The largest exp(-t / w2) (1 + t)^power for t >= tan2.
 [[nodiscard]] double largest_bell(double tan2, double w2, int power);
 
-// Of the two factors with which a lobe's brdf x cos_i goes to infinity at grazing, in a range of
-// reflections: 1 / (4 cos_o), and what V-grooves make of it, cos_h / (2 cos_d) <= 1 / (cos_i +
-// cos_o). Infinite where the range holds none.
+// Upper bounds, in a range of reflections, of the two factors by which brdf x cos_i of a lobe
+// diverges at grazing: 1 / (4 cos_o) for the open lobe, and cos_h / (2 cos_d) <= 1 / (cos_i +
+// cos_o) with V-grooves. Infinite where the range holds no limit.
 [[nodiscard]] double open_grazing(const ReflectionRange& range);
 [[nodiscard]] double groove_grazing(const ReflectionRange& range);
 

@@ -14,15 +14,16 @@ namespace irsig {
 // INVALID_ARGUMENT unless the table has one point or increasing ones that cover the wavelengths.
 [[nodiscard]] absl::Status check_covers(const OpticalConstants& table, double lambda_min_um,
                                         double lambda_max_um);
-// The same, and that every value is in [0, 1].
+// Like check_covers(), and requires every value in [0, 1].
 [[nodiscard]] absl::Status check_fraction(const Spectrum& table, const char* what,
                                           double lambda_min_um, double lambda_max_um);
 // INVALID_ARGUMENT unless least <= value <= most.
 [[nodiscard]] absl::Status check_between(double value, const char* what, double least, double most);
 
-// Where the tables of a material have corners between two wavelengths, the fewest that tell them
-// apart from straight lines by at most a tolerance: of emissivities and reflectances as they are,
-// of optical constants relative to |n + ik|. A table of a BRDF keeps all of its own.
+// The fewest wavelengths at which the tables of a material bend: between them the tables differ
+// from straight lines by at most a tolerance. The tolerance is absolute for emissivities and
+// reflectances, and relative to |n + ik| for optical constants. A table of a BRDF keeps all of its
+// wavelengths.
 struct TableCorners {
   std::vector<double> um;  // increasing
   double left_out = 0;     // by how much the tables differ from the lines at most; <= tolerance

@@ -24,7 +24,7 @@ class ThrownLight {
   ThrownLight() = default;
   explicit ThrownLight(const Material& material);
 
-  // From bright to dark; shares add up to 1, or there is none.
+  // Classes from bright to dark. Their shares add up to 1, or there is no class.
   [[nodiscard]] std::span<const Class> of(double cos_i) const;
 
  private:

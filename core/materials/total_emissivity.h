@@ -13,8 +13,9 @@ struct TotalEmissivity {
   // the value at their end is used. 1: no table ends.
   double covered;
 };
-// By 16 cosines (Gauss and Legendre) and 64 wavelengths of equal shares of a blackbody's flux: 1e-3
-// for tables without lines narrower than that. What Material::prepare refuses is refused.
+// Computes the total emissivity from 16 cosines (Gauss and Legendre) and 64 wavelengths of equal
+// parts of a blackbody's flux: 1e-3 for tables without narrower lines. Refuses the materials that
+// Material::prepare refuses.
 //   temperature_k  > 0
 [[nodiscard]] absl::StatusOr<TotalEmissivity> total_emissivity(const MaterialSpec& spec,
                                                                double temperature_k);

@@ -15,9 +15,9 @@ namespace irsig {
 // they reflect at this angle. Largest weight: 2 (1992: 1/sqrt(cos_o), Duer: 1/cos_o, reached only
 // where DHR is as large) times the part of the mixture that is not diffuse.
 //
-// Accuracy: docs/methods/materials-ward.md. Limits: alpha in [1e-4, 1], rho in [0, 1]. Only the
-// form of 2010 is energy-bounded for every alpha; Duer's creates energy at grazing, that of 1992
-// loses it at medium angles and creates it beyond 89.7 deg.
+// Accuracy: docs/explanation/methods/materials-ward.md. Limits: alpha in [1e-4, 1], rho in [0, 1].
+// Only the form of 2010 is energy-bounded for every alpha; Duer's creates energy at grazing, that
+// of 1992 loses it at medium angles and creates it beyond 89.7 deg.
 [[nodiscard]] BrdfModelOr prepare_ward(const Ward& spec, const PreparedFor& at);
 
 }  // namespace irsig

@@ -4,7 +4,8 @@
 
 namespace irsig {
 
-// Where all tables of a material are known. `everywhere`: it has no table.
+// Range of wavelengths that all tables of a material cover. `everywhere`: the material has no
+// table.
 struct WavelengthRange {
   double min_um, max_um;
   bool everywhere;

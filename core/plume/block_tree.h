@@ -7,9 +7,10 @@
 
 namespace irsig {
 
-// Which blocks of 8^3 cells of an endless lattice there are, in two levels of nodes above them:
-// 16^3 blocks, and 32^3 of those (the sizes of OpenVDB's tree). A node is a bit for each child and
-// the place of the first: so an empty node costs nothing, a block far from all others 6 kB.
+// The set of existing blocks of 8^3 cells in an endless lattice, in two levels of nodes above the
+// blocks: 16^3 blocks, and 32^3 of such nodes (the sizes of OpenVDB's tree). A node is a bit for
+// each child and the index of the first, so that an empty node costs nothing and a block far from
+// all others 6 kB.
 class BlockTree {
  public:
   using Cell = std::array<std::int32_t, 3>;
@@ -21,8 +22,8 @@ class BlockTree {
   // origins: sorted by before(), none twice.
   explicit BlockTree(const std::vector<Cell>& origins);
 
-  // What is at a cell: the block in which it lies (its place in `origins`), or how large the
-  // aligned cube around the cell is in which there is none: 8, 128 or 4096 cells.
+  // Content of a cell: the block in which it lies (its place in `origins`), or the size of the
+  // aligned empty cube around the cell: 8, 128 or 4096 cells.
   struct Found {
     std::int64_t block;  // -1: none
     std::int32_t size;   // 8 where there is a block

@@ -4,7 +4,7 @@
 
 namespace irsig {
 
-// What leaves an engine: fuel of one carbon atom and hydrogen_per_carbon hydrogen atoms (1.85:
+// Exhaust of an engine: fuel of one carbon atom and hydrogen_per_carbon hydrogen atoms (1.85:
 // marine diesel), burnt with more air than it needs.
 struct ExhaustSpec {
   double hydrogen_per_carbon = 1.85;
@@ -19,8 +19,9 @@ struct ExhaustGas {
   double co2 = 0, h2o = 0, co = 0, soot = 0;
 };
 
-// By balance of atoms. INVALID_ARGUMENT: hydrogen 0 to 4, excess air 0 to 20, CO 0 to 1, soot 0 to
-// 100 g/kg, and no more carbon in CO and soot than there is.
+// Computes the exhaust by balance of atoms. INVALID_ARGUMENT: hydrogen outside 0 to 4, excess air
+// outside 0 to 20, CO outside 0 to 1, soot outside 0 to 100 g/kg, or more carbon in CO and soot
+// than in the fuel.
 [[nodiscard]] absl::StatusOr<ExhaustGas> exhaust_gas(const ExhaustSpec& spec, double temperature_k,
                                                      double pressure_pa);
 

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// What one segment emits: the mean of its source function over its amount, the change of the source
-// from its near to its far end, and how far it goes from the mean (one standard deviation).
+// Source function of one segment: its mean over the segment's amount, its change from the near to
+// the far end, and its standard deviation from the mean.
 struct SegmentSource {
   double mean = 0, change = 0, spread = 0;  // of a radiance, or of whatever is to be had
 };
@@ -28,7 +28,7 @@ struct GasLight {
   double absorptance = 0;    // 1 - transmittance, without cancellation
 };
 
-// In a homogeneous segment of optical depth tau, whose source runs linearly in tau,
+// Computes the light of homogeneous segments of optical depth tau, whose source is linear in tau,
 //
 //   L = mean E + change G,  E = 1 - exp(-tau),  G = E / tau - exp(-tau) - E / 2
 //

@@ -25,8 +25,8 @@ struct GasSegment {
   double pressure_pa = 0;           // mean
 
   [[nodiscard]] double length_m() const { return end_m - start_m; }
-  // Of CO2, H2O or CO: what the gas model wants beside temperature, pressure and length, such that
-  // mole fraction x pressure x length / (R T) is the amount.
+  // Returns the mole fraction of CO2, H2O or CO for the gas model: with temperature, pressure and
+  // length, mole fraction x pressure x length / (R T) is the amount.
   [[nodiscard]] double mole_fraction(std::size_t species) const;
 };
 
@@ -37,7 +37,7 @@ struct GreyAbsorption {
   [[nodiscard]] double optical_depth(const GasSegment& segment) const;
 };
 
-// When pieces of a ray are one segment.
+// Criteria by which pieces of a ray are one segment.
 struct SegmentSteps {
   // The ratio of the largest to the smallest temperature of a segment, less 1; where its grey
   // optical depth exceeds optical_depth_step, so many times less; a quarter of it where the
@@ -51,8 +51,8 @@ struct SegmentSteps {
   double composition_step = 0.01;
   double pressure_step = 0.02;  // most relative change of pressure
 
-  // Whether a piece of such a range of temperature, grey optical depth and change of shares is fine
-  // enough.
+  // Returns true if a piece with this range of temperature, grey optical depth and change of
+  // composition is fine enough.
   [[nodiscard]] bool allow(double temperature_range, double optical_depth,
                            double composition_change) const;
 };
@@ -83,9 +83,10 @@ class SegmentBuilder {
   bool is_open_ = false;
 };
 
-// How a segment's temperature goes, as two layers: half of what makes the order of its parts count.
-// From one layer to these two is as far, to first order in the temperature, as from there to a
-// straight line or to a jump of the same mean, change, spread and skew.
+// A segment's temperature as two layers, which reproduces the first-order effect of the order of
+// its parts. To first order in the temperature, the difference between one layer and these two
+// equals the difference between these two and a straight line, or a jump, of the same mean, change,
+// spread and skew.
 struct TemperatureCourse {
   double first = 0.5;      // share of the nearer layer
   double half_step_k = 0;  // the farther less the nearer
@@ -97,10 +98,10 @@ struct TemperatureCourse {
 // b lies behind a.
 [[nodiscard]] GasSegment merged(const GasSegment& a, const GasSegment& b);
 
-// With steps twice as large: neighbours merged two by two, what is left alone without change and
-// spread. What this changes is an estimate of what the finite steps cost (step_error in
-// gas_light.h). Not merged are neighbours whose temperatures are on no common line: a jump or a
-// peak of the field is no step.
+// Returns segments with steps twice as large: neighbours are merged two by two, and a remaining one
+// loses its change and spread. The change of the light estimates the error of the finite steps
+// (step_error in gas_light.h). Neighbours whose temperatures lie on no common line are not merged:
+// a jump or a peak of the field is no step.
 struct CoarseStep {
   GasSegment segment;
   std::size_t count = 1;  // of segments that it stands for

@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// What generators fill, block by block: temperature and shares of one composition.
+// A volume that generators fill block by block: temperature and fractions of one composition.
 class GeneratedVolume {
  public:
   // fraction: CO2, H2O, CO, soot of undiluted gas. Faces of voxels lie at multiples of voxel_m.

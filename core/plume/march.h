@@ -13,7 +13,7 @@ struct PlumeRay {
   double start_m = 0, end_m = 0;
 };
 
-// What a march took, for benchmarks.
+// Counts of the steps of a march, for benchmarks.
 struct MarchCounts {
   std::uint64_t cells = 0;   // that hold gas
   std::uint64_t pieces = 0;  // cells and their halves
@@ -31,8 +31,8 @@ struct MarchCounts {
                                             const SegmentSteps& steps,
                                             MarchCounts* counts = nullptr);
 
-// The same of any gas: one step from start_m to end_m over `gas` at distances along the ray, halved
-// as a cell is. Its amounts are as accurate as Simpson's rule on it.
+// Adds an interval of any gas: one step from start_m to end_m over `gas` at distances along the
+// ray, halved as a cell is. Its amounts are as accurate as Simpson's rule.
 void add_interval(const std::function<GasSums(double)>& gas, double start_m, double end_m,
                   const SegmentSteps& steps, SegmentBuilder& builder);
 

@@ -59,8 +59,8 @@ class IntervalMarcher {
         s.weight;
     s.pressure_pa =
         simpson(at_a.weight_pressure, at_m.weight_pressure, at_b.weight_pressure) / s.weight;
-    // Where an end has no gas its temperature has no weight, but still a value: that towards which
-    // it goes there, of which thick gas shows much.
+    // At an end without gas the temperature has no weight, but still has a value: the limit of the
+    // temperature towards the end, which dominates the light of thick gas.
     const GasSums* ends[] = {&at_a, &at_m, &at_b};
     double t[3], weight[3];
     out.least_k = out.most_k = s.temperature_k;

@@ -27,7 +27,7 @@ struct GasSums {
 };
 inline constexpr double kSootMolPerM3 = 1800 / 0.012011;  // carbon atoms in solid soot
 
-// What was found beside the gas.
+// Statistics and warnings of a field that was read.
 struct PlumeReport {
   std::uint64_t gas_voxels = 0;
   std::uint64_t warm_without_gas = 0;  // active temperature, but no CO2, H2O, CO or soot
@@ -37,8 +37,8 @@ struct PlumeReport {
   std::array<double, kPlumeSpecies> amount{};  // of all voxels: CO2, H2O, CO [mol]; soot [m3]
 };
 
-// What voxels would send out if their gas were thin, for aiming: amount x blackbody at 4.3 and
-// 10 um [mol W/(m2 sr um)]. Of one voxel, where it is much of all; else of 2^3.
+// Emission of voxels as thin gas, for aiming: amount x blackbody at 4.3 and 10 um [mol W/(m2 sr
+// um)]. A point is one voxel where the voxel is a large part of the sum; else 2^3 voxels.
 struct PlumePoint {
   Vec<Body> at;       // their middle
   float reach_m = 0;  // from there: the voxel next to them, along the longest axis of the lattice
@@ -74,14 +74,14 @@ class PlumeField {
   };
   [[nodiscard]] Box bounds() const { return bounds_; }
   [[nodiscard]] std::size_t bytes() const;
-  // The same gas on a lattice of twice the edge, each voxel the mean of eight: the same amounts,
-  // temperatures and pressures weighted with them. What this changes is an estimate of what the
-  // lattice cannot say. Made when it is first asked for, by one thread; an eighth of the memory.
-  // Errors: an edge of more than 1e4 m.
+  // Returns the gas on a lattice of twice the edge, each voxel the mean of eight: the same amounts,
+  // temperatures and pressures weighted with the amounts. The change of the light estimates the
+  // error of the lattice's resolution. Made when first asked for, by one thread; an eighth of the
+  // memory. Errors: an edge of more than 1e4 m.
   [[nodiscard]] const absl::StatusOr<std::shared_ptr<const PlumeField>>& at_half_resolution() const;
 
-  // For the marcher. A cell is what a ray crosses in one step: between 8 centres (kLinear; cell i
-  // is [i, i + 1]) or around one (kConstant; cell i is [i - 1/2, i + 1/2]).
+  // Cells for the marcher. A ray crosses a cell in one step: between 8 centres (kLinear; cell i is
+  // [i, i + 1]) or around one (kConstant; cell i is [i - 1/2, i + 1/2]).
   struct CellBlock {
     VoxelMask filled{};  // cells that hold gas
     // kLinear: the blocks of values at +0 or +8 along x (bit 2), y (1), z (0); kConstant: the
@@ -90,12 +90,12 @@ class PlumeField {
     bool uniform = false;                  // the whole block is one gas
   };
   [[nodiscard]] const BlockTree& cells() const { return cells_; }
-  // Of each block of 8^3 cells that hold gas: its box, in index coordinates.
+  // Returns the box of each block of 8^3 cells that hold gas, in index coordinates.
   [[nodiscard]] std::vector<Box> cell_boxes() const;
   [[nodiscard]] const CellBlock& cell_block(std::int64_t i) const {
     return cell_blocks_[static_cast<std::size_t>(i)];
   }
-  // Of the voxel (x, y, z), each 0 to 8, counted from a cell block's first.
+  // Returns the gas of the voxel (x, y, z), each 0 to 8, counted from a cell block's first.
   [[nodiscard]] GasSums at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const;
 
  private:

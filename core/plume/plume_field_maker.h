@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// From a volume to the field of it: checks every voxel, keeps those that hold gas, and builds the
+// Makes a field from a volume: checks every voxel, keeps the voxels that hold gas, and builds the
 // tree of cells. Used once.
 class PlumeFieldMaker {
  public:
@@ -17,7 +17,7 @@ class PlumeFieldMaker {
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const PlumeField>> make();
 
  private:
-  // What is wrong with some voxels: how many, the first of them and what it holds.
+  // A kind of faulty voxels: their number, the first of them and its value.
   struct Fault {
     std::uint64_t count = 0;
     std::array<std::int32_t, 3> first{};

@@ -20,7 +20,7 @@ struct GridOrConstant {
   std::string unit;
 };
 
-// How the field lies between the centres of voxels.
+// Interpolation of the field between the centres of voxels.
 enum class PlumeInterpolation {
   // Amounts (number densities, soot volume fraction) are trilinear between centres and 0 at those
   // of
@@ -31,7 +31,7 @@ enum class PlumeInterpolation {
   kConstant,
 };
 
-// What the grids of a VDB file mean, and where they lie.
+// Meaning and position of the grids of a VDB file.
 struct PlumeGrids {
   GridOrConstant temperature, pressure, co2, h2o, co, soot;
   PlumeInterpolation interpolation = PlumeInterpolation::kLinear;

@@ -23,8 +23,9 @@ struct GasWindow {
 struct ProjectedGas {
   double area_m2 = 0, stderr_m2 = 0;
 };
-// By rays_across^2 parallel rays on a lattice over the window, at middles of its pixels. stderr_m2:
-// of pixels that the edge crosses, each a uniform error of half a pixel either way.
+// Computes the area from rays_across^2 parallel rays on a lattice over the window, at middles of
+// its pixels. stderr_m2: each pixel that the edge crosses contributes a uniform error of half a
+// pixel either way.
 [[nodiscard]] ProjectedGas projected_gas(const PlumeField& field, Vec<Body> direction,
                                          const GreyAbsorption& grey, double threshold,
                                          int rays_across = 200);

@@ -13,15 +13,15 @@ namespace irsig {
 // to load it (docs/decisions/0021, core/base/run_subprocess.h). May be called from several threads
 // at once.
 
-// Those grids of a VDB file. INVALID_ARGUMENT: what is wrong with the file (volume/vdb_volume.h, or
-// that the process crashed or met a limit). INTERNAL: the process could not be run.
+// Reads the named grids of a VDB file. INVALID_ARGUMENT: the file is faulty (volume/vdb_volume.h),
+// or the process crashed or met a limit. INTERNAL: the process could not be run.
 [[nodiscard]] absl::StatusOr<VoxelVolume> read_vdb_apart(std::string_view file,
                                                          const std::vector<std::string>& grids);
 
 // The bytes of a VDB file with a grid for each channel.
 [[nodiscard]] absl::StatusOr<std::string> write_vdb_apart(const VoxelVolume& volume);
 
-// What irsig-volume says of a file that it made, or why there is none.
+// Encodes the reply of irsig-volume: the bytes of a file, or the error.
 [[nodiscard]] std::string encode_vdb(const absl::StatusOr<std::string>& file);
 
 }  // namespace irsig

@@ -48,7 +48,7 @@ struct VoxelVolume {
 
 // The voxels of block b that any channel holds.
 [[nodiscard]] VoxelMask held_by_any(const VoxelVolume& volume, std::size_t b);
-// How many voxels of a block have values.
+// Returns the number of voxels of a block that have values.
 [[nodiscard]] std::size_t stored_voxels(VoxelBlock::Form form, const VoxelMask& held);
 
 // Adds blocks voxel by voxel, in the smallest form of each.
@@ -68,7 +68,7 @@ class VolumeWriter {
 // More blocks than this are refused, by readers and by generators: 2e9 voxels.
 inline constexpr std::uint64_t kMostBlocks = 4'000'000;
 
-// As bytes between two processes of one build on one machine: a volume, or why there is none.
+// Encodes a volume, or an error, as bytes between two processes of one build on one machine.
 [[nodiscard]] std::string encode_volume(const absl::StatusOr<VoxelVolume>& volume);
 // Trusts nothing: DATA_LOSS where the bytes are no complete volume of the shape above (finiteness
 // is not looked at); INVALID_ARGUMENT with what the other process said.

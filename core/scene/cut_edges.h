@@ -14,15 +14,16 @@ struct CutVertex {
   double share;
 };
 
-// The same surface with no edge longer than longest_m: edges are halved, whatever facets meet
-// there, until none is. Facets keep their group and their side; the pieces of one follow each
-// other. `made` gets what comes after the mesh's own vertices. INVALID_ARGUMENT where more than
-// most_facets would come out.
+// Returns the same surface with no edge longer than longest_m: edges are halved, whatever facets
+// meet there, until none is. Facets keep their group and their side; the pieces of one follow each
+// other. `made` gets the vertices after the mesh's own. INVALID_ARGUMENT if the result would have
+// more than most_facets.
 [[nodiscard]] absl::StatusOr<Mesh> cut_long_edges(const Mesh& mesh, double longest_m,
                                                   std::uint64_t most_facets,
                                                   std::vector<CutVertex>& made);
 
-// The same surface with no facet on both sides of z = 0 by more than touching_m; likewise.
+// Returns the same surface with no facet on both sides of z = 0 by more than touching_m. Groups,
+// sides and `made` are as for cut_long_edges().
 [[nodiscard]] Mesh cut_at_surface(const Mesh& mesh, double touching_m,
                                   std::vector<CutVertex>& made);
 

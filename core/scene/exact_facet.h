@@ -4,8 +4,8 @@
 
 namespace irsig {
 
-// Whether a ray meets a triangle, decided by exact arithmetic: coordinates are taken for the real
-// numbers that their doubles stand for, and every sign that matters is the true one.
+// Decides by exact arithmetic if a ray meets a triangle: coordinates are the real numbers that
+// their doubles stand for, and every sign that matters is the true one.
 //
 // The side of the edge from a to b on which the ray o + t d passes is the sign of
 //     E(a, b) = det(a - o, b - o, d)

@@ -10,8 +10,8 @@ namespace irsig {
 // Triangles joined two by two across a common edge, so that the ray tracer's tree has half as many
 // leaves: on the frigate (200 000 facets) scattered rays cost 0.72, diffuse reflections 0.92 of
 // what they cost on single triangles, which pays for the guard at the vertices
-// (docs/performance.md). The two facets of a pair need not lie in a plane. A pair (v0, v1, v2, v3)
-// is the triangles (v0, v1, v3) and (v2, v3, v1), as Embree has it.
+// (docs/evidence/performance.md). The two facets of a pair need not lie in a plane. A pair (v0, v1,
+// v2, v3) is the triangles (v0, v1, v3) and (v2, v3, v1), as Embree has it.
 class FacetPairs {
  public:
   // vertex: x y z, triangle: three indices each.

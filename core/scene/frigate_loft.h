@@ -27,7 +27,7 @@ struct Loft {
   bool stations_given = false;  // the sections are the stations: nothing is put between them
 };
 
-// How a loft is divided into facets about edge_m long.
+// Division of a loft into facets about edge_m long.
 struct LoftGrid {
   std::vector<Section> section;       // interpolated to every station
   std::vector<std::uint64_t> across;  // divisions of the bottom and top at each station

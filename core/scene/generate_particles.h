@@ -33,15 +33,15 @@ struct ParticleBed {
   std::uint64_t seed = 0;
 };
 
-// What came out. Heights are those of the surface seen from straight above (plate included), on a
-// grid of 1024 x 1024 points of the cell; the reference is the plate.
+// Statistics of the generated particles. Heights are those of the surface seen from straight above
+// (plate included), on a grid of 1024 x 1024 points of the cell; the reference is the plate.
 struct ParticleReport {
   std::vector<std::uint64_t> grains_of_size;  // in one cell
   std::uint64_t grains = 0;                   // in one cell
   double coverage = 0;                        // of the plate, by the grains as they are meshed
   double mean_height_m = 0, rms_height_m = 0, top_m = 0;  // rms: about the mean
-  // Of spheres of the grains' volume, between 1/4 and 3/4 of the mean height: of a bed of several
-  // layers its bulk.
+  // Fraction of the volume that spheres of the grains' volume fill, between 1/4 and 3/4 of the mean
+  // height: the bulk value of a bed of several layers.
   double packing_fraction = 0;
   double largest_overlap = 0;  // of two such spheres, of the smaller one's radius
 };

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// Whether a ray tracer's answer is right, by exact arithmetic on the float32 coordinates that
-// make_target() would give it. Any number of threads may ask.
+// Judges a ray tracer's answers by exact arithmetic on the float32 coordinates that make_target()
+// would give it. Any number of threads may ask.
 class HitJudge {
  public:
   explicit HitJudge(const Mesh& mesh);
@@ -27,7 +27,8 @@ class HitJudge {
     kInvented = 3,         // the answer is a facet that is not met
   };
   [[nodiscard]] Verdict judge(const Ray& ray, const Hit& truth, const Hit& answer) const;
-  // Whether the ray moved sideways by at most tolerance_m is blocked (or is free) before t_max.
+  // Returns true if the ray, moved sideways by at most tolerance_m, has the given state (blocked or
+  // free) before t_max.
   [[nodiscard]] bool blocked_nearby(const Ray& ray, double t_max, bool blocked) const;
 
   // 2^-20 of the radius: float32 coordinates are rounded by up to a sixteenth of that, and a

@@ -17,7 +17,7 @@ namespace irsig {
 
 struct FileFrame {};  // the axes, unit and origin of a mesh file
 
-// What a file holds, as it stands there.
+// The content of a mesh file, in its own axes and unit.
 struct FileMesh {
   std::vector<Vec<FileFrame>> vertex;
   std::vector<std::array<std::uint32_t, 3>> triangle;
@@ -37,7 +37,7 @@ struct FileMesh {
 // glTF and GLB, in this process.
 [[nodiscard]] absl::StatusOr<FileMesh> read_gltf(std::string_view bytes,
                                                  const std::string& file_name);
-// The same in a process of its own, with limits of memory and time (docs/decisions/0021).
+// Like read_gltf(), in a process of its own, with limits of memory and time (docs/decisions/0021).
 [[nodiscard]] absl::StatusOr<FileMesh> read_gltf_apart(std::string_view bytes,
                                                        const std::string& file_name);
 

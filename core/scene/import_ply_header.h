@@ -30,8 +30,8 @@ struct PlyHeader {
   std::vector<PlyElement> element;  // with vertex.x, .y, .z and face.vertex_indices (or _index)
 };
 
-// Reads up to the end of the line end_header; what is missing or wrong goes to `errors`. `bytes`: the
-// file that the cursor stands at the beginning of.
+// Reads up to the end of the line end_header; what is missing or wrong goes to `errors`. `bytes`:
+// the file that the cursor stands at the beginning of.
 [[nodiscard]] PlyHeader read_ply_header(std::string_view bytes, TextCursor& cursor,
                                         FileErrors& errors);
 

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// What irsig-import says to the process that started it: a mesh, or why there is none. Numbers as
-// they lie in memory: both ends are of one build and on one machine.
+// Encodes the reply of irsig-import to the process that started it: a mesh, or the error. Numbers
+// have the machine's own form: both ends are of one build and on one machine.
 [[nodiscard]] std::string encode_reply(const absl::StatusOr<FileMesh>& result);
 
 // Trusts nothing that another process writes. DATA_LOSS where

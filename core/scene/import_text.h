@@ -27,7 +27,7 @@ class TextCursor {
   Token word_on_line();
   // The next word, on whatever line.
   Token word();
-  // What is left of this line, without surrounding blanks.
+  // The rest of this line, without surrounding blanks.
   Token rest_of_line();
   // Moves behind the end of this line; false at the end of the file.
   bool next_line();

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What is wrong, or looks wrong, with a mesh. Vertices at exactly the same place count as one, so
+// Faults and doubtful properties of a mesh. Vertices at exactly the same place count as one, so
 // that a surface whose facets repeat their corners is still closed.
 enum class MeshFault {
   kOpenEdge = 0,           // one facet only: a hole, or the rim of a sheet
@@ -52,7 +52,7 @@ struct OpenGroup {
   std::string group;
   std::uint64_t facets = 0;
 };
-// In the order of the mesh's groups.
+// Returns the open groups, in the order of the mesh's groups.
 [[nodiscard]] std::vector<OpenGroup> open_groups(const Mesh& mesh);
 
 struct LintReport {
@@ -70,7 +70,7 @@ struct LintReport {
 // intersection. About 2 s for 10^6 facets.
 [[nodiscard]] LintReport lint(const Mesh& mesh, const LintOptions& options = {});
 
-// What repair() did, each with a count; 0 = nothing to do.
+// Counts of the changes that repair() made; 0 = nothing to do.
 struct RepairLog {
   std::uint64_t merged_vertices = 0, dropped_duplicates = 0, dropped_zero_area = 0;
   std::uint64_t dropped_vertices = 0;    // that no facet uses

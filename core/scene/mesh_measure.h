@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// What a mesh is, by exact sums over its triangles.
+// Measures of a mesh, by exact sums over its triangles.
 struct MeshMeasure {
   double area_m2 = 0;  // of all facets, hidden ones included
   std::vector<double> group_area_m2;

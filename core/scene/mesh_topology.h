@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// Which facets of a mesh meet at its edges, and the shells they form.
+// Adjacency of a mesh: the facets that meet at its edges, and the shells that they form.
 struct MeshTopology {
-  // For each vertex the first one at exactly its place.
+  // Index of the first vertex at exactly the same place, for each vertex.
   std::vector<std::uint32_t> place_of;
   // One use of an edge by a facet; sorted by edge.
   struct Use {

@@ -8,13 +8,14 @@
 namespace irsig {
 
 // Reads a model file whole, as read_user_file does. A .gltf whose buffers are files beside it comes
-// back with their bytes inside ("data:" URIs), so that what is stored of a model is one text. Such a
-// file must be named relative to the model's folder and lie in it. INVALID_ARGUMENT, without the
-// model's name: what cannot be had, and of which buffer.
+// back with their bytes inside ("data:" URIs), so that the stored model is one text. Such a file
+// must be named relative to the model's folder and lie in it. INVALID_ARGUMENT, without the model's
+// name: a buffer that cannot be read, and its place in the model.
 [[nodiscard]] absl::StatusOr<std::string> read_model_file(const std::string& path,
                                                           std::uint64_t most_bytes);
 
-// The same of a model that another file names, relative to the folder of that one.
+// Like read_model_file(), for a model that another file names, relative to the folder of the naming
+// file.
 [[nodiscard]] absl::StatusOr<std::string> read_model_beside(const std::string& naming_file,
                                                             const std::string& name,
                                                             std::uint64_t most_bytes);

@@ -24,8 +24,8 @@ class ReferenceTracer {
     double t = 0;
     [[nodiscard]] bool met() const { return facet != kMiss; }
   };
-  // Where t is the same to 1e-14 (a silhouette's edge) the front comes first, then the lower
-  // number.
+  // Returns the nearest hit. Where t is equal to 1e-14 (a silhouette's edge) the front comes first,
+  // then the lower facet number.
   [[nodiscard]] Hit nearest(const Point3& origin, const Point3& direction, double t_min,
                             double t_max) const;
   // Every facet that the ray meets, in no order.

@@ -28,14 +28,14 @@ struct alignas(64) RayPacket {
 enum class TracerIsa { kAvx512, kAvx2, kSse42 };
 // The widest that this machine has and pin_isa() allows.
 [[nodiscard]] TracerIsa widest_isa();
-// None wider than this one ("avx512", "avx2", "sse4.2") in this process, from here on: unlike
-// machines that share a sweep are pinned to what all of them have. INVALID_ARGUMENT: an unknown
-// name; FAILED_PRECONDITION: this machine does not have it.
+// Limits this process, from here on, to instruction sets no wider than this one ("avx512", "avx2",
+// "sse4.2"): unlike machines that share a sweep are pinned to their common set. INVALID_ARGUMENT:
+// an unknown name; FAILED_PRECONDITION: this machine does not have it.
 [[nodiscard]] absl::Status pin_isa(const std::string& name);
 [[nodiscard]] std::string isa_name(TracerIsa isa);
 
-// What is done beyond Embree's own ROBUST traversal. On the frigate kEdges costs 1 to 3 % of a
-// view, kVertices 17 to 23 % (docs/performance.md).
+// Guards beyond Embree's own ROBUST traversal. On the frigate kEdges costs 1 to 3 % of a view,
+// kVertices 17 to 23 % (docs/evidence/performance.md).
 enum class TracerGuard {
   kNone = 0,      // Embree alone
   kEdges = 1,     // the facet that a ray meets close to an edge is the true one
@@ -48,7 +48,7 @@ struct TracerOptions {
   TracerGuard guard = TracerGuard::kVertices;
 };
 
-// How often the guard at the vertices was asked.
+// Counts of the calls of the guard at the vertices.
 struct VertexCounts {
   std::uint64_t near_vertex = 0;  // caps that rays met (vertex_fans.h)
   std::uint64_t decided = 0;      // of these: met a facet around it by exact arithmetic
@@ -64,7 +64,7 @@ struct VertexCounts {
 // whose hit lies close to an edge or on a needle (256 times longer than high: along its edges the
 // error of a float edge test grows as the inverse sine of the angle between ray and edge). Against
 // exact arithmetic an answer may differ by as much as the ray moved sideways by 2^-20 of the radius
-// does (docs/validation.md, lost and invented hits).
+// does (docs/evidence/validation.md, lost and invented hits).
 //
 // Surfaces closer to each other than distances are known (2^-22 of them): beyond 256 m a ray looks
 // again from shortly before what it has met, and so meets the nearer one.
@@ -82,14 +82,14 @@ class Tracer {
   // Nearest hit of the first `count` rays of a packet. `coherent` rays start and go close to each
   // other.
   virtual void intersect(RayPacket& packet, int count, bool coherent) const = 0;
-  // Whether anything lies between tnear and tfar.
+  // Marks the rays that meet anything between tnear and tfar.
   virtual void occluded(RayPacket& packet, int count, bool coherent) const = 0;
 
-  // For a hit from behind on a surface that has no back: the front that the ray should have met.
-  // Such a hit is an open or inverted surface, or a ray that float arithmetic let through a needle,
-  // or one of two sheets that lie on each other. Exact arithmetic over the whole mesh decides
-  // (2 to 5 us); where a back is the nearest all the same, a front at most `sheet_m` behind it is
-  // taken. False, and the packet as it was, where there is neither.
+  // Looks for the front that a ray should have met, after a hit from behind on a surface that has
+  // no back. Such a hit is an open or inverted surface, or a ray that float arithmetic let through
+  // a needle, or one of two sheets that lie on each other. Exact arithmetic over the whole mesh
+  // decides (2 to 5 us); where a back is the nearest all the same, a front at most `sheet_m` behind
+  // it is taken. Returns false, and leaves the packet as it was, where there is neither.
   virtual bool look_for_front(RayPacket& packet, int lane, float sheet_m) const = 0;
 
   // Since construction, all threads together.

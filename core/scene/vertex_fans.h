@@ -28,7 +28,7 @@ class VertexFans {
   // The nearest facet of one fan on a ray; where t is the same the one that faces the ray.
   [[nodiscard]] Hit nearest(std::uint32_t fan, const Point3& origin, const Point3& direction,
                             double t_min) const;
-  // The same among all facets that share a corner with the given one.
+  // Returns the nearest hit among all facets that share a corner with the given one.
   [[nodiscard]] Hit nearest_around(std::uint32_t facet, const Point3& origin,
                                    const Point3& direction, double t_min) const;
 

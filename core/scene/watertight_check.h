@@ -29,8 +29,8 @@ struct WatertightCounts {
   std::uint64_t lost = 0;      // a facet is met, and the tracer reports none or a farther one
   std::uint64_t invented = 0;  // the tracer reports a facet that is not met, or none is that near
   std::uint64_t shadow_lost = 0, shadow_invented = 0;  // of occluded(), likewise
-  // Not exact, but right for the ray moved sideways by at most tolerance_m. Neither lost nor
-  // invented.
+  // Answers that are not exact, but right for the ray moved sideways by at most tolerance_m.
+  // Neither lost nor invented.
   std::uint64_t within_tolerance = 0;
   double tolerance_m = 0;  // 2^-20 of the mesh's radius
   VertexCounts near_vertices;
@@ -46,8 +46,8 @@ struct WatertightCounts {
 [[nodiscard]] absl::StatusOr<WatertightCounts> check_watertight(const Mesh& mesh,
                                                                 const WatertightCheck& check);
 
-// The same mesh after a journey through a text file with coordinates offset_m away from the origin
-// in all three axes, re-centred on import.
+// Returns the mesh after a journey through a text file with coordinates offset_m away from the
+// origin in all three axes, re-centred on import.
 [[nodiscard]] absl::StatusOr<Mesh> import_from_offset(const Mesh& mesh, double offset_m);
 
 struct NamedMesh {

@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// What a pilot knows for certain, or nearly so: values widened by 4 standard errors.
+// Limits that a pilot gives with near certainty: values widened by 4 standard errors.
 struct PilotLimits {
   double area_m2 = 0;          // at most
   double beyond_m2 = 0;        // throughput that is left after the first facet, at most
@@ -17,10 +17,11 @@ struct PilotLimits {
   };
   std::vector<Row> row;  // [condition x band of the scene]
 };
-// Of a pass over all conditions and bands.
+// Returns the limits of a pass over all conditions and bands.
 [[nodiscard]] PilotLimits limits_of(const MeasuredView& pilot);
-// What no pilot of a view can better, for 1 m2 of target: the hottest part behind the material that
-// reflects least, `samples` in all. What fits not even then does not need a pilot.
+// Returns limits that no pilot of a view can improve, for 1 m2 of target: the hottest part behind
+// the material that reflects least, `samples` in all. An effect whose bound does not fit even then
+// needs no pilot.
 [[nodiscard]] PilotLimits best_case(const PreparedScene& scene, const ViewRequest& request,
                                     const ViewPlan& plan, ViewSurroundings& surroundings,
                                     std::uint64_t samples);
@@ -47,13 +48,13 @@ struct PilotLimits {
                                                    const UndersampledSources* lit,
                                                    ViewSurroundings& surroundings);
 
-// The same without goals and bounds: what is absent only.
+// Returns the effects without goals and bounds: absent effects only.
 [[nodiscard]] std::vector<RowBounds> effects_without_bounds(const PreparedScene& scene,
                                                             const ViewRequest& request);
 
-// What the request's absolute error is worth per projected area, at the temperature of the warmest
-// of what surrounds the target: [condition x band of the scene], 0 where all of it is dark;
-// empty if the request states none. [W/(m2 sr)]
+// Returns the request's absolute error as radiance per projected area, at the temperature of the
+// warmest surroundings of the target: [condition x band of the scene], 0 where all surroundings are
+// dark; empty if the request states none. [W/(m2 sr)]
 [[nodiscard]] std::vector<double> absolute_floors(const PreparedScene& scene,
                                                   const ViewRequest& request,
                                                   ViewSurroundings& surroundings);

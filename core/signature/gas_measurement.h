@@ -31,14 +31,14 @@ class GasMeasurement {
 
   // Chooses what stands for all rays, and knows the pilot's. False: the gas is not met at all.
   absl::StatusOr<bool> find();
-  // With as many rays as the accuracy asks for. sent_w_sr: what else the gas sends in each band of
-  // the scene, which the error may be a share of.
+  // Traces as many rays as the accuracy asks for. sent_w_sr: other emission of the gas in each band
+  // of the scene, of which the error may be a fraction.
   void measure(const std::vector<double>& sent_w_sr);
 
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
-  // Where find() has met no gas: the most that may be reflected of it. [m2]
+  // Upper bound of the gas's reflection where find() has met no gas. [m2]
   [[nodiscard]] double unmet_m2() const;
-  // In each band of the scene, at the target. [W/sr]
+  // Emission in each band of the scene, at the target. [W/sr]
   [[nodiscard]] std::vector<double> sent_w_sr() const;
 
   // which: of its conditions
@@ -63,6 +63,7 @@ class GasMeasurement {
   };
 
   // Traces the rays of this gas with a stage of random numbers of their own.
+  //   pictures  unless empty: the same number of rays in each pixel; the view is a whole_view
   TracedView run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
                  std::uint64_t samples, std::uint64_t stage, std::uint32_t reflections,
                  const ImagePlan& pictures = {});
@@ -76,7 +77,7 @@ class GasMeasurement {
 
   [[nodiscard]] std::uint32_t reflections(bool pilot) const;
 
-  // Of gas that is reflected: by each part that is seen.
+  // Number of groups of reflected gas: one for each part that is seen.
   [[nodiscard]] std::size_t groups() const { return on_hull_ ? scene_.target.part.size() : 1; }
 
   // Means over replicates, of one group or of all.
@@ -84,11 +85,11 @@ class GasMeasurement {
                                     std::size_t groups);
   [[nodiscard]] std::vector<double> sum_of(const std::vector<PathWeights>& weights) const;
 
-  // What a group's reflections are at each wavelength of the mean that its tests were weighted
-  // with.
+  // Ratio of a group's reflections at each wavelength to the mean with which its tests were
+  // weighted.
   [[nodiscard]] std::vector<double> reflected(std::size_t group) const;
 
-  // What follows from the weights of all rays.
+  // Keeps the sums that the weights of all rays give.
   void keep(std::vector<PathWeights> weights);
 
   absl::Status prepare(const std::vector<GasColumn>& columns, std::vector<HotColumn>& hot,
@@ -99,7 +100,7 @@ class GasMeasurement {
                               const std::vector<std::vector<double>>& tested,
                               const ColumnTests& tests);
 
-  // Of every other column of the survey one set, of the rest the other.
+  // Chooses two sets of nodes: one from every other column of the survey, one from the rest.
   absl::Status choose_nodes(const std::vector<GasColumn>& columns,
                             const std::vector<std::vector<double>>& tested,
                             const std::vector<double>& sums);
@@ -108,7 +109,8 @@ class GasMeasurement {
   [[nodiscard]] std::vector<double> tests_of(std::initializer_list<const Nodes*> sets,
                                              std::size_t band) const;
 
-  // What the nodes' columns miss of the rays' tests, as a share of what is sent in a band.
+  // Difference between the tests of the nodes' columns and of the rays, as a fraction of the
+  // emission in a band.
   [[nodiscard]] double misfit_relative(std::size_t which_band) const;
   // Returns by how much both sets of nodes may be off though they agree, as a share of what is sent
   // in a band: how far each column is from the sum of its tests that fits the other set's columns,
@@ -117,21 +119,23 @@ class GasMeasurement {
   // Returns what so many rays of each replicate may all have missed, as a share of what is sent in
   // a band.
   [[nodiscard]] double missed(std::size_t which_band, std::uint64_t samples) const;
-  // Of each replicate what is sent in a band, in the tests' terms.
+  // Emission in a band for each replicate, in the tests' terms.
   [[nodiscard]] std::vector<double> sent_by_replicates(const std::vector<PathWeights>& weights,
                                                        std::size_t which_band) const;
 
-  // Of every band of the scene: its mean absorption as weights of test gases, by nodes and classes.
+  // Mean absorption in every band of the scene as weights of test gases, by nodes and classes.
   [[nodiscard]] ThickGas thick() const;
 
-  // What the field's lattice cannot say of what is sent: by how much half the resolution changes
-  // it, on the same rays, and by how much those may be wrong.
+  // Finds the error of the emission by the field's lattice: the change at half the resolution, on
+  // the same rays, and the error of that change.
   absl::Status find_voxel_errors(const ColumnTests& tests);
 
-  // Of each replicate: so many that what is sent is known well enough in every band, at the target.
+  // Samples of each replicate for an emission that is known well enough in every band, at the
+  // target.
   std::uint64_t samples(const std::vector<double>& also_sent_w_sr);
 
-  // Of what is taken by a column of a class, by the nodes: in each band of the scene.
+  // Finds the errors of the absorption by a column of a class, by the nodes: in each band of the
+  // scene.
   void find_class_errors();
 
   // Tables of one first part: by class, then of what is beyond by class.
@@ -144,7 +148,7 @@ class GasMeasurement {
   [[nodiscard]] static double weighted(const std::vector<double>& weight,
                                        const std::vector<double>& spectrum, const BandOnAxis& band);
 
-  // What is sent, by sets of nodes.
+  // Emission by sets of nodes.
   struct Sent {
     double in_band = 0;
     double steps = 0, sets = 0;  // bounds: of finite steps; how far two sets of nodes are apart
@@ -153,8 +157,8 @@ class GasMeasurement {
   [[nodiscard]] Sent sent_by(const std::array<const std::vector<ColumnLight>*, 2>& light,
                              const BandOnAxis& band) const;
 
-  // What is taken of light behind the classes: its spectrum, and of each replicate's light the
-  // share that the spectra say.
+  // Absorption of light behind the classes: its spectrum, and the fraction of each replicate's
+  // light that the spectra give.
   struct Taken {
     std::vector<double> by_bin;  // all classes
     std::vector<double> share;   // [class] of what is behind it, in band
@@ -173,7 +177,8 @@ class GasMeasurement {
                               std::uint32_t which_band) const;
 
   bool on_hull_;
-  // Of each replicate: rays that are aimed at the gas, and those that may meet it after the hull.
+  // Samples of each replicate: rays that are aimed at the gas, and rays that may meet it after the
+  // hull.
   struct PilotSamples {
     std::uint64_t survey, first, second;
   };

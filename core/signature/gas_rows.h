@@ -14,7 +14,7 @@
 
 namespace irsig {
 
-// What hot gas changes of one row: what it sends, less what it takes of the light from behind.
+// Change of one row by hot gas: its emission less its absorption of the light from behind.
 struct GasRow {
   struct Change {
     Estimate in_band;  // [W/sr]
@@ -22,12 +22,13 @@ struct GasRow {
     SpectralEstimate spectral;      // on the band's stored wavelengths [W/(sr um)]
     std::vector<double> replicate;  // [W/sr]
   };
-  // At the target; at the sensor: of the target behind the gas, and of what stands behind both.
+  // Changes at the target; at the sensor: of the target behind the gas, and of the background
+  // behind both.
   Change source, apparent, contrast;
   double emitted_w_sr = 0, apparent_emitted_w_sr = 0;  // sent alone
-  // Of all this, what the target reflects of the gas, less what the gas takes of its other light.
+  // The part reflected by the target, net of the light that the gas absorbs.
   Estimate on_hull, apparent_on_hull;  // [W/sr]
-  // What `apparent` would be off if cold and hot lines were taken as independent. [W/sr]
+  // Error of `apparent` if cold and hot lines were taken as independent. [W/sr]
   double lines_w_sr = 0;
   // Effects of hot gas (core/effects), and what of them is left out.
   std::vector<LedgerEntry> ledger;
@@ -50,7 +51,7 @@ struct GasRow {
 // reflected by the target before they meet it. Independent of those of the target's own light, so
 // that all add up with their errors. How many follows from how test gases scatter (core/hot_gas),
 // not from what is selected. What the target reflects of the gas is left out where it fits into the
-// room that the plan has for that. (docs/methods/plume.md)
+// room that the plan has for that. (docs/explanation/methods/plume.md)
 //   view      with the light of the selected conditions
 //   pictures  of the view; what the target reflects of the gas is not in them
 // INVALID_ARGUMENT: gas at the sensor; gas that its tables have not; air whose amounts are not

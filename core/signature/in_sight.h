@@ -10,11 +10,11 @@
 
 namespace irsig {
 
-// Whether a sensor sees something of the target above sea or ground, under conditions of one kind
-// of surroundings (of which kind and above_surface_m are looked at). Vertices stand for facets.
+// OK if a sensor sees something of the target above sea or ground, under conditions of one kind of
+// surroundings (the kind and above_surface_m are used). Vertices stand for facets.
 //   environment  null: no embedded atmosphere
-// INVALID_ARGUMENT: surface or Earth hide all vertices. Where the conditions differ in
-// above_surface_m they share paths, so that none of them may hide a vertex.
+// INVALID_ARGUMENT: surface or Earth hide all vertices. Conditions that differ in above_surface_m
+// share paths, so that none of them may hide a vertex.
 [[nodiscard]] absl::Status check_in_sight(const Target& target,
                                           std::span<const ConditionSpec> condition,
                                           const Environment* environment,

@@ -23,8 +23,8 @@ struct MovedView {
   std::shared_ptr<const PreparedScene> scene = nullptr;  // null: the view's
 };
 
-// By how much a row of the moved view is more than that of the view. Means over replicates that
-// share their random numbers: their scatter is the difference's alone.                      [W/sr]
+// Difference between a row of the moved view and that of the view. Means over replicates that share
+// their random numbers: their scatter is the difference's alone.  [W/sr]
 struct RowChange {
   Estimate source, apparent, contrast;
 };

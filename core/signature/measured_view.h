@@ -14,7 +14,7 @@
 
 namespace irsig {
 
-// What the last run of a view gave for all rows together.
+// Totals of the last run of a view, for all rows together.
 struct RunTotals {
   std::uint64_t samples = 0;  // of each replicate
   PathCounts counts;
@@ -24,8 +24,6 @@ struct RunTotals {
   ReplicateStatistics beyond;                          // [number of reflections]
   double front_area_m2 = 0, back_area_m2 = 0;          // of the silhouette, means over replicates
   std::vector<EnergyLedger> energy;                    // [band]; empty in pilots
-  ImagePlan image_plan;
-  std::vector<double> image;
 };
 
 // MeasuredView is a view with its rows, as the last run measured them. Pilots and the stored run
@@ -40,7 +38,7 @@ struct MeasuredView {
   std::vector<Row> row;  // conditions x bands
   RunTotals totals;
 
-  // What the plan has come to state since.
+  // Replaces parts of the plan that were decided after the run.
   void leave_out(std::vector<RowBounds::Bound> omitted) { setup.plan.omitted = std::move(omitted); }
   void cut_reflections(std::uint32_t most) { setup.plan.effects.max_reflections = most; }
 };
@@ -52,10 +50,19 @@ enum class RunKind : std::uint8_t { kPilot, kStored };
 //   stage  of the view's random numbers
 //   kept   gets the weights of the paths, unless it is null
 void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, RunKind kind,
-              const PictureFrame& pictures = {}, std::vector<PathWeights>* kept = nullptr);
+              std::vector<PathWeights>* kept = nullptr);
 // Runs a pilot of one stratum alone: of what is seen in it.
 void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t samples,
                  std::uint64_t stage);
+
+// Pictures of all rows, by paths of their own: the same number of samples in every pixel, so that
+// no pixel inside the silhouette is empty.
+struct ViewPictures {
+  ImagePlan plan;             // empty: none
+  std::vector<double> image;  // [pixel][plan.padded] radiance x solid angle x range^2 [W/sr]
+  std::uint64_t rays = 0;
+};
+[[nodiscard]] ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame);
 
 // A row's three intensities with their errors and bounds; pilots are without those of the air and
 // of the background. Reflections that the plan leaves out are `omitted`, those that the request
@@ -82,8 +89,8 @@ struct MeasuredIntensities {
 // exceeds: 4 standard errors, and as much as none of the samples may have met. [m2]
 [[nodiscard]] double beyond_limit_m2(const MeasuredView& view, std::uint32_t reflections);
 
-// For choosing facets to aim at: how bright each facet that is in no hot part may look, per error
-// that is wanted, in the row where that is most; and how much of it can be seen.
+// Brightness of facets in no hot part, for choosing facets to aim at: the largest radiance that a
+// facet may show per wanted error, in the row where that is largest; and its visible area.
 struct FacetBrightness {
   std::uint32_t facet;
   double seen_m2, per_m2;

@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// What is fixed before a view is measured: by pilots over every row of the sweep. A value: what a
-// view is measured with can be written down, compared and measured again.
+// Settings that are fixed before a view is measured, by pilots over every row of the sweep. A
+// value: the plan of a view can be written down, compared and measured again.
 struct ViewPlan {
   std::uint64_t samples_per_replicate = 0;
   bool limited = false;  // more would have been needed than the request allows
@@ -20,12 +20,12 @@ struct ViewPlan {
   // All that follows: [condition x band of the scene].
   std::vector<double> absolute_floor_w_m2_sr;  // what AccuracySpec::absolute_error_k is worth
   std::vector<RowBounds::Bound> omitted;       // reflections after max_reflections are not in it
-  // What may still be left out, of what hot gas does. Empty: nothing by itself.
+  // Remaining room for the omission of hot gas's effects. Empty: nothing by itself.
   std::vector<EffectPlanner::Room> room;
   std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects]
   BrightFacets bright;                           // what rays of their own are aimed at
 
-  // What is not known in both is the same.
+  // Numbers that are unknown in both plans are equal.
   bool operator==(const ViewPlan&) const = default;
 };
 

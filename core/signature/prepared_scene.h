@@ -14,13 +14,13 @@
 
 namespace irsig {
 
-// What does not change during a sweep.
+// Inputs that do not change during a sweep.
 struct SceneSpec {
   Mesh mesh;
   std::vector<PartSpec> part;
   std::vector<MaterialSpec> material;
   std::vector<Band> band;
-  // Where the air's spectrum jumps (air_band_edges_um); empty: nowhere.
+  // Wavelengths at which the air's spectrum jumps (air_band_edges_um); empty: none. [um]
   std::vector<double> spectral_breaks_um;
   TracerIsa isa = widest_isa();
   TracerOptions tracer;
@@ -39,7 +39,7 @@ struct PreparedScene {
   SpectralBasis basis;
   std::vector<Material> carried;  // at the nodes that paths carry; empty: at all
   bool energy_gain = false;       // some part's material creates energy
-  // Of geometry, materials and strata: what the seeds of random numbers are made from.
+  // Hash of geometry, materials and strata, from which the seeds of random numbers are made.
   std::uint64_t hash = 0;
 
   [[nodiscard]] static absl::StatusOr<PreparedScene> make(const SceneSpec& spec);
@@ -49,7 +49,7 @@ struct PreparedScene {
   }
   // Null if all materials are grey: weights then have one column.
   [[nodiscard]] const SpectralBasis* path_basis() const;
-  // Of the water or ground that the target stands on, relative to its centre.
+  // Height of the water or ground on which the target stands, relative to its centre.
   [[nodiscard]] double surface_z_m() const { return -target.centre.z; }
 };
 

@@ -36,7 +36,7 @@ class ViewSurroundings {
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
   // Emission and the line's air alone: what a pilot without reflections needs.
   [[nodiscard]] ViewEnvironments without_light();
-  // What these effects want, of these conditions.
+  // Returns the environments of these conditions, as far as these effects need them.
   [[nodiscard]] absl::StatusOr<ViewEnvironments> evaluate(std::span<const std::uint32_t> conditions,
                                                           const EffectSet& effects);
   // One condition, in the directions of another view's light.

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// Where a sensor measures radiance: points that it aims at, one after the other, and the small
-// rectangle across each line of sight over which it averages.
+// Places at which a sensor measures radiance: points at which it aims, one after the other, and the
+// small rectangle across each line of sight over which it averages.
 struct ProfileSpec {
   std::vector<Vec<Body>> point;  // on the target, or where the line of sight is to pass
   double width_m = 0, height_m = 0;
@@ -32,7 +32,7 @@ struct ProfileRow {
   std::uint32_t point = 0, condition = 0, band = 0, reflections = 0;
   Estimate radiance_w_m2_sr;           // at the target: no air
   Estimate apparent_radiance_w_m2_sr;  // at the sensor
-  // What further reflections can add at most, and the error of the integral over wavelength.
+  // Bounds of further reflections, and of the integral over wavelength.
   double truncation_bound_w_m2_sr = 0, quadrature_bound_w_m2_sr = 0;
   // The blackbody's with the same in-band radiance_w_m2_sr; NaN if there is none.
   Estimate apparent_temperature_k;

@@ -16,8 +16,8 @@ namespace irsig {
 struct AccuracySpec {
   // Exactly one is positive.
   double relative_error = 0;  // of the in-band intensity of every row of the sweep
-  // With it: an error of projected area x dL/dT x this, at the temperature around the target, is
-  // small enough. 0: none.
+  // Additional floor for the error: an error of projected area x dL/dT x this, at the temperature
+  // around the target, is small enough. 0: none.
   double absolute_error_k = 0;
   double target_paths = 0;  // primary rays that meet the target, all replicates
   std::uint64_t samples_per_replicate = 0;
@@ -31,7 +31,7 @@ struct AccuracySpec {
 struct ViewRequest {
   Viewpoint viewpoint;
   std::vector<ConditionSpec> condition;
-  // Where conditions state temperatures of emitters: which those are. Null: the parts.
+  // Emitters whose temperatures the conditions state. Null: the parts.
   std::shared_ptr<const Emitters> emitters = nullptr;
   Air air;
   // The embedded atmosphere, for the same conditions in the same order: takes the place of `air`
@@ -46,7 +46,7 @@ struct ViewRequest {
   std::uint32_t max_reflections = 3;
   std::uint64_t seed = 1;
   std::uint32_t thumbnail_px = 0;
-  // Of hot gas: where its in-band optical depth is at least this, its projected area is counted.
+  // Least in-band optical depth at which the projected area of hot gas is counted.
   double plume_area_optical_depth = 0.1;
 };
 

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What the seeds of random numbers are made from: order matters, names do not enter.
+// A hash from which the seeds of random numbers are made: order matters, names do not enter.
 class Hash {
  public:
   void add(std::uint64_t x) { state_ = mix64(state_ ^ x); }

@@ -22,8 +22,8 @@ namespace irsig {
 [[nodiscard]] std::array<Environment::Line::End, 3> target_ends(const Target& target,
                                                                 Vec<Body> sensor);
 
-// Where light that reaches the sensor leaves the target, in mean: from the farthest range (0) to
-// the nearest (1), and from the least height (0) to the greatest (1).
+// Mean place at which the light that reaches the sensor leaves the target: from the farthest range
+// (0) to the nearest (1), and from the least height (0) to the greatest (1).
 struct MeanPlace {
   struct Interval {
     double low = 0, high = 1;
@@ -33,7 +33,7 @@ struct MeanPlace {
 
 // SeenPlaces measures where the seen light of a target leaves it, by a fixed set of primary rays
 // that depends on the view's geometry alone. Each ray counts by the emissivity or the reflectance
-// of the facet that it meets. [docs/methods.md, "One line of sight"]
+// of the facet that it meets. [docs/explanation/methods.md, "One line of sight"]
 //
 // Accuracy: a mean over n rays is widened by three standard errors of independent rays; the rays
 // are stratified and err by less. A mean over fewer than 16 rays is all of [0, 1].
@@ -45,10 +45,10 @@ class SeenPlaces {
   SeenPlaces(const Target& target, std::span<const Material> material, const AimedView& view,
              const Emitters& emitters, const std::optional<Plane>& plane);
 
-  // Of light that an emitter sends straight to the sensor, of one temperature.
+  // Place of light that an emitter of one temperature sends straight to the sensor.
   [[nodiscard]] MeanPlace emitted(std::uint32_t emitter) const { return emitted_[emitter]; }
-  // Of all emission of the target together, and of all light that the target reflects. A source
-  // that a part of this light comes from may leave elsewhere: the mean is widened by the standard
+  // Places of all emission of the target together, and of all light that the target reflects. A
+  // source of a part of this light may leave elsewhere: the mean is widened by the standard
   // deviation of the places. Weighted over all sources, the mean square distance of a source's mean
   // from that of all light is at most the variance.
   [[nodiscard]] MeanPlace any_emitted() const { return any_emitted_; }

@@ -12,15 +12,15 @@
 
 namespace irsig {
 
-// How the weights of paths meet the light of the sources: integrals over wavelength.
+// Multiplies the weights of paths with the light of the sources: integrals over wavelength.
 
 // An integral of all sources over wavelength, as weights that paths carry want it: a row of columns
 // first_column .. first_column + columns - 1 of those that paths carry for each source.
 struct SourceTable {
   std::size_t first_column = 0, columns = 1;
   std::vector<double> source, apparent;
-  // Of sources around the target: by how much they are found to be wrong in one of the directions
-  // that they stand for. [source.around()][column]
+  // Interpolation errors of sources around the target: the largest error found in one of the
+  // directions for which a source stands. [source.around()][column]
   std::vector<double> interpolation;
 
   [[nodiscard]] const double* row(SourceId id) const {
@@ -28,8 +28,8 @@ struct SourceTable {
   }
 };
 
-// With the given weights over nodes [first_node, first_node + weight.size()). `basis`: null if all
-// materials are grey.
+// Returns the table for the given weights over nodes [first_node, first_node + weight.size()).
+// `basis`: null if all materials are grey.
 [[nodiscard]] SourceTable source_table(const ConditionSources& light, const SpectralBasis* basis,
                                        std::size_t first_node, std::span<const double> weight);
 
@@ -61,7 +61,7 @@ class LitWeights {
   std::vector<SummedWeights> sum_;
   std::vector<double> area_m2_;
 };
-// Of one table of weights.
+// Sums the light of one table of weights.
 [[nodiscard]] SummedWeights summed_light(const ConditionSources& light,
                                          const SourceWeights& weights, std::size_t parts);
 
@@ -92,7 +92,7 @@ struct Shares {
 [[nodiscard]] double interpolation_w_sr(const SourceTable& table, SourceRange nodes,
                                         const SourceLayout& layout, const SummedWeights& sums);
 
-// In-band integral of a spectrum on the sweep's nodes times one source's weights.
+// Returns the in-band integral of a spectrum on the sweep's nodes times one source's weights.
 [[nodiscard]] double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,
                                 const BandOnAxis& band, const double* weight);
 

@@ -30,8 +30,9 @@ class Simulator {
   // prepare() and measure().
   [[nodiscard]] absl::StatusOr<ViewResult> simulate(const ViewRequest& request) const;
   [[nodiscard]] absl::StatusOr<PlannedView> prepare(const ViewRequest& request) const;
-  // Of the same request, whose seed and selection may differ; the plan's number of samples may be
-  // changed: the same request with another number has the same paths as far as both follow them.
+  // Measures the planned request. Its seed and selection may differ, and the plan's number of
+  // samples may be changed: requests with different numbers of samples have the same paths as far
+  // as both follow them.
   [[nodiscard]] absl::StatusOr<ViewResult> measure(const ViewRequest& request,
                                                    const PlannedView& planned) const;
 
@@ -44,7 +45,7 @@ class Simulator {
                                                           const PlannedView& planned,
                                                           std::span<const MovedView> moved) const;
 
-  // The same without what was made on the way.
+  // Plans and measures without the intermediate results of PlannedView.
   [[nodiscard]] absl::StatusOr<ViewPlan> plan(const ViewRequest& request) const;
   [[nodiscard]] absl::StatusOr<ViewResult> measure(const ViewRequest& request,
                                                    const ViewPlan& plan) const {

@@ -15,7 +15,7 @@ namespace irsig {
 [[nodiscard]] PathSettings path_settings(const AccuracySpec& accuracy, const EffectSet& effects,
                                          std::uint64_t seed, std::uint64_t samples);
 
-// What one tracing of a view gives.
+// Result of one tracing of a view.
 struct TracedView {
   std::vector<PathWeights> weights;  // [replicate]
   PathCounts counts;

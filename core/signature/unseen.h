@@ -24,15 +24,15 @@ class SmallBrightSources {
  public:
   void add(double radiance, double seen_m2);
 
-  // What all of them together can be wrong by, if every sample stands for sample_m2: those above a
-  // threshold are bounded by the sum of radiance x area, the others allowed for by a standard error
-  // of 2 x sample_m2 x the brightest of them, as if two hits of it had been missed; the threshold
-  // is the one with the smallest error. In the unit of the radiances x m2.
+  // Error allowance for all of them together, if every sample stands for sample_m2. Sources above a
+  // threshold are bounded by the sum of radiance x area. The others get a standard error of 2 x
+  // sample_m2 x the brightest of them, as if two hits of it had been missed. The threshold is the
+  // one with the smallest error. In the unit of the radiances x m2.
   struct Allowance {
     double bound = 0, stderr_ = 0;
   };
   [[nodiscard]] Allowance allowance(double sample_m2) const;
-  // Of all: the sum of radiance x area, and the brightest.
+  // Totals: the sum of radiance x area, and the brightest radiance.
   [[nodiscard]] double sum() const;
   [[nodiscard]] double brightest() const;
 
@@ -43,9 +43,9 @@ class SmallBrightSources {
   std::map<int, Places, std::greater<>> places_;  // by quarter octaves of radiance
 };
 
-// What of a view could be bright without being met, from geometry and materials alone: no ray, no
-// temperature. Per unit irradiance of a sun [1/sr], and for light that comes from anywhere as a
-// share of its radiance. Any number of threads may ask; the target and the materials outlive it.
+// Sources in a view that could be bright without being met, from geometry and materials alone: no
+// ray, no temperature. Per unit irradiance of a sun [1/sr], and for light from anywhere as a
+// fraction of its radiance. Any number of threads may ask; the target and the materials outlive it.
 class UndersampledSources {
  public:
   // places: of the target.
@@ -70,8 +70,8 @@ class UndersampledSources {
   // Made when it is asked for first; sea and horizon play no part.
   [[nodiscard]] const Sun& of(const SunDirection& sun) const;
 
-  // The same for the facets of one stratum of a view each, and light from other parts for facets
-  // that have those above their plane: what they reflect of it is less where no hot part is.
+  // Sources for the facets of one stratum of a view each, and light from other parts for facets
+  // that have such parts above their plane: where no hot part is, their reflection is weaker.
   struct Stratum {
     std::vector<SmallBrightSources> first, later;  // [sun]
     SmallBrightSources reflected;                  // of sky, sea, glitter
@@ -88,7 +88,7 @@ class UndersampledSources {
   // reflects of parts above its facets is in it.                         [part]
   [[nodiscard]] std::vector<double> with_reflected(const std::vector<double>& emitted) const;
 
-  // How bright a facet may look to the sensor; a guess to choose by, no bound.
+  // Possible brightness of a facet for the sensor; a guess to choose by, no bound.
   struct Facet {
     std::uint32_t facet;
     double seen_m2;
@@ -103,10 +103,10 @@ class UndersampledSources {
 
   // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
   [[nodiscard]] const SmallBrightSources& reflected() const { return reflected_; }
-  // What an irradiance from anywhere becomes at most, seen after one reflection: the sum of each
-  // facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on, whose brdf may
-  // be very large, are left to their projected area x DHR [m2], per radiance. And the largest brdf
-  // x cos_i of any direction, which most glossy models do not limit [1/sr].
+  // Upper bounds on the light of an irradiance from anywhere, seen after one reflection: the sum of
+  // each facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on, whose
+  // brdf may be very large, contribute their projected area x DHR [m2], per radiance, instead. And
+  // the largest brdf x cos_i of any direction, which most glossy models do not limit [1/sr].
   [[nodiscard]] double shown_m2_per_sr() const { return shown_m2_per_sr_; }
   [[nodiscard]] double edge_on_m2() const { return edge_on_m2_; }
   [[nodiscard]] double any_per_sr() const { return any_per_sr_; }
@@ -122,7 +122,7 @@ class UndersampledSources {
   [[nodiscard]] std::vector<Patch> gathered(
       const std::function<std::uint32_t(const Patch&)>& kind) const;
   [[nodiscard]] Sun make(const SunDirection& sun) const;
-  // Which parts have places above which facets.
+  // Parts with places above facets.
   struct Above {
     std::vector<std::vector<bool>> sets;   // that occur
     std::vector<std::uint32_t> of_patch;   // for who looks from the sensor's side
@@ -151,8 +151,7 @@ class UndersampledSources {
 // is looked at every half degree; 5 % are added. Empty without wind.
 [[nodiscard]] std::vector<SeaGlint> brightest_glitter(const SunDirection& sun);
 
-// What a pilot may have missed when it met nothing: the upper 95 % limit of the expected number of
-// events of which none was met.
+// Upper 95 % limit of the expected number of events of which a pilot met none.
 inline constexpr double kNoneSeen = 3.0;
 
 }  // namespace irsig

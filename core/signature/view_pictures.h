@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// Where a view's pictures are, the same for all of its rows.
+// Position and size of a view's pictures, the same for all of its rows.
 struct PictureFrame {
   PlaneRectangle rectangle;                   // on the image plane of the target's view
   double plane_m = 0;                         // how far that plane is from the sensor
@@ -25,6 +25,14 @@ struct PictureFrame {
 // pixels. It depends on no selection and on no random numbers.
 [[nodiscard]] PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
                                          const ViewRequest& request);
+
+// Samples of each pixel: where pictures are larger than this many samples in all, as few as
+// kLeastPixelSamples. Powers of two.
+inline constexpr std::uint32_t kPixelSamples = 16, kLeastPixelSamples = 4;
+inline constexpr std::uint64_t kPictureSamples = std::uint64_t{1} << 19;
+
+// Returns a run's settings changed to those of its pictures: one replicate, each pixel by itself.
+[[nodiscard]] PathSettings picture_settings(PathSettings settings, const ImagePlan& plan);
 
 // Pictures of that frame that show nothing yet, for rays that start on the plane of `view`.
 //   firsts  tables of sources: one, or one for each class of gas before them

@@ -13,7 +13,8 @@ class PlumeField;
 
 // One season at one time.
 struct ConditionSpec {
-  // In the order of the scene's parts; where facets have temperatures of their own, the hottest.
+  // Temperatures in the order of the scene's parts; where facets have temperatures of their own,
+  // the hottest.
   std::vector<double> part_temperature_k;
   std::shared_ptr<const EmitterTemperatures> emitter = nullptr;  // null: parts have one each
   std::shared_ptr<const PlumeField> gas = nullptr;  // hot gas around the target; null: none
@@ -22,7 +23,7 @@ struct ConditionSpec {
   Vec<Body> sun_direction;  // unit vector towards the sun
   double sun_cos_zenith = 0;
   double sun_angular_radius_deg = 0;
-  // Of the horizon that cuts its disk, seen from the target: the sine of its dip.
+  // Sine of the dip of the horizon that cuts the sun's disk, seen from the target.
   double sun_horizon_z = 0;
   double sun_scale = 0;     // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
   double sea_wind_m_s = 0;  // > 0: the sea mirrors the sun, as rough as this wind makes it
@@ -34,7 +35,7 @@ struct ConditionSpec {
 // Sine of the depression of the horizon above a sphere without air, from so high.
 [[nodiscard]] double sine_of_dip(double height_m);
 
-// Whether a condition's sun shines: some of its disk is above the horizon.
+// Returns true if some of the sun's disk is above the horizon.
 [[nodiscard]] bool sun_shines(const ConditionSpec& condition);
 
 }  // namespace irsig

@@ -25,9 +25,9 @@ struct LitSun {
   std::vector<double> irradiance, apparent;
 };
 
-// Where weights stand: as paths leave them, by emitter, and as light meets them. The two differ
-// where emitters have temperatures of their own: their places are taken by the parts (each at the
-// temperature that is stated for it) and then by blackbodies.
+// Places of weights: by emitter, as paths leave them, and by light. The two layouts differ where
+// emitters have temperatures of their own: in the second the emitters are replaced by the parts
+// (each at its stated temperature), followed by blackbodies.
 struct LightLayout {
   SourceLayout paths, light;
   BlackbodyNodes nodes;  // none: both layouts are the same
@@ -59,14 +59,14 @@ class ConditionSources {
     IRSIG_CHECK(light_[index_of(id)].apparent != nullptr);
     return {light_[index_of(id)].apparent, none_.size()};
   }
-  // Of the direction nodes, in the layout's order.
+  // Radiance of the direction nodes, in the layout's order.
   [[nodiscard]] const IncidentRadiance& around() const { return around_; }
 
   [[nodiscard]] const SourceLayout& layout() const { return layout_.light; }
-  // Whether weights of paths must be brought to lights before they meet them: by lit().
+  // Returns true if lit() must convert weights of paths before they are multiplied with light.
   [[nodiscard]] bool by_element() const { return layout_.nodes.count() > 0; }
   [[nodiscard]] SourceWeights lit(const SourceWeights& of_paths) const;
-  // What an emitter that paths end on is made up of: lights from SourceLayout::seen(first) on.
+  // Composition of an emitter that paths end on: lights from SourceLayout::seen(first) on.
   struct EmitterShare {
     std::uint32_t first = 0, count = 1;
     std::array<double, 4> weight{1};
@@ -75,9 +75,9 @@ class ConditionSources {
   // An emitter that paths have met and whose temperature is not known.
   [[nodiscard]] std::optional<std::uint32_t> unknown_emitter(const SourceWeights& of_paths,
                                                              std::size_t parts) const;
-  // Of sums over parts of one replicate's weights: by how much more would be emitted if every
-  // temperature were as much higher as it may be wrong. B is convex in T, so that less would change
-  // less. [source of layout(), emitters alone]
+  // Returns, for sums over parts of one replicate's weights, the additional emission if every
+  // temperature were higher by its error. B is convex in T, so that lower temperatures change the
+  // emission less. [source of layout(), emitters alone]
   [[nodiscard]] SummedWeights temperature_errors(const SourceWeights& of_paths,
                                                  std::size_t parts) const;
   [[nodiscard]] bool has_temperature_errors() const { return has_temperature_errors_; }
@@ -87,7 +87,7 @@ class ConditionSources {
   }
   [[nodiscard]] const ViewEnvironment& environment() const { return *environment_; }
   [[nodiscard]] const std::vector<LitSun>& suns() const { return sun_; }
-  // What makes up each cause.
+  // Returns the sources of each cause.
   [[nodiscard]] std::array<std::vector<SourceRange>, kCauses> causes() const;
 
   // The largest in-band radiance of a part. [W/(m2 sr)]
@@ -102,7 +102,7 @@ class ConditionSources {
     return brightest_w_m2_sr(band, brightest_thermal_w_m2_sr(band));
   }
   [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band, double brightest_thermal) const;
-  // Of what surfaces emit, at least 1 K each.
+  // Coldest and hottest temperature of emitting surfaces, at least 1 K each. [K]
   [[nodiscard]] double coldest_k() const { return coldest_k_; }
   [[nodiscard]] double hottest_k() const { return hottest_k_; }
 
@@ -119,7 +119,7 @@ class ConditionSources {
   std::vector<LitSun> sun_;
   double coldest_k_, hottest_k_;
   std::size_t parts_;
-  // Of each part, then of each node: which of the blackbodies, one for each temperature.
+  // Index of the blackbody, one for each temperature, of each part and then of each node.
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]

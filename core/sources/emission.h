@@ -15,11 +15,11 @@ struct EmitterTemperatures {
   // The true one lies within kelvin +- error_k; NaN likewise. Infinite: nothing is known of it, and
   // kelvin stands for it in views that do not see it.
   std::vector<float> error_k;
-  // Of those that are numbers, finite errors included.
+  // Extremes of the finite temperatures, finite errors included. [K]
   double coldest_k = 0, hottest_k = 0;
 };
 
-// What kelvin + error_k may be at most; kelvin - error_k is 1 K or more.
+// Largest allowed kelvin + error_k; kelvin - error_k is 1 K or more.
 inline constexpr double kMostEmitterK = 10'000;
 
 // Temperatures of facets under one condition. [facet], as above
@@ -45,7 +45,7 @@ struct ElementEmission {
 class BlackbodyNodes {
  public:
   BlackbodyNodes() = default;
-  // Those that temperatures between the two need, 1 K to kMostEmitterK. [K]
+  // Makes the nodes for temperatures between the two, 1 K to kMostEmitterK. [K]
   BlackbodyNodes(double coldest_k, double hottest_k);
 
   [[nodiscard]] std::uint32_t count() const { return count_; }

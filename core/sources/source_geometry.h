@@ -14,10 +14,11 @@
 
 namespace irsig {
 
-// What paths can end on, as far as rays must know it: where it is, not how bright.
+// Sources on which paths can end, as far as rays need them: their positions, without their
+// radiances.
 
-// What shines on the target by itself, each of one temperature. By default every part is one
-// emitter; an element of a mesh may be one too (10^4 to 10^5 of them), and belongs to a part.
+// Emitting surfaces of the target, each of one temperature. By default every part is one emitter;
+// an element of a mesh may be one too (10^4 to 10^5 of them), and belongs to a part.
 struct Emitters {
   std::vector<std::uint32_t> of_facet;  // [facet]; empty: a facet's emitter is its part
   std::vector<std::uint32_t> part;      // [emitter]; empty likewise
@@ -33,7 +34,7 @@ struct Emitters {
   }
 };
 
-// What stands below the horizon, in coordinates relative to the target's centre.
+// The surface below the horizon, in coordinates relative to the target's centre.
 struct Plane {
   double z_m = 0;             // of the surface (body z, down): a point below it is hidden by it
   double earth_radius_m = 0;  // > 0: its curvature hides what lies behind it (primary rays)
@@ -47,8 +48,9 @@ struct Ground : Plane {};  // mirrors nothing; the target stands on it as it flo
 using Boundary = std::variant<NoBoundary, Sea, Ground>;
 [[nodiscard]] std::optional<Plane> plane_of(const Boundary& boundary);
 
-// Whether the Earth hides a point from a sensor: the straight segment between them against the
-// sphere of the plane's radius, with the plane's lift. A point below the surface is hidden.
+// Returns true if the Earth hides a point from a sensor: tests the straight segment between them
+// against the sphere of the plane's radius, with the plane's lift. A point below the surface is
+// hidden.
 [[nodiscard]] bool hidden_by(const Plane& plane, Vec<Body> point, Vec<Body> sensor);
 
 // Hot gas as rays of a view meet it. A ray is traced once and shaded under any condition:
@@ -60,18 +62,18 @@ class RayMedium {
   [[nodiscard]] virtual std::uint32_t measures() const = 0;
   [[nodiscard]] virtual std::uint32_t classes() const = 0;
 
-  // Of a ray that ends at end_m: where on it the gas is [m]; nullopt: it meets none.
+  // Returns the distance of the gas on a ray that ends at end_m [m]; nullopt: the ray meets none.
   //   from, direction  relative to the target's centre; a unit vector
   //   measure          [measures()]
-  //   share            [classes()] What the ray's gas takes of the light behind it is what the
-  //                    classes take times these, of either sign.
+  //   share            [classes()] weights of either sign. The absorption of the ray's gas is the
+  //                    sum of the classes' absorptions times these weights.
   [[nodiscard]] virtual std::optional<double> cross(Vec<Body> from, Vec<Body> direction,
                                                     double end_m, std::span<double> measure,
                                                     std::span<float> share) const = 0;
 };
 
-// What rays cross before they meet anything. Clear air around the target takes nothing from
-// them and adds nothing; what stands between target and sensor is not here but in ViewEnvironment.
+// The medium that rays cross around the target. Clear air there neither absorbs nor emits; the air
+// between target and sensor is in ViewEnvironment.
 struct ClearMedium {};
 // Between target and sensor, or behind the target: of primary rays.
 struct HotGasMedium {
@@ -105,18 +107,18 @@ struct SourceGeometry {
   Boundary boundary;
   Medium medium;
   std::vector<SunDirection> sun;
-  // Where the radiance of sky and of what lies below the horizon is known, around the target; and
-  // along the lines of sight beyond it (absent: the contrast is not wanted).
+  // Directions in which the radiance of sky and surface is known, around the target; and along the
+  // lines of sight beyond it (absent: the contrast is not wanted).
   DirectionNodes directions;
   std::optional<BackgroundDirections> behind;
   // Primary rays that fall more steeply than this (z of the unit vector) and meet no target end
   // below the horizon; all others below the horizontal.
   double horizon_z = 0;
-  // The same of rays that leave the target, where the light below the horizon is one: the sine of
-  // the horizon's dip for a target in the air.
+  // Horizon of rays that leave the target, where the light below the horizon is uniform: the sine
+  // of the horizon's dip for a target in the air.
   double around_horizon_z = 0;
 
-  // Whether a sea mirrors one of the suns.
+  // Returns true if a sea mirrors one of the suns.
   [[nodiscard]] bool glitters() const;
 };
 

@@ -38,7 +38,7 @@ struct SourceRange {
   }
 };
 
-// What a signature is told apart by.
+// Causes into which a signature is divided.
 enum class Cause { kEmitted, kSunReflected, kSkyReflected, kSeaReflected, kPartsReflected };
 inline constexpr std::size_t kCauses = 5;
 
@@ -56,7 +56,7 @@ class SourceLayout {
  public:
   SourceLayout() = default;
   SourceLayout(std::size_t parts, const SourceGeometry& geometry);
-  // The same places with other emitters than paths can end on.
+  // Returns the layout with another number of emitters than paths can end on.
   [[nodiscard]] static SourceLayout with_emitters(std::uint32_t emitters,
                                                   const SourceGeometry& geometry);
 
@@ -93,19 +93,19 @@ class SourceLayout {
   [[nodiscard]] SourceRange sky() const { return {sky_, lower_}; }
   [[nodiscard]] SourceRange lower() const { return {lower_, sun_}; }
   [[nodiscard]] SourceRange around() const { return {sky_, sun_}; }
-  // What shines whether the sun does or not: all that target and surroundings send out.
+  // Sources that shine with and without the sun: the emission of target and surroundings.
   [[nodiscard]] SourceRange without_sun() const { return {0, sun_}; }
   [[nodiscard]] SourceRange behind() const { return {behind_, count()}; }
 
-  // What makes up each cause under these suns. The sea's is in several pieces: what it emits and
-  // reflects of the sky, and the suns in it. Other suns than a condition's are not in it: no sum
-  // may depend on what is computed beside.
+  // Returns the sources of each cause under the given suns. The sea's are in several pieces: its
+  // emission and its reflection of the sky, and the suns in it. Suns of other conditions are left
+  // out: no sum may depend on the conditions that are computed beside it.
   [[nodiscard]] std::array<std::vector<SourceRange>, kCauses> causes(
       std::span<const std::uint32_t> suns) const;
 
  private:
   std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, background_directions_ = 0;
-  // Where each kind begins.
+  // Index at which each kind begins.
   std::uint32_t sky_ = 0, lower_ = 0, sun_ = 0, glint_ = 0, behind_ = 0;
 };
 

@@ -10,14 +10,14 @@
 
 namespace irsig {
 
-// What paths bring of each source: [first part seen][source], a row of `columns` numbers for each
-// (one if all materials are grey, one for each carried wavelength else). Of all pairs of a part and
-// a source only those are kept that paths have met, in pages of kPage sources: with 10^4 emitters a
-// table of all pairs would not fit.
+// Weights of paths by source: [first part seen][source], a row of `columns` numbers for each (one
+// if all materials are grey, one for each carried wavelength else). Only pairs of a part and a
+// source that paths have met are kept, in pages of kPage sources: with 10^4 emitters a table of all
+// pairs would not fit.
 //
 // Memory: 4 bytes for each part and page of sources, and for each page that was met kPage x columns
-// x 8 bytes, at most twice that while it grows. It depends on which pairs paths join, never on how
-// many paths there are (tests/unit/sources_test.cpp).
+// x 8 bytes, at most twice that while it grows. It depends on the pairs that paths join, never on
+// the number of paths (tests/unit/sources_test.cpp).
 class SourceWeights {
  public:
   static constexpr std::uint32_t kPage = 16;

@@ -11,23 +11,24 @@
 
 namespace irsig {
 
-// What the conditions of a request do to one view, and the directions to which it refers.
+// Light and air of one view under the conditions of a request, and the directions to which they
+// refer.
 struct ViewEnvironments {
   DirectionNodes directions;
   BackgroundDirections behind;
-  // Where the sea or ground ends for the sensor; without either, the horizontal.
+  // End of the sea or ground for the sensor; without either, the horizontal.
   std::optional<Environment::Horizon> horizon;
   std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
 };
 
-// What the sources of a view are made from.
+// Inputs from which the sources of a view are made.
 struct SourceRequest {
   std::span<const ConditionSpec> condition;  // all
   std::span<const std::uint32_t> wanted;     // those whose light is asked for
   std::size_t parts = 0;
   double surface_z_m = 0;  // of sea or ground, relative to the target's centre
   bool contrast = true;    // whether what stands behind the target is wanted
-  // Of the scene; needed where conditions state temperatures of emitters.
+  // Emitters of the scene; needed where conditions state temperatures of emitters.
   std::shared_ptr<const Emitters> emitters = nullptr;
 };
 
@@ -41,7 +42,7 @@ class ViewSources {
               const std::vector<double>& node_um);
 
   [[nodiscard]] const SourceGeometry& geometry() const { return geometry_; }
-  // Of the light: paths end on emitters (PathTracer::layout), light comes from blackbodies.
+  // Layout of the light: paths end on emitters (PathTracer::layout), light comes from blackbodies.
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   // The i-th of those wanted.
   [[nodiscard]] const ConditionSources& wanted(std::size_t i) const { return condition_[i]; }

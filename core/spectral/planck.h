@@ -2,9 +2,9 @@
 
 namespace irsig {
 
-// What all functions below accept; anything else is a failed check. Not so a radiance whose
-// temperature is asked for: it is the outcome of a calculation, and a process that computes many
-// must not end at one of them. The temperature is then NaN.
+// Largest arguments of all functions below; others fail a check. One exception is a radiance whose
+// temperature is asked for: the radiance is the outcome of a calculation, and must not end a
+// process that computes many of them. The temperature is then NaN.
 inline constexpr double kPlanckLambdaMinUm = 1e-6;
 inline constexpr double kPlanckLambdaMaxUm = 1e9;
 inline constexpr double kPlanckTemperatureMaxK = 1e12;

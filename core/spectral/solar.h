@@ -12,9 +12,9 @@ namespace irsig {
 // (tests/physics/solar_test.cpp).
 [[nodiscard]] double solar_irradiance_w_m2_um(double lambda_um);
 
-// By how much a grid's sums may miss what is reflected of sunlight, relative to them: of each panel
-// the error of the integral and of the first moment, for reflectances that are linear over it. The
-// errors of panels do not cancel: a coloured reflectance weighs them in its way.
+// Relative error bounds of a grid's sums for reflected sunlight. Each panel contributes the error
+// of the integral and of the first moment, for reflectances that are linear over the panel. The
+// errors of panels do not cancel, since a coloured reflectance weighs each panel differently.
 struct SolarQuadrature {
   std::vector<double> of_bin;  // each by itself
   double of_white = 0;         // all, where all reflect alike

@@ -36,7 +36,7 @@ namespace irsig {
 [[nodiscard]] Mesh rectangle(Vec<Body> at, Vec<Body> u, Vec<Body> v, const std::string& group);
 [[nodiscard]] Mesh square(Vec<Body> at, Vec<Body> normal, double half_m, const std::string& group);
 
-// What faces +x faces up (-z).
+// Turns a mesh so that its +x side faces up (-z).
 [[nodiscard]] Mesh lying(Mesh mesh);
 [[nodiscard]] Mesh moved(Mesh mesh, Vec<Body> by);
 // Both meshes; b's groups come after a's, with a prefix.
@@ -57,7 +57,7 @@ namespace irsig {
 
 void put_sun(ConditionSpec& condition, Vec<Body> towards);
 
-// In-band radiance of a blackbody as the simulator's quadrature sees it.        [W m^-2 sr^-1]
+// Returns the in-band radiance of a blackbody by the simulator's quadrature.  [W m^-2 sr^-1]
 [[nodiscard]] double black_radiance_w_m2_sr(const Simulator& simulator, std::size_t band,
                                             double temperature_k);
 
@@ -65,10 +65,10 @@ void put_sun(ConditionSpec& condition, Vec<Body> towards);
 // error below rounding (1e-7 of the expected value, floats on the way) counts as that.
 [[nodiscard]] double t_of(const Estimate& e, double expected, double bias = 0);
 
-// Of its area: a plate that fills its bounding rectangle is met by every ray, and the standard
-// error is 0. What is left then is the rounding of rays (core/transport/primary_rays.cpp: 1e-7),
-// and perspective: at 1e5 m a plate of 1 m turned by 20 deg is a trapezoid whose rim, 1.7e-6 of the
-// rectangle, is met by no sample.
+// Relative error of the area of a plate that fills its bounding rectangle: every ray meets it, and
+// the standard error is 0. The remaining error is the rounding of rays
+// (core/transport/primary_rays.cpp: 1e-7), and perspective: at 1e5 m a plate of 1 m turned by 20
+// deg is a trapezoid whose rim, 1.7e-6 of the rectangle, is met by no sample.
 inline constexpr double kMaskMargin = 2e-6;
 
 // Numbers for tests: uniform in [0, 1), a function of seed and index.

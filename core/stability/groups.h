@@ -30,13 +30,13 @@ class Worst {
   template <typename Where>
   void see(double error, Where&& where) {
     ++finding_.checks;
-    // Once it is not a number, it stays so.
+    // NaN, once found, remains the worst error.
     if (std::isnan(finding_.worst_error)) return;
     if (error <= finding_.worst_error) return;
     finding_.worst_error = error;
     finding_.where = std::forward<Where>(where)();
   }
-  // For what must or must not be: an error of 0, or without limit.
+  // Records a requirement: an error of 0 if it holds, infinite otherwise.
   template <typename Where>
   void require(bool holds, Where&& where) {
     see(holds ? 0.0 : std::numeric_limits<double>::infinity(), std::forward<Where>(where));

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// How much a case may cost: what runs by default (all of them together take less than 90 s on two
-// cores), or the counts that docs/validation.md quotes (1e8 rays, 1e9 terms).
+// Allowed cost of a case: that of the default run (all cases together take less than 90 s on two
+// cores), or the counts that docs/evidence/validation.md quotes (1e8 rays, 1e9 terms).
 enum class Effort { kShort, kFull };
 
 // The worst that a case has seen. An error is never negative; one that is not a number breaks every

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// From a mirror for every purpose to the roughest that the models take.
+// Roughnesses from a practical mirror to the roughest that the models accept.
 inline constexpr std::array kRoughness = {1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0};
 
 struct HardMaterial {
@@ -21,7 +21,7 @@ struct HardMaterial {
 // whatever it is; a tabulated BRDF cannot be narrower than its grid).
 [[nodiscard]] std::vector<HardMaterial> every_material(double roughness);
 
-// Those of published forms that create energy at the given parameters, which must say so.
+// Returns the published forms that create energy at the given parameters, and must report it.
 [[nodiscard]] std::vector<HardMaterial> gaining_materials();
 
 }  // namespace irsig

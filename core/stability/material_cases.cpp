@@ -218,7 +218,7 @@ std::vector<HardCase> material_cases() {
        "every model, roughness 1e-4 to 1, to 90 deg - 1e-6: |emissivity + DHR - 1|; 0 to 1 each",
        "Kirchhoff's law; both tables are within 5e-5 of their quadrature (material.h)", energy},
       {"materials", "flags", "published forms that create energy: not flagged",
-       "their DHR exceeds 1 (docs/methods.md)", flags},
+       "their DHR exceeds 1 (docs/explanation/methods.md)", flags},
       {"materials", "furnace", "every model and roughness: mean sampling weight against DHR [t]",
        "Student's t of all rows, 31 degrees of freedom, after the tables' 1e-4", furnace},
       {"materials", "grazing", "to 90 deg - 1e-6: values not finite, negative, not a direction",

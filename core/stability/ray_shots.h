@@ -55,7 +55,7 @@ void shoot(const Tracer& tracer, std::uint64_t count, bool coherent, Aim&& aim, 
   }
 }
 
-// Whether anything is in the way of each ray, as shadow rays ask: see(i, blocked).
+// Tests each ray for obstacles, as shadow rays do: see(i, blocked).
 template <typename Aim, typename See>
 void shoot_shadows(const Tracer& tracer, std::uint64_t count, bool coherent, Aim&& aim, See&& see) {
   RayBatch batch;

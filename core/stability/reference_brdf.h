@@ -17,10 +17,10 @@ namespace irsig {
 //   L = B(T) + integral of f cos_i (L_in - B(T)) over the hemisphere
 //
 // which is Kirchhoff's law without a DHR. Equations and their sources:
-// core/materials/material_spec.h and docs/methods/materials-*.md; written here a second time. Two
-// models are numerical solutions and not formulas, the symmetric form of Sandford and Robertson and
-// tabulated BRDFs: they come from core/materials, evaluated in double, and only at grey properties
-// (UNIMPLEMENTED otherwise).
+// core/materials/material_spec.h and docs/explanation/methods/materials-*.md; written here a second
+// time. Two models are numerical solutions and not formulas, the symmetric form of Sandford and
+// Robertson and tabulated BRDFs: they come from core/materials, evaluated in double, and only at
+// grey properties (UNIMPLEMENTED otherwise).
 class ReferenceBrdf {
  public:
   // UNIMPLEMENTED: what the search does not generate (a scaled lobe of constants that vary with
@@ -29,7 +29,7 @@ class ReferenceBrdf {
                                                           double lambda_min_um,
                                                           double lambda_max_um);
 
-  // The same at every wavelength.
+  // Returns true if the BRDF is the same at every wavelength.
   [[nodiscard]] bool grey() const { return grey_; }
   // rms slope of the narrowest lobe; infinite: diffuse.
   [[nodiscard]] double narrowest_slope() const { return narrowest_; }
@@ -47,7 +47,7 @@ class ReferenceBrdf {
   };
   // u: three numbers in [0, 1).
   [[nodiscard]] Drawn draw(double cos_o, double u_lobe, double u, double v) const;
-  // Of draw(): positive wherever the BRDF is. [1/sr]
+  // Returns the density of draw(): positive wherever the BRDF is. [1/sr]
   [[nodiscard]] double density_per_sr(const ReflectionGeometry& g) const;
 
  private:

@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// What a view is compared with by `irsig selftest --search`: the same numbers by other means.
+// The reference of `irsig selftest --search`: computes a view's numbers by independent means.
 //
 //   I = sum over facets of  integral of V(x) cos(theta) (R / d)^2 L(x, towards the sensor) dA
 //   L = B(T) + integral of f cos_i (L_in - B(T)) dw                        [kajiya1986; Kirchhoff]

@@ -13,7 +13,8 @@
 #include "core/stability/reference_light.h"
 #include "core/stability/reference_view.h"
 
-// What making a reference (reference_view.cpp) and following its paths (reference_paths.cpp) share.
+// Shared parts of making a reference (reference_view.cpp) and following its paths
+// (reference_paths.cpp).
 namespace irsig {
 namespace reference_view {
 
@@ -136,7 +137,7 @@ struct ReferenceView::Parts::Path {
   std::vector<double> lambda_um, weight, through, sum, source, factor, end_factor;
   std::vector<std::vector<double>> part;  // Planck's, made when needed
   std::vector<double> sky, lower, sunlight;
-  // Of the last path. [band]
+  // Results of the last path. [band]
   std::vector<double> total, apparent, contrast;
   double area_m2 = 0;
 

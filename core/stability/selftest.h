@@ -17,8 +17,8 @@ struct CaseResult {
   [[nodiscard]] bool passed() const { return finding.ok() && finding->holds(); }
 };
 
-// Those whose "group/name" matches a pattern with * and ?, which may also name the whole group or
-// the case alone.
+// Returns the cases whose "group/name" matches a pattern with * and ?; the pattern may also name
+// the whole group or the case alone.
 [[nodiscard]] std::vector<HardCase> matching(std::vector<HardCase> cases, const std::string& glob);
 
 // One line each, without its end. The table is for people: a case that fails, and one that could

@@ -9,7 +9,7 @@
 namespace irsig {
 
 // Plates of 16 m2 with one small thing that is much brighter than they are, and the same plate
-// without it: what aiming at what is bright has to be worth (docs/stability.md).
+// without it: what aiming at what is bright has to be worth (docs/evidence/stability.md).
 struct RareLightScene {
   std::string name;
   SceneSpec scene;
@@ -26,7 +26,7 @@ struct RareLightScene {
 [[nodiscard]] RareLightScene small_mirror(double side_m, double slope, bool metal);
 [[nodiscard]] RareLightScene mirror_pair(double side_m, double slope, bool metal);
 
-// Those that a goal of 1 % is measured on, each with its plain one.
+// Returns the scenes on which a goal of 1 % is measured, each with its plain counterpart.
 struct SmallBrightSourcePair {
   RareLightScene rare, plain;
 };

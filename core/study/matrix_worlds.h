@@ -23,7 +23,7 @@ namespace irsig {
 [[nodiscard]] WeatherSpec bare_land();
 [[nodiscard]] WeatherSpec sea_fog(double visibility_m);
 
-// No sun.
+// Returns a condition without sun.
 [[nodiscard]] ConditionSpec condition_over(const WeatherSpec& weather,
                                            std::vector<double> part_temperature_k);
 void add_sun(ConditionSpec& condition, double azimuth_deg, double elevation_deg);  // as an aspect

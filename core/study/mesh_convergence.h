@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// How values of the same views change with the number of facets of the target.
+// Dependence of the values of the same views on the number of facets of the target.
 
 // A value with its error, one sigma, in the value's unit. An exact value has the error 0.
 struct MeshValue {
@@ -31,14 +31,15 @@ struct DeviationSummary {
   std::size_t largest = 0;      // index of the largest |deviation|
   bool significant = false;     // beyond_errors() of them all
 };
-// Of at least one deviation.
+// Summarises at least one deviation.
 [[nodiscard]] DeviationSummary summary_of(std::span<const MeshDeviation> deviations);
 
 // Chi-square of so many degrees of freedom is by 5 of its standard deviations too large for values
 // with nothing but errors: of 2 degrees of freedom 1 in 400 is, of more fewer.
 [[nodiscard]] bool beyond_errors(double chi_square, std::size_t degrees_of_freedom);
 
-// Whether the values depend on the mesh beyond their errors.   value: [view][mesh], none of them 0
+// Returns true if the values depend on the mesh beyond their errors.   value: [view][mesh], none of
+// them 0
 [[nodiscard]] bool varies(std::span<const std::vector<MeshValue>> value);
 
 // Values in the limit of ever more facets N, by Richardson's extrapolation: each view's values are

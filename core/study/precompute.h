@@ -36,9 +36,9 @@ struct PrecomputeCase {
 [[nodiscard]] double precompute_spectral_intensity_w_sr_um(const PrecomputeCase& target,
                                                            double lambda_um);
 
-// The same at lambda_min + k step, k = 0 .. n, both limits included (the step is adjusted so that
-// it divides the interval, as in BandGrid). INVALID_ARGUMENT names every quantity that is not
-// physical.
+// Computes the spectrum at lambda_min + k step, k = 0 .. n, both limits included (the step is
+// adjusted so that it divides the interval, as in BandGrid). INVALID_ARGUMENT names every quantity
+// that is not physical.
 [[nodiscard]] absl::StatusOr<std::vector<SpectralPoint>> precompute_spectrum(
     const PrecomputeCase& target, double lambda_min_um, double lambda_max_um, double step_um);
 

@@ -12,7 +12,7 @@
 
 namespace irsig {
 
-// How an estimate is made. The defaults are what a sweep with a relative error gets.
+// Options of an estimate. The defaults are those of a sweep with a relative error.
 struct EstimatorOptions {
   std::uint32_t max_reflections = 16;
   std::uint32_t replicates = 32;

@@ -14,12 +14,12 @@ namespace irsig {
 
 // The error of one row as a function of the time spent on it, for several ways of estimating it.
 
-// What the relative error is taken of. Of the spectrum: root mean square over the stored
+// The quantity whose relative error is studied. For the spectrum: root mean square over the stored
 // wavelengths, each relative to its own value.
 enum class StudiedQuantity { kIntensity, kSpectrum, kEmitted, kArea };
 inline constexpr std::size_t kStudiedQuantities = 4;
 
-// What errors are taken against, with its own relative standard error.
+// The reference for errors, with its own relative standard error.
 struct ReferenceValue {
   RowValue value;
   double apparent_intensity_w_sr = 0;
@@ -35,7 +35,8 @@ struct WorkPoint {
   // Likewise of the standard errors that the runs' own replicates give: the random part of the
   // error, known much better than from a few seeds. 0: the method has no replicates.
   double relative_stderr[kStudiedQuantities]{};
-  // Of the in-band intensity. 0: a number of samples was asked for, and no such error is stated.
+  // Requested relative error of the in-band intensity. 0: a number of samples was requested, and no
+  // such error is stated.
   double asked_relative_error = 0;
   double relative_numerical_error = 0;  // as the runs state it: rms over the seeds
 };
@@ -45,7 +46,7 @@ struct EstimateRun {
   RowValue value;
   double samples = 0;
   double relative_stderr[kStudiedQuantities]{};  // 0: no replicates
-  // Of whole runs, which decide about their samples themselves.
+  // Results of whole runs, which choose their samples themselves.
   std::uint64_t samples_per_replicate = 0;
   double relative_numerical_error = 0;
 };
@@ -103,7 +104,7 @@ struct WholeRunMethod {
 struct WorkError {
   double work, error;  // both > 0
 };
-// Of the measured quantity against CPU time, or against primary rays.
+// Error of the quantity against CPU time, or against primary rays.
 [[nodiscard]] std::vector<WorkError> against_time(const std::vector<WorkPoint>& points,
                                                   StudiedQuantity what);
 [[nodiscard]] std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points,

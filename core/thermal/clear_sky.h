@@ -35,13 +35,13 @@ struct ClearSkyIrradiance {
 // the series of [spencer1971]: 0.01 %.
 [[nodiscard]] double extraterrestrial_w_m2(double day_of_year);
 
-// Of water vapour in air with this dew point; at saturation, that of the air: 611.2 Pa exp(17.62 t
-// / (243.12 + t)), t in deg C [sonntag1990]: 0.3 % from -45 to 60 deg C.
+// Pressure of water vapour in air with this dew point; at saturation, that of the air: 611.2 Pa
+// exp(17.62 t / (243.12 + t)), t in deg C [sonntag1990]: 0.3 % from -45 to 60 deg C.
 [[nodiscard]] double vapour_pressure_pa(double dew_point_k);
 // The inverse; vapour pressure > 0.
 [[nodiscard]] double dew_point_k(double vapour_pressure_pa);
 
-// Of a column whose vapour falls off as usual with height [prata1996]: 46.5 cm K/hPa e / T.
+// Water in a column whose vapour decreases as usual with height [prata1996]: 46.5 cm K/hPa e / T.
 [[nodiscard]] double precipitable_water_cm(double air_k, double vapour_pressure_pa);
 
 // Long-wave emissivity of the clear sky: horizontal irradiance = emissivity sigma T_air^4.

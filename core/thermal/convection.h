@@ -40,9 +40,9 @@ enum class WindSide { kWindward, kLeeward };
 struct Fluid {
   double conductivity_w_m_k, kinematic_viscosity_m2_s, prandtl;
 };
-// Of 35 g/kg, 0 to 40 deg C: viscosity by [sharqawy2010, eqs. 22, 23]; conductivity 0.570 W/(m K)
-// at 0 deg C and 0.0014 more a kelvin (read off its fig. 7, 1 %), volumetric heat capacity 4.10
-// MJ/(m3 K) (0.5 %).
+// Properties of sea water of 35 g/kg, 0 to 40 deg C: viscosity by [sharqawy2010, eqs. 22, 23];
+// conductivity 0.570 W/(m K) at 0 deg C and 0.0014 more a kelvin (read off its fig. 7, 1 %),
+// volumetric heat capacity 4.10 MJ/(m3 K) (0.5 %).
 [[nodiscard]] Fluid sea_water(double temperature_k);
 
 // Mean h along a plate in a flow parallel to it [incropera2007, eqs. 7.30, 7.38]:

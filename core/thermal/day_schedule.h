@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// What changes in the same way every day: a room's temperature, a machine's heat.
+// A quantity that repeats every day: a room's temperature, a machine's heat.
 struct DaySchedule {
   struct At {
     double utc_s;  // since midnight UTC: [0, 86400)
@@ -23,17 +23,17 @@ struct DaySchedule {
 // numbers.
 [[nodiscard]] absl::Status check_schedule(const DaySchedule& schedule);
 
-// At an instant (seconds since 1970 UTC, without leap seconds); of steps at one of their times: the
-// new value. The schedule has passed check_schedule().
+// Returns the value at an instant (seconds since 1970 UTC, without leap seconds); at a step's own
+// time the new value. The schedule has passed check_schedule().
 [[nodiscard]] double value_at(const DaySchedule& schedule, double unix_s);
 
 // The schedule's times between two instants, both excluded, increasing: where it jumps or bends.
 [[nodiscard]] std::vector<double> times_between(const DaySchedule& schedule, double begin_unix_s,
                                                 double end_unix_s);
 
-// At knots: of the interval that ends there, and of the one that begins. Linear in the intervals.
-// Of steps, a time that is no knot counts as the nearest one; what begins before the first knot or
-// ends after the last is the neighbour's. [knot]
+// Values at knots: of the interval that ends there, and of the one that begins. Linear in the
+// intervals. A step at a time that is no knot moves to the nearest knot; a value that begins before
+// the first knot or ends after the last is the neighbour's. [knot]
 struct ScheduleAtKnot {
   double before, after;
 };

@@ -7,7 +7,8 @@
 
 namespace irsig {
 
-// What solve_heat refuses before it computes anything. Private to core/thermal.
+// Returns the first error of a request, before solve_heat computes anything. Private to
+// core/thermal.
 [[nodiscard]] absl::Status check_request(const HeatRequest& request);
 
 // InvalidArgument "name = value, expected ...".

@@ -14,13 +14,13 @@
 namespace irsig {
 
 // Temperatures of walls in changing weather: heat conducted through layers, radiation and
-// convection at the faces. Equations, errors and limits: docs/methods/thermal.md.
+// convection at the faces. Equations, errors and limits: docs/explanation/methods/thermal.md.
 //
 // Elements that share their layers, their kind of inner side and their knots are one request. Each
 // element's result depends on nothing else: not on its neighbours in the request, not on their
 // number, to the last bit.
 
-// What the inner face meets.
+// Boundary condition of the inner face.
 enum class InnerSide {
   kAdiabatic,
   kHeatFlux,          // absorbed_w_m2
@@ -37,7 +37,7 @@ struct FaceProperties {
   Convection convection;
 };
 
-// What a face is exposed to at one instant. [element of the call]
+// Exposure of a face at one instant. [element of the call]
 struct FaceExposure {
   std::span<double> absorbed_w_m2;    // short-wave, and whatever else reaches the face
   std::span<double> incoming_w_m2;    // long-wave irradiance, >= 0
@@ -45,9 +45,10 @@ struct FaceExposure {
   std::span<double> forced_h_w_m2_k;  // forced part of h (convection.h), >= 0
 };
 
-// At both ends of the time between two knots; linear between them. What changes at a knot at once
-// (a shadow's edge; an hour's record that is a mean, the same at begin and end) is said by the end
-// of one interval and the begin of the next. Heat is integrated exactly along such lines.
+// Exposure at both ends of the time between two knots; linear between them. A quantity that jumps
+// at a knot (a shadow's edge; an hour's record that is a mean, the same at begin and end) has one
+// value at the end of one interval and another at the begin of the next. Heat is integrated exactly
+// along such lines.
 struct Exposure {
   FaceExposure outer_begin, outer_end;
   FaceExposure inner_begin, inner_end;  // only what the InnerSide lists; kOpen: all
@@ -103,14 +104,14 @@ struct HeatResult {
   std::size_t boundaries, elements;
   // [(output knot x boundaries + output boundary) x elements + element]
   std::vector<double> temperature_k;
-  // Of each: largest difference to the level before anywhere in the wall, about three times the
-  // error of discretisation, and what the start has left. Not checked: that layers, exposure and h
-  // are right.
+  // Error of each temperature: largest difference to the level before anywhere in the wall, about
+  // three times the error of discretisation, and the remainder of the start. Not checked: that
+  // layers, exposure and h are right.
   std::vector<double> error_k;
   std::vector<int> level;  // [element]: the one that temperature_k is of
   // [element] Largest of a step: |heat stored - heat that came in| / its length.
   std::vector<double> closure_w_m2;
-  // With a periodic start: what its day begins with. [node x elements + element]
+  // Start of the day, with a periodic start. [node x elements + element]
   std::vector<double> begin_k;
 
   [[nodiscard]] std::size_t at(std::size_t output, std::size_t boundary,

@@ -12,7 +12,7 @@ namespace irsig {
 // many lanes that GCC does not unroll a loop over them completely (up to 16), which would leave it
 // scalar.
 inline constexpr std::size_t kHeatLanes = 32;
-// Where a step's first stage ends: 2 - sqrt(2) of it.
+// End of a step's first stage: 2 - sqrt(2) of the step.
 inline constexpr double kMiddleOfStep = 0.58578643762690495;
 using HeatLane = std::array<double, kHeatLanes>;
 
@@ -36,7 +36,7 @@ struct HeatStep {
   double begin, middle, end;  // shares of the interval
 };
 
-// From one knot to the next.
+// The steps from one knot to the next.
 struct HeatInterval {
   std::vector<Elimination> elimination;
   std::vector<HeatStep> step;

@@ -5,8 +5,8 @@
 
 namespace irsig {
 
-// Where a day that repeats begins, for one element, by Anderson's method [walker2011]: the next
-// guess is the mean of the last ends of days whose weights make the change over a day least.
+// Finds the start of a day that repeats, for one element, by Anderson's method [walker2011]: the
+// next guess is the mean of the last ends of days whose weights make the change over a day least.
 // Private to core/thermal.
 class PeriodicDay {
  public:

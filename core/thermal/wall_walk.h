@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// Of what is filled with NaN: the four numbers of a face at both ends of an interval, and the same
+// A table, filled with NaN, of the four numbers of a face at both ends of an interval, and the same
 // of the inner face.
 class ExposureTable {
  public:
@@ -54,7 +54,8 @@ class WallWalk {
   [[nodiscard]] std::size_t elements() const { return name_.size(); }
   [[nodiscard]] std::size_t nodes() const { return grid_.last() + 1; }
   [[nodiscard]] const ConductionGrid& grid() const { return grid_; }
-  // From the outer face inwards: node 0 is that, the last one the inner face.
+  // Temperature of a node, counted from the outer face inwards: node 0 is the outer face, the last
+  // one the inner face.
   [[nodiscard]] double& kelvin(std::size_t node, std::size_t element) {
     return t_[element / kHeatLanes * nodes() + node][element % kHeatLanes];
   }
@@ -64,7 +65,7 @@ class WallWalk {
   // Largest so far of a step: |heat stored - heat that came in| / its length.
   [[nodiscard]] double closure_w_m2(std::size_t element) const { return closure_w_m2_[element]; }
 
-  // To be filled before each interval.
+  // The exposure to be filled before each interval.
   [[nodiscard]] Exposure exposure() { return table_.empty(); }
   // `interval` is for messages.
   [[nodiscard]] absl::Status advance(std::size_t interval, double length_s, bool smooth);

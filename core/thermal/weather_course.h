@@ -10,14 +10,14 @@
 namespace irsig {
 
 // The weather at the surface as it goes on, in SI. Times: seconds since 1970 UTC, without leap
-// seconds. Equations and sources: docs/methods/thermal.md, "Weather".
+// seconds. Equations and sources: docs/explanation/methods/thermal.md, "Weather".
 
-// What no weather goes beyond, whoever states it: the coldest and warmest air ever measured (184
-// and 330 K) and some more, the pressure of inhabited mountains and of the deepest highs, the
-// strongest wind of some minutes (85 m/s), sunlight outside the air at perihelion (1407 W/m2);
-// diffuse and global sunlight, to which clouds may add. The sky's long-wave radiation is, besides,
-// a share of what a black sky as warm as the air sends: clear nights on the driest mountains have
-// 0.5, fog that is 20 K warmer than the air below it 1.3 (files: weather_file.h).
+// Limits of weather, whoever states it: the coldest and warmest air ever measured (184 and 330 K)
+// with a margin, the pressure of inhabited mountains and of the deepest highs, the strongest wind
+// of some minutes (85 m/s), sunlight outside the air at perihelion (1407 W/m2); diffuse and global
+// sunlight, to which clouds may add. The sky's long-wave radiation is also limited as a fraction of
+// the emission of a black sky as warm as the air: clear nights on the driest mountains have 0.5,
+// fog that is 20 K warmer than the air below it 1.3 (files: weather_file.h).
 struct WeatherLimit {
   const char* name;
   double least, most;
@@ -70,7 +70,7 @@ struct WeatherPlace {
   double latitude_deg, longitude_deg, height_m;
 };
 
-// What the model of a clear sky wants to know that weather does not say (clear_sky.h).
+// Inputs of the clear-sky model that weather does not state (clear_sky.h).
 struct SkyAerosol {
   double depth_380, depth_500;  // vertical aerosol optical depths at 380 and 500 nm
   double ozone_cm;
@@ -104,7 +104,7 @@ class CourseRadiation {
                                                             const WeatherPlace& place,
                                                             const SkyAerosol& sky);
 
-  // At a record's own time: of the interval that ends there, or of the one that begins.
+  // Side of a record's own time: the interval that ends there, or the one that begins.
   enum class Side { kBefore, kAfter };
   [[nodiscard]] Radiation at(double unix_s, Side side = Side::kBefore) const;
 
@@ -133,8 +133,8 @@ class CourseRadiation {
   double unplaced_j_m2_ = 0;
 };
 
-// When local (true) solar time is 0 h on a date, by the equation of time of [spencer1971]: 1
-// minute.
+// Returns the instant of 0 h local (true) solar time on a date, by the equation of time of
+// [spencer1971]: 1 minute.
 [[nodiscard]] double solar_midnight_unix_s(int year, int month, int day, double longitude_deg);
 
 // A day that is stated: air between two temperatures as a cosine about its warmest hour, all else

@@ -13,7 +13,8 @@
 
 namespace irsig {
 
-// What columns of weather files hold, in SI; the two last but one lines of the enum are radiation.
+// Quantities in columns of weather files, in SI; the two last but one lines of the enum are
+// radiation.
 enum class WeatherQuantity : std::uint8_t {
   kAir,         // K
   kDewPoint,    // K
@@ -29,7 +30,7 @@ enum class WeatherQuantity : std::uint8_t {
 };
 inline constexpr std::size_t kWeatherQuantities = 11;
 
-// What no weather goes beyond.
+// Returns the limits of a quantity in any weather.
 [[nodiscard]] const WeatherLimit& limit_of(WeatherQuantity quantity);
 
 // Rows as a file has them, checked as numbers only.
@@ -75,14 +76,15 @@ struct WeatherFile {
 [[nodiscard]] absl::StatusOr<WeatherFile> read_weather_file(std::string_view text,
                                                             const std::string& file_name);
 
-// What is wanted of a file.
+// The part of a file to be read.
 struct CourseWanted {
   double from_unix_s = 0, to_unix_s = 0;  // periodic: of the day that begins at from_unix_s
   bool periodic = false;
   WeatherPlace place{};
   bool radiation = false;  // and the wind's direction
   bool wind_direction = false;
-  // Where the file has no column for them; absent: an error (where it is wanted), and 0.
+  // Values where the file has no column for them; absent: an error (where the quantity is wanted),
+  // and 0.
   std::optional<double> wind_from_deg, cloud_cover;
 };
 struct FileCourse {

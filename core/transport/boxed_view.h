@@ -22,10 +22,10 @@ struct BoxedSight {
   std::vector<Point> point;
 };
 
-// Where light is seen to come from, cell by cell of the image plane, if the points absorb nothing,
-// or so much that the densest column of them has one of a few optical depths: points take from what
-// is behind them. Real gas is thin at some wavelengths and thick at others, so that all of these
-// count.
+// Distribution of the light's origin over the cells of the image plane, for points that absorb
+// nothing, or so much that the densest column of them has one of a few optical depths: points
+// absorb the light behind them. Real gas is thin at some wavelengths and thick at others, so that
+// all of these cases count.
 class SightShares {
  public:
   static constexpr std::array<double, 5> kOpticalDepth = {0, 1, 10, 100, 1000};

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// Which sample of a scrambled Sobol replicate lies in a given small square of the unit square.
+// Finds the sample of a scrambled Sobol replicate in a given small square of the unit square.
 //
 // Of n samples, at most one of each replicate lies in a square of side 2^-m, m = ceil(log4 n).
 // Visiting the squares one after the other, and in each all replicates, gives rays that hit the

@@ -32,7 +32,7 @@ class HotLights {
   };
   [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(light_.size()); }
   [[nodiscard]] const Sphere& bounds(std::uint32_t light) const { return light_[light].sphere; }
-  // Of a facet; kNone: not hot.
+  // Returns the light of a facet; kNone: the facet is not hot.
   [[nodiscard]] std::uint32_t light_of(std::uint32_t facet) const {
     const std::uint32_t i = facet - first_facet_;  // wraps around for facets before the first
     return i >= cluster_of_.size() || cluster_of_[i] == kNone ? kNone

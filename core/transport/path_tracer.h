@@ -31,12 +31,12 @@ inline constexpr float kFaintHot = 0.03f;
 // 1.00 at m = 3e-4, 1e-3, 3e-3, 0.01 (0.06, 0.2, 0.6, 2.2 radii); 0.8 and 0.7 at 0.02 and 0.03.
 inline constexpr float kNarrowRadii = 2.0f;
 
-// What the paths are accumulated into pictures with: `images` in-band pictures of width x height
-// pixels over a rectangle of the view's image plane. source[id * padded + i] is what a unit weight
-// of a source adds to picture i: an in-band radiance for grey materials. With spectral materials it
-// is source[(id * images + i) * nodes + node]: a weight at each node. Behind hot gas this stands
-// for each class of it, one after another, and gas[i * measures + m] is what a unit of a measure
-// adds: an in-band radiance.
+// The pictures into which paths are accumulated: `images` in-band pictures of width x height pixels
+// over a rectangle of the view's image plane. source[id * padded + i] is the contribution of a unit
+// weight of a source to picture i: an in-band radiance for grey materials. With spectral materials
+// it is source[(id * images + i) * nodes + node]: a weight at each node. Behind hot gas the table
+// holds each class of the gas, one after another, and gas[i * measures + m] is the contribution of
+// a unit of a measure: an in-band radiance.
 struct ImagePlan {
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t images = 0, padded = 0;  // padded: images rounded up to a multiple of 8
@@ -72,9 +72,13 @@ struct PathSettings {
   bool hot_lights = true, sun_disk_by_chance = true;
   // Independent random numbers instead of scrambled Sobol points. For comparisons.
   bool pseudo_random = false;
+  // Primary samples of each pixel of the pictures and replicate, a power of two, stratified over
+  // the pixel; needs a view of one stratum (whole_view) and pictures. 0: samples of the view's
+  // strata.
+  std::uint32_t pixel_samples = 0;
   // Of the view's strata this one alone.
   std::optional<std::uint32_t> only_stratum = std::nullopt;
-  // No ray that leaves the target meets it again (Target::convex): none is traced.
+  // True if no ray that leaves the target can meet it again (Target::convex): none is traced.
   bool skip_self_intersection = false;
 };
 
@@ -83,7 +87,7 @@ struct PathSettings {
 struct PathWeights {
   SourceWeights weight;
   std::vector<SourceWeights> of_order;  // with by_order instead, [0 .. max_reflections]
-  // What paths of exactly max_reflections reflections contributed: part of `weight`. Empty if that
+  // Contribution of paths of exactly max_reflections reflections: part of `weight`. Empty if that
   // is fewer than two, unless PathSettings::always_last.
   SourceWeights last;
   double projected_area_m2 = 0;
@@ -94,7 +98,7 @@ struct PathWeights {
   // the largest spectral factor times the largest DHR, not less than the throughput at any node.
   std::array<double, 3> beyond_m2{};
   double truncated_m2 = 0;  // = beyond_m2[2]
-  // The same after each number of reflections 0 .. N.
+  // Throughput beyond each number of reflections 0 .. N.
   std::vector<double> beyond_order_m2;
   // Through hot gas (HotGasMedium): the sums of its measures. Other rays then count nowhere, and
   // first "parts" are, by the class of the gas, what is behind it of the target (0 .. classes - 1)
@@ -115,8 +119,8 @@ struct PathWeights {
 // Guarded events are numbers that should not occur; nothing of them enters the result.
 struct PathCounts {
   std::uint64_t samples = 0, target_paths = 0, rays = 0;
-  // Of all rays: those that look for a second hit (or would), and those aimed at suns, from the sea
-  // at suns, at hot parts. The others are primary.
+  // Numbers of rays by kind: rays that look for a second hit (or would), and rays aimed at suns,
+  // from the sea at suns, at hot parts. The remaining rays are primary.
   std::uint64_t reflected_rays = 0, sun_rays = 0, glint_rays = 0, hot_rays = 0;
   std::uint64_t guarded_backface_hits = 0;     // a one-sided facet met from behind
   std::uint64_t silhouette_backface_hits = 0;  // of these: by primary rays
@@ -126,7 +130,7 @@ struct PathCounts {
 };
 
 // Reverse Monte Carlo from one viewpoint: traced once, shaded for any number of conditions.
-// (docs/methods.md)
+// (docs/explanation/methods.md)
 //
 //   I = sum over strata of  area / n * sum over rays of  (range / plane)^2 (1 + r^2 /
 //   plane^2)^(-3/2) L
@@ -154,7 +158,7 @@ class PathTracer {
   PathTracer(const Target& target, std::span<const Material> materials, const AimedView& view,
              SourceGeometry sources, PathSettings settings);
 
-  // Where weights of which source stand.
+  // Layout of the weights by source.
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   [[nodiscard]] bool spectral() const { return spectral_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_; }  // columns of weights: 1 if grey
@@ -178,7 +182,13 @@ class PathTracer {
   void trace_stratum(Work& work, std::uint32_t stratum) const;
   template <bool kSpectral>
   void trace_batch(Work& work) const;
-  void aim_batch(Work& work, const CoverageMask& mask) const;
+  template <bool kSpectral>
+  void trace_pixels(Work& work, const std::vector<SeedPair>& aim) const;
+  template <bool kSpectral>
+  void trace_listed(Work& work) const;
+  // Area of the image plane that one sample of a replicate stands for. [m2]
+  [[nodiscard]] double sample_m2(const ImagePlan& plan, std::uint32_t stratum) const;
+  void aim_batch(Work& work) const;
   void cross_gas(Work& work) const;
   template <bool kSpectral>
   void cross_gas_around(Work& work) const;
@@ -186,7 +196,7 @@ class PathTracer {
                                       PathState& path) const;
   [[nodiscard]] PathState background_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
                                                 double end) const;
-  // Where the rays of work.batch end: its stages, in their order.
+  // Traces the rays of work.batch to their ends: its stages, in their order.
   template <bool kSpectral>
   void arrive(Work& work, std::uint32_t order) const;
   struct Arrivals;

@@ -65,7 +65,7 @@ struct Sun {
     return {wi, inverse_distance_per_m > 0 ? inverse2 : 1.0f,
             inverse_area_per_sr / (inverse2 * along)};
   }
-  // Whether a ray meets the disk (if nothing is in between).
+  // Returns true if a ray meets the disk (if nothing is in between).
   [[nodiscard]] bool met_by(Float3 from, Float3 wi, Light& light) const {
     const float along = dot(wi, direction);
     if (along <= 0) return false;
@@ -111,8 +111,8 @@ struct PathTracer::Work {
   std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
   std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names
   std::vector<double> gas_measure;          // [measure]
-  // What gas takes of the light behind it: [primary ray of the batch][class]; of gas around the
-  // target [ray that has met some][class].
+  // Absorbed fraction of the light behind the gas: [primary ray of the batch][class]; for gas
+  // around the target [ray that has met some][class].
   std::vector<float> gas_fraction;
   std::size_t gas_fractions = 0;  // of gas around the target: so many are kept
   float area_per_sample = 0;   // m2 on the image plane: the inverse of the stratum's sample density

@@ -29,10 +29,10 @@ struct ViewFrame : PlaneRectangle {  // the target's bounding rectangle
   double plane_m = 0;                // distance from the sensor to the image plane
 };
 
-// Where primary rays of one stratum are aimed: uniformly over those cells of the bounding rectangle
-// that its triangles touch (conservatively), so that few rays miss; the density is positive
-// wherever the stratum can be seen, which is all that an unbiased estimate needs. The unit square
-// is mapped to the cells column by column, which keeps the stratification of the sampler.
+// Mask at which primary rays of one stratum are aimed: uniformly over the cells of the bounding
+// rectangle that its triangles touch (conservatively), so that few rays miss; the density is
+// positive wherever the stratum can be seen, as an unbiased estimate requires. The unit square is
+// mapped to the cells column by column, which keeps the stratification of the sampler.
 class CoverageMask {
  public:
   // x, y: the vertices' places on the image plane [m]; facets: the stratum's triangles.
@@ -103,8 +103,8 @@ class CellDensity {
   std::vector<float> factor_;       // [cell]
 };
 
-// What of a target is aimed at by itself because it may be bright and is small: facets in groups
-// that lie close together (none of a hot part: those are aimed at anyway).
+// Small facets of a target that may be bright and get rays of their own: facets in groups that lie
+// close together (none of a hot part, which gets rays of its own anyway).
 struct BrightFacets {
   std::vector<std::vector<std::uint32_t>> group;
   bool past_others = false;  // hot parts and groups are looked for past what hides them
@@ -115,7 +115,8 @@ struct BrightFacets {
   [[nodiscard]] bool none() const { return group.empty() && !past_others; }
 };
 
-// Of one stratum, each replicate: the sampler's coordinates have 23 bits.
+// Largest number of samples of one stratum in each replicate: the sampler's coordinates have 23
+// bits.
 inline constexpr std::uint64_t kMostOfStratum = std::uint64_t{1} << 23;
 
 // A view with the masks of its strata: everything that is neither hot nor bright, then one stratum
@@ -133,8 +134,8 @@ struct AimedView {
   [[nodiscard]] std::uint32_t stratum_of(std::uint32_t facet, std::uint32_t part) const {
     return stratum_of_facet.empty() ? stratum_of_part[part] : stratum_of_facet[facet];
   }
-  // Of each replicate: of the main stratum (0) and of bright facets all; a hot part is small and
-  // bright, and gets an eighth of them, whatever its area.
+  // Returns the samples of a stratum in each replicate: all of them for the main stratum (0) and
+  // for bright facets; an eighth for a hot part, which is small and bright, whatever its area.
   [[nodiscard]] std::uint64_t samples(std::uint32_t of_stratum, std::uint64_t samples) const {
     if (!bright.share.empty())
       return std::clamp<std::uint64_t>(
@@ -144,13 +145,17 @@ struct AimedView {
     return std::max<std::uint64_t>(64, samples / 8);
   }
 };
+
+// Returns the view with one stratum, the whole rectangle of its frame: every primary ray counts for
+// what it meets, hot and bright facets included.
+[[nodiscard]] AimedView whole_view(const AimedView& view);
 // INVALID_ARGUMENT: the sensor is inside the target's convex hull, or within a hundredth of the
 // target's radius of it. A sensor that is nearer than the target reaches looks past the reference
 // point, so that all of the target is in front of it.
 [[nodiscard]] absl::Status check_outside(const Target& target, const Viewpoint& viewpoint);
-// From a sensor that looks at the target. Its rectangle is still to be stated.
+// Returns the frame of a sensor that looks at the target. Its rectangle is still to be stated.
 [[nodiscard]] ViewFrame make_view_frame(const Target& target, const Viewpoint& viewpoint);
-// Of a sensor that is outside.
+// Returns the view of a sensor outside the target.
 [[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
                                         const BrightFacets& bright = {});
 

@@ -14,7 +14,7 @@ struct Float3 {
 };
 inline float dot(Float3 a, Float3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// What a path carries from vertex to vertex.
+// The state that a path carries from vertex to vertex.
 struct PathState {
   std::uint32_t replicate;
   std::uint32_t sample;  // index in the sampler
@@ -35,8 +35,9 @@ struct RayBatch {
   std::vector<RayPacket> packet;
   std::vector<PathState> state;
   std::vector<float> spectrum;
-  // Where there are hot lights, in rows of 1 + lights: the expected number of rays per solid angle
-  // that the last vertex drew in this direction [1/sr], and how often it aims at each light.
+  // Density of the last vertex's rays where there are hot lights, in rows of 1 + lights: the
+  // expected number of rays per solid angle that the vertex drew in this direction [1/sr], and the
+  // expected number that it aims at each light.
   std::vector<float> drawn;
   std::uint32_t size = 0;
 

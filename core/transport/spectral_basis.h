@@ -37,8 +37,8 @@ struct SpectralBasis {
   [[nodiscard]] std::vector<double> fold(std::size_t first, std::span<const double> values) const;
 };
 
-// For materials prepared at every node. Every node is carried where that is hardly more: above half
-// of them, or at most 8 nodes.
+// Returns the basis for materials prepared at every node. Every node is carried where the basis
+// would need more than half of the nodes, or if there are at most 8 nodes.
 [[nodiscard]] SpectralBasis make_spectral_basis(std::span<const Material> materials,
                                                 double tolerance = 1e-5);
 

@@ -68,9 +68,10 @@ struct VertexList {
 void sun_probability(VertexList& vertices, Float3 sun, float inverse_distance_per_m,
                      float sin_radius, float faint, float* keep);
 
-// How often a hot light within a bounding sphere is aimed at: about the light's share of what the
-// vertex reflects (brdf x solid angle x cos, as if it filled its sphere or all its area faced the
-// vertex) / faint, at most 1; 0 only if it is below the facet's plane or far outside a narrow lobe.
+// Computes the expected number of rays aimed at a hot light within a bounding sphere: about the
+// light's fraction of the vertex's reflection (brdf x solid angle x cos, as if it filled its sphere
+// or all its area faced the vertex) / faint, at most 1; 0 only if the light is below the facet's
+// plane or far outside a narrow lobe.
 void hot_rate(const VertexList& vertices, Float3 centre, float radius_m, float area_m2, float faint,
               float* rate);
 

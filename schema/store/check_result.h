@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// What a result is held against.
+// The job's properties that a result must match.
 struct ExpectedResult {
   std::string job_key;
   std::vector<std::uint32_t> condition_index;
@@ -29,8 +29,8 @@ struct ExpectedResult {
 [[nodiscard]] absl::Status check_result(const schema::JobResult& result,
                                         const ExpectedResult& expected);
 
-// What holds for results of every kind: the key is the leased job's; the seed is one; numbers are
-// finite, errors and areas not negative, and counts fit into a signed column.
+// Checks results of every kind: the key is the leased job's; the seed is one; numbers are finite,
+// errors and areas not negative, and counts fit into a signed column.
 [[nodiscard]] absl::Status check_job_key(const schema::JobResult& result,
                                          const std::string& job_key);
 // Sixteen hexadecimal digits. That of a view is made of its geometry, which is the worker's matter.

@@ -12,7 +12,8 @@ namespace irsig {
 // messages: a field that is added changes it.
 [[nodiscard]] std::string content_sha256(const schema::JobResult& result);
 
-// The same, of a result that nobody else looks at meanwhile, without a copy of it.
+// Like content_sha256(const JobResult&), without a copy, for a result that no other thread reads
+// meanwhile.
 [[nodiscard]] std::string content_sha256(schema::JobResult& result);
 
 }  // namespace irsig

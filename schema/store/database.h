@@ -41,7 +41,7 @@ class Rows {
   std::string text();
   // Valid until the next step.
   std::string_view blob();
-  // Of the column that would be read next.
+  // Type of the column that would be read next.
   enum class Type { kInteger, kReal, kText, kBlob, kNull };
   Type type() const;
   bool is_null() const { return type() == Type::kNull; }
@@ -89,7 +89,7 @@ class Database {
     return rows;
   }
 
-  // The same for a statement that returns no rows.
+  // Like query(), for a statement that returns no rows.
   template <typename... Values>
   absl::Status run(const char* sql, const Values&... values) {
     ASSIGN_OR_RETURN(Rows rows, query(sql, values...));
@@ -109,7 +109,7 @@ class Database {
   absl::Status write_blob(const char* table, const char* column, std::int64_t row,
                           std::uint64_t offset, std::string_view bytes);
 
-  // How long statements wait for a lock that another connection holds (as opened: 5 s).
+  // Sets the time that statements wait for a lock of another connection (as opened: 5 s).
   void wait_for_locks_ms(int milliseconds);
 
   // The last connection to close otherwise folds the journal into the file and removes it.
@@ -163,14 +163,14 @@ class Savepoint {
   bool open_ = true;
 };
 
-// What an error number says of a file that a user has named, "read" or "written": NOT_FOUND and
-// INVALID_ARGUMENT where another name or another permission mends it, RESOURCE_EXHAUSTED of a full
-// disk, UNAVAILABLE otherwise.
+// Returns the status for an error number of a file that a user has named, "read" or "written":
+// NOT_FOUND and INVALID_ARGUMENT where another name or another permission mends it,
+// RESOURCE_EXHAUSTED for a full disk, UNAVAILABLE otherwise.
 [[nodiscard]] absl::Status unusable_file(const std::string& path, std::string_view used, int error);
 
-// What the first 100 bytes of a file say about it, read through SQLite's own file layer: a plain
-// open and close of the file would drop the locks that this process holds on it through another
-// connection (POSIX locks are per process).
+// Facts from the first 100 bytes of a file, read through SQLite's own file layer: a plain open and
+// close of the file would drop the locks that this process holds on it through another connection
+// (POSIX locks are per process).
 struct FileHeader {
   bool empty;
   bool is_sqlite;

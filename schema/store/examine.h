@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// What is wrong with a database, or old.
+// A fault of a database, or a sign of its age.
 struct StoreFinding {
   enum class Kind {
     kDamaged,  // not what was written
@@ -26,7 +26,7 @@ struct StoreFinding {
 [[nodiscard]] absl::StatusOr<std::vector<StoreFinding>> examine(const std::string& path,
                                                                 int physics_version);
 
-// What became of a file whose header asks for a journal.
+// Outcome of accepting a file whose header asks for a journal.
 struct AcceptedFile {
   std::vector<StoreFinding> findings;
   bool damaged = false;                // it stays as it is
@@ -34,9 +34,9 @@ struct AcceptedFile {
   std::uint64_t sweeps = 0, rows = 0;  // that it holds
 };
 
-// The same examination, also of a file whose journal is missing (schema/store/whole_file.h); if
-// nothing is damaged, it becomes one plain file: what it holds now is the database. A journal that
-// is there is folded in. FAILED_PRECONDITION: somebody writes it. INVALID_ARGUMENT: it has several
+// Examines a file like examine(), even if its journal is missing (schema/store/whole_file.h). If
+// nothing is damaged, the file becomes one plain file with its present content. An existing journal
+// is folded in. FAILED_PRECONDITION: a program is writing to it. INVALID_ARGUMENT: it has several
 // hard links.
 [[nodiscard]] absl::StatusOr<AcceptedFile> accept_file(const std::string& path,
                                                        int physics_version);

@@ -5,11 +5,12 @@
 
 #include "absl/status/statusor.h"
 #include "schema/store/database.h"
-#include "schema/store/store.h"
+#include "schema/store/filters.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
-// Of the sweep's done heat jobs, in the order of its runs.
+// Returns the outputs of the sweep's done heat jobs, in the order of its runs.
 [[nodiscard]] absl::StatusOr<HeatOutputs> find_heat_outputs(Database& database,
                                                             const std::string& sweep);
 [[nodiscard]] absl::StatusOr<std::vector<StoredTemperature>> find_computed_temperatures(

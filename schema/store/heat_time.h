@@ -10,7 +10,7 @@ namespace irsig {
 // [s] nullopt: no RFC 3339.
 [[nodiscard]] std::optional<double> unix_s_of(const std::string& time_utc);
 
-// Which of the run's times this is, however it is written; nullopt: none.
+// Returns the index of this time among the run's times, however it is written; nullopt: none.
 [[nodiscard]] std::optional<int> time_index_of(const schema::HeatRun& run,
                                                const std::string& time_utc);
 

@@ -20,7 +20,7 @@ namespace irsig {
                                         const std::string& worker_name,
                                         const std::string& content_sha256);
 
-// Of the sweep's parts, in order.
+// Returns the ids of the sweep's parts, in order.
 [[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database,
                                                                  std::int64_t sweep_id);
 

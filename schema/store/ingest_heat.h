@@ -17,7 +17,7 @@ namespace irsig {
 [[nodiscard]] absl::Status store_heat(Database& database, const LeasedJob& job,
                                       const schema::JobResult& result);
 
-// How many lines of the table a run comes to: one for each part and time.
+// Returns the number of rows of a run in the table: one for each part and time.
 [[nodiscard]] std::int64_t computed_temperatures_of(const schema::HeatRun& run);
 
 // Gives the job what a done job of another sweep with the same key has left, if one of this

@@ -20,7 +20,7 @@ namespace irsig {
                                         const std::vector<std::string>& names,
                                         const std::string& path);
 
-// Of a row that was checked.
+// Inserts the inputs of a row that was checked.
 [[nodiscard]] absl::Status insert_inputs(Database& database, std::int64_t signature_id,
                                          const schema::SignatureRow& row);
 

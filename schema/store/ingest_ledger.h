@@ -26,7 +26,7 @@ struct LedgerNames {
 [[nodiscard]] absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
                                         const std::string& path);
 
-// Of a row that was checked.
+// Inserts the ledger of a row that was checked.
 [[nodiscard]] absl::Status insert_ledger(Database& database, const LedgerNames& names,
                                          std::int64_t signature_id,
                                          const schema::SignatureRow& row);

@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 
@@ -30,8 +30,8 @@ struct Merged {
   std::string digest;        // StoreReader::digest
 };
 
-// Told how many of how many rows have been read; another status than OK ends it, and leaves
-// nothing.
+// Callback: given the numbers of rows read and in all, returns OK to continue; another status ends
+// the merge, and leaves nothing.
 using MergeProgress = std::function<absl::Status(std::uint64_t rows, std::uint64_t of)>;
 
 // Makes a database of the done jobs of others. Sweeps of one name are one sweep: the whole one,

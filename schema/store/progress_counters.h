@@ -12,12 +12,13 @@
 
 namespace irsig {
 
-// How far each sweep is, beside the queue: counted from it once, then carried along with each
-// change of a job, so that neither a status nor a lease looks at every job. Belongs to the one
-// writer of the database, which tells it of changes after their statements have run.
+// Progress of each sweep, beside the queue: counted from the queue once, then updated with each
+// change of a job, so that neither a status nor a lease reads every job. Belongs to the one writer
+// of the database, which reports changes after their statements have run.
 class ProgressCounters {
  public:
-  // What is not known is counted (again). In the order of the sweeps' ids.
+  // Returns the progress of all sweeps, in the order of their ids. Unknown counts are counted
+  // (again).
   absl::StatusOr<std::vector<SweepProgress>> all(Database& database);
   // The class of the first sweep that is bound to one and has jobs open; empty: none is.
   absl::StatusOr<std::string> bound_class(Database& database);

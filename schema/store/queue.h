@@ -8,11 +8,11 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "schema/store/database.h"
-#include "schema/store/store.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 
-// How an attempt ended, as stored (table attempt_outcome; numbers are never reused).
+// Outcome of an attempt, as stored (table attempt_outcome; numbers are never reused).
 enum class AttemptOutcome : int {
   kRunning = 0,
   kDone = 1,
@@ -21,11 +21,11 @@ enum class AttemptOutcome : int {
   kRevoked = 4
 };
 
-// What a job computes, as stored (table job_kind; numbers are never reused).
+// Kind of a job, as stored (table job_kind; numbers are never reused).
 enum class JobKind : int { kView = 1, kHeat = 2 };
 [[nodiscard]] absl::StatusOr<JobKind> job_kind(std::int64_t stored);
 
-// What a view has besides.
+// Properties of a leased view's job.
 struct LeasedView {
   std::int64_t viewpoint_id;
   std::vector<std::uint32_t> condition_index;
@@ -56,16 +56,17 @@ struct LeasedJob {
 [[nodiscard]] absl::Status end_lease(Database& database, std::uint64_t fencing_token,
                                      std::int64_t job_id, AttemptOutcome outcome, JobState state,
                                      const std::string& message, const std::string& worker_name);
-// The same for a job that was done: what needs it may be leased now.
+// Like end_lease(), for a job that was done: jobs that need it may be leased now.
 [[nodiscard]] absl::Status end_lease_done(Database& database, std::uint64_t fencing_token,
                                           std::int64_t job_id, const std::string& worker_name);
-// How many jobs are quarantined for it: none, this one, or those as well that need it.
+// Fails a lease, and returns the number of jobs that are quarantined for it: none, this one, or
+// also the jobs that need it.
 [[nodiscard]] absl::StatusOr<std::uint64_t> fail_lease(Database& database,
                                                        std::uint64_t fencing_token,
                                                        const LeasedJob& job,
                                                        const std::string& worker_name,
                                                        const std::string& message, bool for_good);
-// As StoreWriter has them.
+// As in StoreWriter.
 [[nodiscard]] absl::StatusOr<std::optional<KnownJob>> known_job(Database& database,
                                                                 const std::string& sweep_sha256,
                                                                 const std::string& job_key);
@@ -87,7 +88,7 @@ struct CountedSweep {
   std::string determinism_class;  // empty: not bound
   SweepProgress progress;
 };
-// Of one sweep, or of all, in the order of their ids. Looks at every job: 5 s for 10^6.
+// Counts one sweep, or all, in the order of their ids. Reads every job: 5 s for 10^6.
 [[nodiscard]] absl::StatusOr<std::vector<CountedSweep>> count_sweeps(
     Database& database, std::optional<std::int64_t> only);
 

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 
@@ -22,7 +22,8 @@ struct Sliced {
   std::string source_digest;  // empty: not asked for
 };
 
-// Told how many of how many rows are copied; another status than OK ends it, and leaves nothing.
+// Callback: given the numbers of rows copied and in all, returns OK to continue; another status
+// ends the slice, and leaves nothing.
 using SliceProgress = std::function<absl::Status(std::uint64_t rows, std::uint64_t of)>;
 
 // Makes a database of the rows that a filter selects, with all that belongs to them and nothing

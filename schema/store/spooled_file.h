@@ -21,9 +21,9 @@ class SpooledFile {
   // OUT_OF_RANGE: there is no room for them.
   virtual absl::Status append(std::string_view bytes) = 0;
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  // Of all bytes; nothing may be appended after.
+  // Returns the hash of all bytes; nothing may be appended after.
   virtual std::string sha256() = 0;
-  // At most `most` bytes from `at` on.
+  // Reads at most `most` bytes from `at` on.
   virtual absl::StatusOr<std::string> read(std::uint64_t at, std::size_t most) const = 0;
 };
 

@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "schema/store/database.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 
@@ -16,12 +16,13 @@ namespace irsig {
 
 // NOT_FOUND: there is none. DATA_LOSS: its bytes are others; says what it is and how to replace it.
 [[nodiscard]] absl::StatusOr<std::string> read_asset(Database& database, const std::string& sha256);
-// The same without the bytes.
+// Like read_asset(), without the bytes.
 [[nodiscard]] absl::Status check_asset(Database& database, const std::string& sha256);
 
-// Of what a heat job has left; NOT_FOUND: nothing.
+// Checks the output of a heat job; NOT_FOUND: it has none.
 [[nodiscard]] absl::Status check_heat_output(Database& database, std::int64_t job_id);
-// Of each SHA-256 that a statement without parameters lists; the first that is damaged or missing.
+// Checks each SHA-256 that a statement without parameters lists; returns the error of the first
+// that is damaged or missing.
 [[nodiscard]] absl::Status check_assets(Database& database, const char* listed);
 
 // Stores an asset whose bytes are those of its hash. What is there already stays, unless it is
@@ -30,8 +31,8 @@ namespace irsig {
 [[nodiscard]] absl::Status store_asset(Database& database, const std::string& sha256,
                                        std::string_view bytes);
 
-// What an asset is, and what replaces it if it is damaged: "SHA256 (temperatures computed for the
-// season "winter" of the sweep "ship")".
+// Returns a description of an asset, with the remedy if it is damaged: "SHA256 (temperatures
+// computed for the season "winter" of the sweep "ship")".
 [[nodiscard]] absl::StatusOr<std::string> describe_asset(Database& database,
                                                          const std::string& sha256);
 [[nodiscard]] std::string how_to_replace_asset(const std::string& database_path);

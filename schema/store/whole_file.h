@@ -10,11 +10,12 @@ namespace irsig {
 // the cases in which it is not. `name` is what the user calls the database, `path` its real path
 // (real_path).
 
-// Where a file lies or will be made, links followed; the path as it is where that cannot be told.
+// Returns the path at which a file lies or will be made, links followed; the path itself where that
+// cannot be told.
 [[nodiscard]] std::string real_path(const std::string& path);
 
-// Whether a journal with at least one commit lies beside the database. An empty one is none: a
-// program that only reads leaves one beside an incomplete copy.
+// Returns true if a journal with at least one commit lies beside the database. An empty journal
+// does not count: a program that only reads leaves one beside an incomplete copy.
 [[nodiscard]] bool has_journal(const std::string& path);
 
 // INVALID_ARGUMENT: the header asks for a journal, and there is neither one nor a writer. What is

@@ -45,7 +45,7 @@ class WriterLock {
   bool said_ = false;
 };
 
-// What the lock file beside a database says, for those who do not hold the lock.
+// State of the lock file beside a database, for processes that do not hold the lock.
 struct LockFile {
   bool held = false;                   // by a living writer
   bool whole_without_journal = false;  // as say_whole_without_journal() has it, of this very file

@@ -6,8 +6,10 @@ import unittest
 
 import check_layers
 import check_libm
+import check_links
 import check_loaded
 import check_performance_page
+import check_sentences
 import check_unity
 import check_words
 
@@ -141,6 +143,65 @@ class Words(TreeTest):
         for name in ("core/util/a.cpp", "core/common.h", "view/string_helpers.cpp", "cli/job_manager.h", "misc/a.txt"):
             with self.subTest(name=name):
                 self.assertEqual(len(self.words({name: ""})), 1)
+
+    def test_former_names(self):
+        self.assertEqual(self.words({"core/base/base.cpp": "double target_missed;\n"}),
+                         ["core/base/base.cpp:1: target_missed is a former name; use accuracy_not_reached"])
+        self.assertEqual(self.words({"core/base/base.cpp": "double target_missed_by;\n",
+                                     "schema/sql/migrations/0001_create.sql": "target_missed\n"}), [])
+
+    def test_fragments(self):
+        for text in ("// Of a row: its error.\n", "struct A {\n  double a;  // What it is, in W.\n};\n",
+                     "void f();\n\n  // Whether it is so.\nbool g();\n", "// The same for\n// all.\n"):
+            with self.subTest(text=text):
+                findings = self.words({"core/base/base.h": text})
+                self.assertEqual(len(findings), 1)
+                self.assertIn("opens as a fragment", findings[0])
+        for text in ("// Returns the error\n// Of a row.\n", "double a;  // error\n           // What is\n", "// Often so.\n"):
+            with self.subTest(text=text):
+                self.assertEqual(self.words({"core/base/base.h": text}), [])
+        self.assertEqual(self.words({"tests/unit/base.h": "// Of a row.\n"}), [])
+
+    def test_long_lines(self):
+        self.assertEqual(self.words({"docs/a.md": "a " * 60 + "\n"}), [])
+        self.assertEqual(len(self.words({"docs/a.md": "a " * 60 + "a\n"})), 1)
+        self.assertEqual(self.words({"docs/a.md": "| a" * 60 + "|\n# " + "b" * 130 + "\n"}), [])
+
+    def test_stale_paths(self):
+        for name, text in (("docs/a.md", "see `core/base/gone.h`\n"), ("core/base/b.cpp", "// core/base/gone.h\n"),
+                           ("ops/a.sh", "# as core/base/gone.h\n"), ("docs/a.md", "`values/gone.csv`\n"),
+                           ("docs/a.md", "`core/base/gone.*`\n")):
+            with self.subTest(name=name, text=text):
+                self.assertEqual(len(self.words({name: text})), 1)
+        self.assertEqual(self.words({"docs/a.md": "`core/base/base.*`, `core/base/base.h`, `job.cpp`, out/a.csv\n",
+                                     "worker/README.md": "`worker/job.cpp`, `../core/base/base.h`\n",
+                                     "core/base/b.cpp": 'open("core/base/gone.h");\n'}), [])
+
+
+class Links(TreeTest):
+    def links(self, changes):
+        return check_links.check(self.tree(changes))
+
+    def test_good_links(self):
+        self.assertEqual(self.links({"docs/a.md": "# A `b`: c\n[b](b.md#one-1) [c](#a-b-c) [d](https://x.y) `[e](f)`\n\n    [g](h)\n",
+                                     "docs/b.md": "## One\n## One\n"}), [])
+
+    def test_dead_links(self):
+        self.assertEqual(self.links({"docs/a.md": "![b](b.svg)\n"}), ["docs/a.md:1: links to b.svg, which does not exist"])
+        self.assertEqual(self.links({"docs/a.md": "\n[b](b.md#two)\n", "docs/b.md": "# One\n"}),
+                         ["docs/a.md:2: docs/b.md has no heading #two"])
+
+
+class Sentences(TreeTest):
+    def sentences(self, text):
+        return check_sentences.check(self.tree({"docs/howto/a.md": text}))
+
+    def test_short_sentences(self):
+        self.assertEqual(self.sentences("# " + "a " * 50 + "\n\nOne two, three.\n- " + "a " * 22 + "\n\n    " + "a " * 50 + "\n"), [])
+
+    def test_long_sentences(self):
+        self.assertEqual(len(self.sentences("Short. " * 40 + "\n\n" + "a\n" * 41)), 1)
+        self.assertEqual(len(self.sentences("a " * 23 + ". " + "`a b` " * 23)), 1)
 
 
 class Loaded(unittest.TestCase):

@@ -1,7 +1,7 @@
 // What the radiometric core costs beside its ray tracer, as ratios of CPU time in one process on
 // the same rays:
 //   core_bench [triangles] [samples]
-// Prints one CSV line a figure; docs/performance.md quotes them.
+// Prints one CSV line a figure; docs/evidence/performance.md quotes them.
 #include <embree3/rtcore.h>
 
 #include <algorithm>

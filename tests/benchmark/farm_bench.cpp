@@ -1,6 +1,7 @@
 // Jobs a second through lease, complete and commit (synchronous = FULL) with real-size results: a
 // real coordinator process, workers of this process that do no physics. Prints the figure; fails
-// below the 300 jobs/s that docs/performance.md promises only when asked to (--require JOBS_PER_S).
+// below the 300 jobs/s that docs/evidence/performance.md promises only when asked to (--require
+// JOBS_PER_S).
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

@@ -2,7 +2,8 @@
 // and the first of all once more before.
 //   hours_bench SWEEP [SWEEP ...]
 // Prints one CSV line a sweep. Two sweeps that differ in their hours alone give the cost of an
-// hour: differences of "a view" over those of the conditions. docs/performance.md quotes them.
+// hour: differences of "a view" over those of the conditions. docs/evidence/performance.md quotes
+// them.
 #include <sys/resource.h>
 
 #include <cstdio>

@@ -6,7 +6,7 @@
 // make: computes the views of a small sweep, and stores their rows again and again under
 // VIEWPOINTS directions, through the store's own writer: rows are true ones, but not those of their
 // viewpoints; of a shard (jobs/shard.h) those that the whole would have. ask: prints one CSV line
-// for each kind of question. docs/performance.md quotes them.
+// for each kind of question. docs/evidence/performance.md quotes them.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,7 +22,8 @@
 #include "jobs/expand.h"
 #include "jobs/shard.h"
 #include "planning/load_sweep.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 namespace {

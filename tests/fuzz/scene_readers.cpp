@@ -89,7 +89,7 @@ std::vector<Reader> scene_readers() {
   };
   const std::vector<const char*> mesh_words(std::begin(kMeshWords), std::end(kMeshWords));
   return {
-      // Mutated by tests/fuzz/sweep_file_test.cpp.
+      // Mutated by tests/fuzz/sweep_file_fuzz.cpp.
       {"sweep", sweeps(), {"nan", "[[part]]\n", "= 1e999\n"}, accepts_sweep, 100},
       {"goniometer",
        {"name = \"test\"\n[particles]\nwidth_m = 0.02\ncoverage = [0.5]\n"

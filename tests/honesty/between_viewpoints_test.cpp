@@ -6,7 +6,8 @@
 // themselves, sampled with the standard errors that are stated of them; the rows pass through the
 // code of `irsig query --interpolate`.
 //
-// IRSIG_BETWEEN_SCENES: scenes of each family (20). docs/stability.md has the table of 200.
+// IRSIG_BETWEEN_SCENES: scenes of each family (20). docs/evidence/stability.md has the table of
+// 200.
 #include <gmock/gmock.h>
 
 #include <cstdlib>

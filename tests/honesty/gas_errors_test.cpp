@@ -4,7 +4,7 @@
 // and 1.3 in each family: far too wide is wrong, too. Source: every column of voxels of a lattice
 // seen along it is a row of uniform layers; their light by the closed form at 64 wavelengths of
 // Gauss and Legendre. Shared with the program is the absorption of soot, which other tests hold.
-// docs/stability.md, "Hot gas", has 200 seeds (IRSIG_GAS_SEEDS=200).
+// docs/evidence/stability.md, "Hot gas", has 200 seeds (IRSIG_GAS_SEEDS=200).
 #include <gtest/gtest.h>
 
 #include <algorithm>

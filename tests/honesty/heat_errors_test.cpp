@@ -5,7 +5,7 @@
 // too wide is wrong, too. Source: CVODE for walls (tests/physics/cvode_wall.h), and below the
 // weather between records, sky and ground by closed forms; shared with the program are the
 // correlations of convection and the place of the sun, which other tests hold.
-// docs/stability.md, "Computed temperatures", has 200 seeds (IRSIG_HEAT_SEEDS=200).
+// docs/evidence/stability.md, "Computed temperatures", has 200 seeds (IRSIG_HEAT_SEEDS=200).
 #include <gtest/gtest.h>
 
 #include <algorithm>

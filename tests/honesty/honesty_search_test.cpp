@@ -2,7 +2,7 @@
 // that a sweep file can state; and what judges that must be able to say no. Expected: |value -
 // truth| within Student's bound (31 degrees of freedom, 0.0005 / values judged) of both errors; not
 // more than a twentieth of the scenes undecided. Source: core/stability/reference_view.h;
-// docs/stability.md.
+// docs/evidence/stability.md.
 #include "planning/honesty_search.h"
 
 #include <gmock/gmock.h>
@@ -17,8 +17,8 @@
 namespace irsig {
 namespace {
 
-// Known to break their error bar: docs/stability.md says which cause is behind each. Who mends one
-// takes its seeds away.
+// Known to break their error bar: docs/evidence/stability.md says which cause is behind each. Who
+// mends one takes its seeds away.
 const std::map<std::uint64_t, const char*> kOpen = {};
 
 TEST(HonestySearch, NoErrorBarIsBroken) {
@@ -45,9 +45,9 @@ TEST(HonestySearch, NoErrorBarIsBroken) {
 }
 
 // Scenes beyond the search's own seeds that broke an error bar before, or are the first to find a
-// mutant which seeds 1 to 60 do not (docs/stability.md): nothing allowed for what no sample met
-// (39, 154), light of hot parts that is drawn and aimed at counted twice (220), an Earth that hides
-// nothing (212).
+// mutant which seeds 1 to 60 do not (docs/evidence/stability.md): nothing allowed for what no
+// sample met (39, 154), light of hot parts that is drawn and aimed at counted twice (220), an Earth
+// that hides nothing (212).
 TEST(HonestySearch, ScenesThatTellMutantsApartHold) {
   const std::pair<std::uint64_t, SceneFamily> scenes[] = {{39, SceneFamily::kMirrorPair},
                                                           {154, SceneFamily::kSmallMirror},

@@ -5,8 +5,8 @@
 // Expected: apparent temperature and radiance of every row of the table, |t| within the bound for
 // so
 //   many rows; 306 K everywhere in a world of 306 K. The standard error is 3 mK unless the
-//   environment says otherwise: IRSIG_BOX_STDERR_K=0.0016 is the run of docs/validation.md, where
-//   no row has more than 2 mK.
+//   environment says otherwise: IRSIG_BOX_STDERR_K=0.0016 is the run of
+//   docs/evidence/validation.md, where no row has more than 2 mK.
 // Source: tests/physics/values/box_cavity.csv (independent Monte Carlo, its own standard errors
 // below
 //   0.2 mK). The DHR tables of materials are right to 5e-5: what that may move a row by (its

@@ -1,8 +1,8 @@
 // Rationale: what is small and bright gets rays of its own: hot parts past what hides them, facets
 // that may mirror the sun. That must not change what is measured, only how well; and what is taken
 // for hidden must be.
-// Expected: |t| within the bound of docs/methods.md for the values of a test; no ray meets a facet
-// where nothing of it is aimed at.
+// Expected: |t| within the bound of docs/explanation/methods.md for the values of a test; no ray
+// meets a facet where nothing of it is aimed at.
 // Source: closed forms for what is seen through holes; fixed numbers of samples, which aim at
 // nothing, for mirrors.
 #include <algorithm>

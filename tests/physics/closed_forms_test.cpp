@@ -1,9 +1,9 @@
 // Rationale: convex bodies, occlusion, finite range and single reflections have closed forms; a
 // reverse Monte Carlo that is
 //   right must meet them within its own standard error.
-// Expected: |t| within the bound of docs/methods.md for the number of rows of this file, at a
-// standard error <= 0.1 %. Source: closed forms (areas of projections, solid angles, Lambert
-// sphere); values computed independently with numpy,
+// Expected: |t| within the bound of docs/explanation/methods.md for the number of rows of this
+// file, at a standard error <= 0.1 %. Source: closed forms (areas of projections, solid angles,
+// Lambert sphere); values computed independently with numpy,
 //   printed here. Radiance L = 0.8 B(8-12 um, 400 K) = 106.9927036771598 W/(m2 sr).
 // Geometry: 200 k triangles, scaled by the generators so that mean cross sections are those of the
 // smooth body; the

@@ -1,8 +1,8 @@
 // Rationale: many reflections with Russian roulette must be unbiased at every order: the effective
 // emissivity of diffuse isothermal cavities is known for any number of reflections.
-// Expected: |t| within the bound of docs/methods.md for the number of rows of this file, at a
-// standard error <= 1.6e-4 in effective emissivity (long form: 16 times the samples, <= 4e-5); the
-// truncation bound covers what was cut off.
+// Expected: |t| within the bound of docs/explanation/methods.md for the number of rows of this
+// file, at a standard error <= 1.6e-4 in effective emissivity (long form: 16 times the samples, <=
+// 4e-5); the truncation bound covers what was cut off.
 // Source: tests/physics/values/spherical_cavity.csv (closed form) and cylindrical_cavity.csv
 // (integral equation).
 // Geometry: facets of 2 pi / 1024 rad. Regular polygons are widened to the circle's area; what is

@@ -297,8 +297,8 @@ TEST(Depth, ADeckIsSeenThroughTheAirOfItsMiddle) {
 
 // Rationale: an error that is far too wide is wrong, too: the contrast's was 2.6 times what it was
 // off by. Expected: no value beyond 5 stated errors; root mean square of off / stated from 0.7 to
-// 1.3. Source: Bouguer's law, in Judged. docs/stability.md, "Air in front of a deep target", has
-// 200 boxes (IRSIG_DEPTH_BOXES=200).
+// 1.3. Source: Bouguer's law, in Judged. docs/evidence/stability.md, "Air in front of a deep
+// target", has 200 boxes (IRSIG_DEPTH_BOXES=200).
 TEST(Depth, StatedErrorsOfBoxesAreOfTheSizeOfWhatTheyAreOff) {
   const char* asked = std::getenv("IRSIG_DEPTH_BOXES");
   const int boxes = asked != nullptr ? std::max(1, std::atoi(asked)) : 40;

@@ -20,7 +20,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const AirProfile& air() { return afgl_profile(AfglProfile::kMidlatitudeSummer); }
 
-// n - 1 as docs/methods/atmosphere.md has it.
+// n - 1 as docs/explanation/methods/atmosphere.md has it.
 double refractivity(double height_m) {
   const AirLevel a = air_at(air(), height_m);
   const double p_hpa = 1e-2 * a.pressure_pa;

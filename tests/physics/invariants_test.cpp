@@ -2,7 +2,7 @@
 // standard errors that mean what they
 //   say, results that do not depend on what else is computed beside them.
 // Expected: stated with each test. Seeds are fixed.
-// Source: thermodynamics; Student's t; docs/methods.md (guarantees).
+// Source: thermodynamics; Student's t; docs/explanation/methods.md (guarantees).
 #include <numbers>
 
 #include "core/spectral/planck.h"

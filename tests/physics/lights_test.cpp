@@ -1,7 +1,7 @@
 // Rationale: small bright sources - the sun in a near-mirror, a lamp, a hot part - are found by
 // aiming, by drawn directions, or by both; whichever finds them, the sum has a closed form.
-// Expected: |t| within the bound of docs/methods.md for the number of rows of this file.
-// Source: closed forms, stated with each test.
+// Expected: |t| within the bound of docs/explanation/methods.md for the number of rows of this
+// file. Source: closed forms, stated with each test.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -98,7 +98,7 @@ TEST(NearMirror, FlatPlateShowsTheSunsDisk) {
       });
       const double expected = kNormalReflectance * seen / (kPi * std::pow(std::tan(radius), 2));
       // Allowed: 2.2e-5, the squared tangent of the disk's radius (points of the disk are uniform
-      // on a plane, not in solid angle), and 2e-5 of the Fresnel tables (docs/methods).
+      // on a plane, not in solid angle), and 2e-5 of the Fresnel tables (docs/explanation/methods).
       expect_within_t(e, expected, kRows,
                       "plate, m " + std::to_string(m) + ", off by " + std::to_string(offset),
                       1.5e-2, 4.2e-5 * expected);

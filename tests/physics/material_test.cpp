@@ -94,7 +94,8 @@ TEST(Hull, ThreeReadingsOfTheShipsTable) {
   const Material index = prepared(*builtin_material("hull_index"));
   const Material paper = prepared(*builtin_material("hull_paper"));
   EXPECT_NEAR(hull.emissivity(1), 0.8, 1e-5);
-  EXPECT_NEAR(index.emissivity(1), 1 - 0.8353, 5e-5);  // docs/methods.md: emissivity 0.165
+  // docs/explanation/methods.md: emissivity 0.165
+  EXPECT_NEAR(index.emissivity(1), 1 - 0.8353, 5e-5);
   EXPECT_EQ(paper.emissivity(1), 0.8f);
   EXPECT_FALSE(hull.creates_energy());
   EXPECT_FALSE(index.creates_energy());

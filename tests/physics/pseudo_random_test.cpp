@@ -3,11 +3,11 @@
 // numbers must beat it. The plain estimator, which traces each wavelength by itself and has neither
 // masks nor strata, must agree too.
 //
-// Expected: |t| within the bound of docs/methods.md. Slope of the error against the samples: -0.5
-// for pseudo-random numbers (scatter of a fit over 5 points x 4 x 32 replicates: 0.015), -0.70 or
-// steeper for quasi-random ones on the bounding rectangle; with the coverage mask, whose columns
-// cut the unit square, the error begins smaller and falls more slowly, but faster than
-// pseudo-random. A correlation of independent numbers is within 4.5 sigma of 0.
+// Expected: |t| within the bound of docs/explanation/methods.md. Slope of the error against the
+// samples: -0.5 for pseudo-random numbers (scatter of a fit over 5 points x 4 x 32 replicates:
+// 0.015), -0.70 or steeper for quasi-random ones on the bounding rectangle; with the coverage mask,
+// whose columns cut the unit square, the error begins smaller and falls more slowly, but faster
+// than pseudo-random. A correlation of independent numbers is within 4.5 sigma of 0.
 //
 // Source: closed form of a disk as in closed_forms_test.cpp, 0.8 B(8-12 um, 400 K) pi r^2
 // cos(theta).

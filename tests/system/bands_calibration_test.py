@@ -2,7 +2,7 @@
 must be. Many seeds of one coarse sweep against a run of 2500 times the samples; windows of much the same merit, drawn at random, in
 the populations of single viewpoints. Sunlit paint whose colour changes with wavelength, behind the air, above a sea.
 
-usage: bands_calibration_test.py <irsig> <repository> [seeds]      8 of them; 200 for the table of docs/validation.md
+usage: bands_calibration_test.py <irsig> <repository> [seeds]      8 of them; 200 for the table of docs/evidence/validation.md
 """
 import csv, io, pathlib, random, subprocess, sys, tempfile, unittest
 

@@ -2,7 +2,7 @@
 boxes with a warm upper part, at sea level and above, in a vacuum, in homogeneous air and in the embedded atmosphere; from low
 sensors (the horizon inside the silhouette) and from high ones; up to 30 times as far and back.
 
-usage: moved_rows_test.py <irsig> [scenes [first seed]]     20 scenes; 200 print the table of docs/stability.md
+usage: moved_rows_test.py <irsig> [scenes [first seed]]     20 scenes; 200 print the table of docs/evidence/stability.md
 """
 import csv, io, math, pathlib, random, subprocess, sys, tempfile, unittest
 

@@ -1,7 +1,7 @@
 """Windows and responses of stored rows against direct runs whose bands they are, with other seeds: by how much both differ, in
 units of their errors together. Sunlit paint whose colour changes with wavelength, hot parts, behind the air, above a sea.
 
-usage: window_errors_test.py <irsig> <repository> [viewpoints]      40 of them; 240 for the figures of docs/validation.md
+usage: window_errors_test.py <irsig> <repository> [viewpoints]      40 of them; 240 for the figures of docs/evidence/validation.md
 """
 import csv, io, itertools, math, pathlib, random, subprocess, sys, tempfile, unittest
 

@@ -521,7 +521,7 @@ TEST_F(FarmWalk, TheRealFarmMakesEveryStepOfTwoWorkersAndTwoJobs) {
   RecordProperty("steps", static_cast<int>(made));
   std::printf("%zu states, %zu steps between them, %zu made in all, %zu beginnings\n",
               worlds.size(), made, walked, begun);
-  EXPECT_EQ(worlds.size(), 1584U);  // docs/reliability.md
+  EXPECT_EQ(worlds.size(), 1584U);  // docs/evidence/reliability.md
 }
 
 }  // namespace

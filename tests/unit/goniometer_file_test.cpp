@@ -138,7 +138,7 @@ void collect_keys(const google::protobuf::Descriptor& table, std::vector<std::st
 }
 
 TEST(GoniometerFile, EveryKeyIsExplained) {
-  std::ifstream in(IRSIG_SOURCE_DIR "/docs/goniometer.md");
+  std::ifstream in(IRSIG_SOURCE_DIR "/docs/reference/goniometer.md");
   const std::string page{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   std::vector<std::string> keys;
   collect_keys(*schema::Goniometer::descriptor(), keys);

@@ -150,7 +150,8 @@ TEST(NumberBounds, ARefusalSaysWhereAndWhy) {
     const auto sweep = resolved_text(text);
     return std::string(sweep.status().message());
   };
-  const std::string page = text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/sweep-file.md");
+  const std::string page =
+      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md");
   const std::size_t first = page.find("```toml\n") + 8;
   const std::string smallest = page.substr(first, page.find("```\n", first) - first);
   ASSERT_TRUE(resolved_text(smallest).ok());
@@ -201,9 +202,10 @@ std::string limits_on(const char* page_name) {
 }
 
 TEST(NumberBounds, ArePrintedInTheDocumentation) {
-  EXPECT_EQ(limits_on("docs/sweep-file.md"), limits_of(*schema::Sweep::descriptor()));
-  EXPECT_EQ(limits_on("docs/goniometer.md"), limits_of(*schema::Goniometer::descriptor()));
-  EXPECT_EQ(limits_on("docs/bands.md"), limits_of(*schema::DetectorFile::descriptor()));
+  EXPECT_EQ(limits_on("docs/reference/sweep-file.md"), limits_of(*schema::Sweep::descriptor()));
+  EXPECT_EQ(limits_on("docs/reference/goniometer.md"),
+            limits_of(*schema::Goniometer::descriptor()));
+  EXPECT_EQ(limits_on("docs/reference/bands.md"), limits_of(*schema::DetectorFile::descriptor()));
 }
 
 }  // namespace

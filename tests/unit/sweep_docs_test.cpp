@@ -1,5 +1,5 @@
-// docs/sweep-file.md is complete: a table for each table of schema/sweep.proto with a row for each
-// of its keys and nothing else, and the defaults and examples in it are those of the code.
+// docs/reference/sweep-file.md is complete: a table for each table of schema/sweep.proto with a row
+// for each of its keys and nothing else, and the defaults and examples in it are those of the code.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -48,7 +48,8 @@ std::vector<std::string> tables_named_in(const std::string& heading) {
 
 Page read_page() {
   Page page;
-  std::stringstream in(text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/sweep-file.md"));
+  std::stringstream in(
+      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md"));
   std::string line;
   std::vector<std::string> tables;
   bool in_block = false;
@@ -110,7 +111,7 @@ TEST(SweepDocs, HaveEveryKeyOfTheGrammarAndNoOther) {
     for (const auto& [key, row] : rows) documented.insert("[" + path + "] " + key);
   }
   for (const std::string& key : expected)
-    EXPECT_TRUE(documented.contains(key)) << key << " is not in docs/sweep-file.md";
+    EXPECT_TRUE(documented.contains(key)) << key << " is not in docs/reference/sweep-file.md";
   for (const std::string& key : documented)
     EXPECT_TRUE(expected.contains(key)) << key << " is not in schema/sweep.proto";
 }
@@ -170,7 +171,8 @@ TEST(SweepDocs, TheSmallestFileResolvesAndTheOtherBlocksParse) {
 }
 
 TEST(SweepDocs, NameEveryEffectThatCanBeLeftOutAndNoOther) {
-  const std::string page = text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/sweep-file.md");
+  const std::string page =
+      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md");
   for (std::size_t i = 0; i < kEffectCount; ++i) {
     const EffectInfo& effect = info_of(static_cast<Effect>(i));
     const auto text = [](std::string_view view) { return std::string(view); };

@@ -7,7 +7,7 @@ MODTRAN_FL7_GZ         MODTRAN .fl7 of a horizontal 5 km path at sea level, trop
 LOWTRAN_*_CSV          LOWTRAN7 transmittances per absorber, horizontal 2 and 10 km at sea level, mid-latitude summer
 AFGL_*_CSV             the two profiles those paths used
 
-What is done to them, and why, is told in docs/methods/atmosphere.md, "Gas table"; the format in README.md here.
+What is done to them, and why, is told in docs/explanation/methods/atmosphere.md, "Gas table"; the format in README.md here.
 """
 
 import csv

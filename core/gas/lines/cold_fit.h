@@ -5,7 +5,7 @@
 
 namespace irsig {
 
-// How a part of the absorption changes from 1 atm and a reference temperature T0:
+// Change of a part of the absorption from 1 atm and a reference temperature T0:
 //   p^a (1 + b x + c x^2),   x = T / T0 - 1
 struct AirScaling {
   double a = 0, b = 0, c = 0;
@@ -27,7 +27,7 @@ struct ColdState {
   double pressure_atm, temperature_k, importance;
   std::vector<double> ratio;                  // per term: absorption over k
   std::vector<double> amount, transmittance;  // amounts in the unit of 1 / k
-  // Of what thin hot gas sends, the part that comes through; per amount.
+  // Transmitted fraction of the emission of thin hot gas; per amount.
   std::array<std::vector<double>, kThroughColdAir> hot_through;
 };
 

@@ -6,8 +6,8 @@
 
 namespace irsig {
 
-// How a band's wavenumbers are grouped: terms by the cold air's absorption, and within each term
-// bins by the hot gas's, so that what is bright and what the air takes stay together.
+// Groups of a band's wavenumbers: terms by the cold air's absorption, and within each term bins by
+// the hot gas's, so that bright wavenumbers stay together with the air's absorption there.
 struct ColdTerms {
   std::vector<std::vector<std::uint32_t>> point;  // [term]: of the grid, sorted by cold absorption
   std::vector<double> weight;                     // [term], sum 1

@@ -7,7 +7,7 @@ namespace irsig {
 // Vibration and rotation of carbon dioxide near its equilibrium: levels with the same 2 v1 + v2, l
 // and v3 mixed by the Fermi resonance.
 
-// What is different between isotopologues.
+// Constants that differ between isotopologues.
 struct Co2Isotopologue {
   double abundance;
   double omega1_shift_cm1, omega2_shift_cm1;

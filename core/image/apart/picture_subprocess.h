@@ -20,7 +20,7 @@ struct PictureTask {
   bool paint = false;   // as PNG, from black to white [W/(m2 sr)]
   bool pixels = false;  // as they are
   float black_w_m2_sr = 0, white_w_m2_sr = 0;
-  // As the sensor has it (core/image/image.h: SeenFrom); nullopt: as it is stored.
+  // Conditions at the sensor (core/image/image.h: SeenFrom); nullopt: the picture as it is stored.
   struct Seen {
     double gain, path_radiance_w_m2_sr, background_radiance_w_m2_sr, target_area_px;
   };

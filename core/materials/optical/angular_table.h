@@ -17,7 +17,8 @@ struct AngularTable {
   bool creates_energy = false;      // dhr + emissivity > 1 somewhere: also between these angles
 };
 
-// What the renderer would use: Material::prepare's tables, whose accuracy is stated there.
+// Tabulates a material as the tracer uses it: by Material::prepare's tables, whose accuracy is
+// stated there.
 //   lambda_um    any order, not empty; within the material's range     [um]
 //   theta_i_deg  from the normal, [0, 90]                              [degree]
 [[nodiscard]] absl::StatusOr<AngularTable> angular_table(const MaterialSpec& spec,

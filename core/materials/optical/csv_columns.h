@@ -7,10 +7,12 @@
 
 namespace irsig {
 
-// How many micrometres one unit of a wavelength column is; none if its name is no wavelength's.
+// Returns the micrometres in one unit of a wavelength column; none if the column's name is not a
+// wavelength's.
 [[nodiscard]] std::optional<double> micrometres_in(std::string_view column);
 
-// The same for a column that has to be one: otherwise reported.
+// Like micrometres_in(), for a column that has to be a wavelength: another name is reported to
+// `errors`.
 [[nodiscard]] std::optional<double> wavelength_unit(const NumberTable::Name& column,
                                                     TableErrors& errors);
 

@@ -22,8 +22,8 @@ namespace irsig {
 
 // A property from 0 to 1 by wavelength, CSV with two columns: lambda_um or lambda_nm (wavelength_um
 // ... are understood), then `quantity` ("emissivity", "reflectance") or "value"; with "_percent"
-// behind it the file is in percent. Nothing but the header says what the numbers are. Or a spectrum of
-// the ECOSTRESS or USGS library (library_spectrum.h).
+// behind it the file is in percent. Nothing but the header says what the numbers are. Or a spectrum
+// of the ECOSTRESS or USGS library (library_spectrum.h).
 [[nodiscard]] absl::StatusOr<Spectrum> read_spectrum(std::string_view text,
                                                      std::string_view file_name,
                                                      std::string_view quantity);

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// What the readers of this folder share: numbers in text, each with the place where it stands.
+// Shared parts of the readers of this folder: numbers in text, each with its place.
 
 struct PlacedNumber {
   double value;

@@ -13,7 +13,7 @@ namespace irsig {
 // The bounds on the error of a row that no scatter of samples shows, one file each. A new bound is
 // a file beside these, and a line in kBoundsOfWeights (row_bounds.cpp) or in measured().
 
-// What the paths of one run say of a row.
+// Inputs of a row's bounds, from the paths of one run.
 struct BoundInput {
   const ViewSetup& setup;
   const Row& row;  // with its estimate
@@ -45,7 +45,8 @@ void set_bounds_of_weights(const BoundInput& in, bool stored, Row& row);
 // Quadrature over the band, of outlines, of materials' tables and of the sun's spectrum. [W/sr]
 [[nodiscard]] double quadrature_bound_w_sr(const ViewSetup& setup, const Row& row);
 
-// What the scatter of samples cannot know, whether or not a sample has met it. (docs/methods.md)
+// Undersampling error: the scatter of samples does not show it, whether or not a sample has met a
+// bright source. (docs/explanation/methods.md)
 struct Undersampling {                                       // [W/sr]
   double bound = 0, source = 0, apparent = 0, contrast = 0;  // standard errors but for `bound`
 };

@@ -42,7 +42,7 @@ std::vector<IncidentRadiance::AirChange> changes_at(
 // the apparent radiance, sum_s w_s R_s T + P with sum_s w_s = 1 but for the sun, changes by
 //   | sum_s w_s (R_s dT + dP) |  <=  sum_s w_s |R_s dT + dP|,
 // where dT and dP are linear between those of the target's ends, and the light of a source leaves
-// the target in mean at a known place between them. (docs/methods.md)
+// the target in mean at a known place between them. (docs/explanation/methods.md)
 ThreeBounds target_depth_bound(const BoundInput& in) {
   const ConditionSources& light = *in.row.light;
   const ViewEnvironment& e = light.environment();

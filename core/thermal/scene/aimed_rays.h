@@ -9,9 +9,9 @@
 
 namespace irsig {
 
-// Where faces send rays besides those of their cosine: to the faces whose radiation may differ so
-// much from that around them that a ray which misses them would matter, each as often as it might
-// warm. Private to core/thermal/scene.
+// Chooses the aims of rays beside those of the cosine: faces whose radiation may differ so much
+// from that around them that a missing ray would matter, each in proportion to the warming that it
+// might cause. Private to core/thermal/scene.
 class AimedRays {
  public:
   // Kept by the caller.
@@ -24,19 +24,20 @@ class AimedRays {
   [[nodiscard]] std::uint32_t rays(std::uint32_t from) const {
     return !total_w_m2_.empty() && total_w_m2_[from] > kLeastWM2 ? rays_ : 0;
   }
-  // Whether anything may be aimed at it.
+  // Returns true if rays may be aimed at the face.
   [[nodiscard]] bool is_aim(std::uint32_t face) const {
     return !aim_of_face_.empty() && aim_of_face_[face] != kNone;
   }
-  // How many of the rays of `from` go to `to`, on average.
+  // Returns the mean number of the rays of `from` that go to `to`.
   [[nodiscard]] double rays_to(std::uint32_t from, std::uint32_t to) const;
-  // Where a ray goes. u uniform in (0, 1); of a face that aims, which is the one stated last.
+  // Chooses the face at which a ray is aimed. u is uniform in (0, 1); the rays are those of the
+  // aiming face last passed to start().
   void start(std::uint32_t from);
   [[nodiscard]] std::uint32_t pick(float u) const;
 
  private:
   static constexpr std::uint32_t kNone = ThermalFaces::kNone;
-  // What does not warm a face by more is not aimed at.
+  // Smallest warming of a face for which rays are aimed.
   static constexpr double kLeastWM2 = 0.05;
   struct Place {
     FacePoint centre;
@@ -45,7 +46,7 @@ class AimedRays {
   };
   [[nodiscard]] Place place_of(std::uint32_t face) const;
   [[nodiscard]] bool is_in_front(const Place& of, std::uint32_t face) const;
-  // How much an aim might warm a face, if nothing stands between.
+  // Returns the warming of a face by an aim, if nothing stands between.
   [[nodiscard]] double might_w_m2(const Place& from, std::uint32_t from_face,
                                   std::size_t aim) const;
 

@@ -6,10 +6,10 @@
 
 namespace irsig {
 
-// How a day's end answers to its begin, of a typical element of a wall: the matrix A of dEnd =
-// A dBegin, by which a day that does not return to its begin says where the one does that will:
-// (1 - A)^-1 (end - begin) further. The elements' own differ a little: their begins come nearer by
-// that factor from day to day.
+// Response of a day's end to its begin, for a typical element of a wall: the matrix A of dEnd = A
+// dBegin. From a day that does not return to its begin it extrapolates the begin of the day that
+// does: (1 - A)^-1 (end - begin) further. The responses of other elements differ a little, so that
+// each day reduces their errors by that factor.
 class DayResponse {
  public:
   // One element more than nodes: the first one's day began somewhere, each other's kProbeK warmer
@@ -18,7 +18,7 @@ class DayResponse {
   //   end_k  [element x nodes + node]
   DayResponse(std::span<const double> end_k, std::size_t nodes);
 
-  // In: end less begin, [node]; out: how far the begin is from that of the day that repeats.
+  // In: end less begin, [node]; out: distance of the begin from that of the day that repeats.
   void go_on(std::span<double> change_k) const;
 
  private:

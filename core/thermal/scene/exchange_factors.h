@@ -9,8 +9,8 @@
 
 namespace irsig {
 
-// How much of what a face sends out diffusely arrives at each other face, at the sky and at what
-// lies below the horizon. Rows add up to 1; exposed area x share is symmetric to 1e-6.
+// Fractions of a face's diffuse emission that arrive at each other face, at the sky and at the
+// surface below the horizon. Rows add up to 1; exposed area x fraction is symmetric to 1e-6.
 //
 // A ray that meets a facet from behind that has no back began inside a body (where a deckhouse
 // stands on a deck): that place of its face is not exposed and does not count. A face with less
@@ -28,9 +28,9 @@ struct ExchangeFactors {
   // chance: in their shares of the sky and of what lies below the horizon, and in what would arrive
   // from the aims as below [W/m2].
   std::vector<float> uneven_sky, uneven_lower, uneven_aims_w_m2;
-  // How the rays of each face that are not aimed fall, in kBlocks parts of them, each spread
-  // evenly: what the blocks differ by says how well the rays know what arrives. A face that is
-  // known by the closed form, or dark, has none. Empty unless asked for.
+  // Distribution of each face's rays that are not aimed, in kBlocks parts of them, each spread
+  // evenly: the differences between the blocks estimate the error of the arriving radiation. A face
+  // that is known by the closed form, or dark, has none. Empty unless asked for.
   static constexpr std::size_t kBlocks = 8;
   struct Hits {
     std::uint32_t to;  // face; ThermalFaces::kNone: one that is aimed at
@@ -48,7 +48,8 @@ struct ExchangeFactors {
 struct ExchangeSettings {
   std::uint32_t rays = 256;  // of each face, a power of two
   std::uint64_t seed = 1;
-  // What lies lower is under water or ground (z of the body frame, down); infinite: no surface.
+  // Height below which faces are under water or ground (z of the body frame, down); infinite: no
+  // surface.
   double surface_z_m = 0;
   // [face] By how much what it sends may differ from what is around it; empty: of none. What a
   // ray that misses it would matter for is aimed at, with half as many rays more.
@@ -56,11 +57,12 @@ struct ExchangeSettings {
   bool keep_hits = false;  // whether ExchangeFactors has first_hit and the rest of its blocks
 };
 
-// By rays: cosine-weighted Sobol points, each face with its own scrambling, so that a face's rays
-// depend on nothing but the face. Each ray that joins two faces, from either of them and aimed or
-// not, counts by the density of all rays that might have [veach1995]: of n rays and none aimed,
-// F_ij = A_j (f_ij + f_ji) / (A_i + A_j). Then rows are scaled by factors d_i d_j until they add up
-// to 1. Standard error of a share F: sqrt(F / rays) at most, of what is aimed at far less.
+// Computes the factors by rays: cosine-weighted Sobol points, each face with its own scrambling, so
+// that a face's rays depend on nothing but the face. Each ray that joins two faces, from either of
+// them and aimed or not, counts by the density of all rays that might have [veach1995]: of n rays
+// and none aimed, F_ij = A_j (f_ij + f_ji) / (A_i + A_j). Then rows are scaled by factors d_i d_j
+// until they add up to 1. Standard error of a fraction F: sqrt(F / rays) at most, far less for
+// aims.
 [[nodiscard]] ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces,
                                                const ExchangeSettings& settings);
 

@@ -7,15 +7,15 @@
 
 namespace irsig {
 
-// By how much leaving out an effect, or taking it in, changes the temperature of a facet at most:
-// at any time, both of its faces. By the maximum principle (docs/methods/thermal.md, "What is left
-// out"). Infinite: no bound is known. 0 of facets without wall.                       [facet] [K]
+// Upper bound on the temperature change of a facet if an effect were toggled: at any time, both of
+// its faces. By the maximum principle (docs/explanation/methods/thermal.md, "What is left out").
+// Infinite: no bound is known. 0 of facets without wall. [facet] [K]
 struct HeatBounds {
   std::vector<double> exchange_k, diffuse_sun_k;
 };
 
-// Of walls that are settled; `exposure` is theirs. Where both effects are off, the sum of both
-// bounds covers both.
+// Computes the bounds of settled walls; `exposure` is theirs. Where both effects are off, the sum
+// of both bounds covers both.
 [[nodiscard]] HeatBounds heat_bounds(const SceneHeatRequest& request, SceneExposure& exposure,
                                      const SceneWalls& walls);
 

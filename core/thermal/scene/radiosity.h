@@ -7,11 +7,11 @@
 
 namespace irsig {
 
-// What arrives at faces that send to each other and reflect diffusely what arrives:
+// Irradiance of faces that send to each other and reflect diffusely:
 //
 //   total_i = own_i + sum of F_ij (emitted_j + (1 - kept_j) total_j)                    [W m^-2]
 //
-// but for those that stand apart, at which their own arrives and nothing else.
+// except faces that stand apart, which receive their own irradiance alone.
 class Radiosity {
  public:
   //   factors  kept by the caller
@@ -20,8 +20,9 @@ class Radiosity {
   Radiosity(const ExchangeFactors& factors, std::vector<double> kept, std::vector<bool> apart)
       : factors_(factors), kept_(std::move(kept)), apart_(std::move(apart)), sent_(kept_.size()) {}
 
-  // By Gauss and Seidel from what `total` has, until nothing changes by more than the tolerance.
-  // What is absorbed somewhere is a part of what others send: it converges. All [face].
+  // Solves by Gauss and Seidel from the values in `total`, until nothing changes by more than the
+  // tolerance. Converges, since the radiation absorbed anywhere is a part of the emission. All
+  // [face].
   void solve(std::span<const double> own, std::span<const double> emitted, double tolerance_w_m2,
              std::span<double> total);
 

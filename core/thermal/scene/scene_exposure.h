@@ -13,7 +13,7 @@
 
 namespace irsig {
 
-// Which of a request's knots a computation has, and with how many rays.
+// The request's knots that a computation has, and its numbers of rays.
 struct SceneKnots {
   std::vector<std::size_t> of_request;
   std::size_t day_intervals;
@@ -22,7 +22,7 @@ struct SceneKnots {
   bool keep_hits = false;  // for rays_k()
 };
 
-// What all faces are exposed to at all knots of a computation. Private to core/thermal/scene.
+// Exposure of all faces at all knots of a computation. Private to core/thermal/scene.
 class SceneExposure {
  public:
   // All of them are kept by the caller. Traces what exchange and sunlight need.
@@ -33,25 +33,25 @@ class SceneExposure {
   [[nodiscard]] const ThermalFaces& faces() const { return faces_; }
   [[nodiscard]] std::size_t knots() const { return knots_.of_request.size(); }
   [[nodiscard]] std::size_t day_intervals() const { return knots_.day_intervals; }
-  // Which of the request's knots this one is.
+  // Index of this computation's knot among the request's knots.
   [[nodiscard]] std::size_t of_request(std::size_t k) const { return knots_.of_request[k]; }
   [[nodiscard]] double knot_s(std::size_t k) const { return request_.knot_s[of_request(k)]; }
   [[nodiscard]] const HeatWeather& weather(std::size_t k) const {
     return request_.weather[of_request(k)];
   }
-  // Whether the radiation after a knot goes on from that before.
+  // Returns true if the radiation after a knot continues that before the knot.
   [[nodiscard]] bool is_smooth(std::size_t k) const;
   [[nodiscard]] const HeatPart& part_of(std::uint32_t face) const {
     return request_.part[target_.facet[faces_.facet[face]].part];
   }
   [[nodiscard]] FaceProperties properties(std::uint32_t face) const;
-  // Whether nothing from outside reaches a facet, on neither side: it stands inside other bodies,
-  // nobody sees it, and it is left out.
+  // Returns true if nothing from outside reaches a facet on either side: the facet stands inside
+  // other bodies, is invisible, and is left out.
   [[nodiscard]] bool dark(std::uint32_t facet) const { return dark_[facet]; }
   // Leaves out what either of two computations with rays of their own finds dark, so that both have
   // the same walls.
   static void fraction_dark(SceneExposure& a, SceneExposure& b);
-  // Whether faces send anything to each other.
+  // Returns true if faces send anything to each other.
   [[nodiscard]] bool exchanges() const { return request_.exchange && can_exchange(); }
   [[nodiscard]] bool can_exchange() const { return !factors_->to.empty(); }
 
@@ -60,22 +60,23 @@ class SceneExposure {
   // has more or less. All [face].
   void long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
                  std::span<double> incoming_w_m2);
-  // The same where what a face sees of others is black and as warm as the air, whatever is asked.
+  // Like long_wave(), with the other faces black and as warm as the air, whatever is asked.
   void long_wave_of_air(std::size_t k, std::span<double> incoming_w_m2);
-  // What a face receives more than the mean of both sides at a knot, on its later side; on the
-  // earlier one as much less.
+  // Excess of a face's irradiance over the mean of both sides at a knot, on the later side; on the
+  // earlier side it is as much less.
   [[nodiscard]] double sky_jump_w_m2(std::size_t k, std::uint32_t face) const {
     return half_jump_w_m2(k) * static_cast<double>(of_sky_[face]);
   }
-  // By how much that differs between a world with exchange and one without.
+  // Difference of that jump between a world with exchange and one without.
   [[nodiscard]] double exchanged_jump_w_m2(std::size_t k, std::uint32_t face) const {
     return half_jump_w_m2(k) *
            std::abs(static_cast<double>(of_sky_exchanged_[face] - of_sky_alone_[face]));
   }
-  // And where it is what they send, whatever is asked.
+  // Like long_wave(), with the radiation of the other faces, whatever is asked.
   void long_wave_of_faces(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
                           std::span<double> incoming_w_m2);
-  // What arrives if faces emit so much and nothing else does; `incoming_w_m2` comes with a guess.
+  // Computes the irradiance if faces emit so much and nothing else does; `incoming_w_m2` comes with
+  // a guess.
   void arriving(std::span<const double> emitted_w_m2, double tolerance_w_m2,
                 std::span<double> incoming_w_m2);
   // Absorbed of the sky's sunlight at a knot, whether asked for or not, on its brighter side.
@@ -85,25 +86,25 @@ class SceneExposure {
            static_cast<double>(diffuse_[face]);
   }
 
-  // At the begin of the interval after a knot, or at the end of the one before.
+  // Side of a knot: the begin of the interval after it, or the end of the one before.
   enum class Side { kAfter, kBefore };
-  // Of some faces, but for their long-wave irradiance. [face of the list]
+  // Writes the exposure of some faces, but for their long-wave irradiance. [face of the list]
   void expose(std::size_t k, Side side, std::span<const std::uint32_t> face,
               const FaceExposure& to) const;
 
-  // How much places of a facet differ from its temperature because the sun does not reach all of
-  // them, root mean square, at every knot: what their sunlight differs by warms as much of the wall
-  // as an hour reaches, or as a day does, whichever says more, against convection and radiation of
-  // its face alone. An estimate from above. [knot]
+  // Estimates from above the root mean square deviation of places of a facet from its temperature
+  // because the sun does not reach all of them, at every knot. The difference of their sunlight
+  // warms as much of the wall as an hour reaches, or as a day does, whichever gives more, against
+  // convection and radiation of the face alone. [knot]
   //   kelvin  [knot] of the facet's front
   [[nodiscard]] std::vector<double> uneven_k(std::uint32_t facet,
                                              std::span<const float> kelvin) const;
-  // What a facet's temperature at a knot may be off by because few rays say what arrives from what
-  // they are aimed at: against the same, for as long as it takes.
+  // Error of a facet's temperature at a knot because few rays sample the radiation of their aims:
+  // balanced by the same losses, for as long as it takes.
   [[nodiscard]] double aimed_k(std::size_t k, std::uint32_t facet, double kelvin) const;
-  // The same of all other rays, at every knot: what blocks of them differ by in what arrives, and
-  // what one ray of all might have missed. An estimate from above: blocks are spread less evenly
-  // than all rays. Needs SceneKnots::keep_hits. [knot]
+  // Error from all other rays, at every knot: from the differences between blocks of rays, and the
+  // loss of a single ray. An estimate from above: blocks are spread less evenly than all rays.
+  // Needs SceneKnots::keep_hits. [knot]
   //   kelvin       [knot x faces + face]
   //   incoming     likewise, long-wave irradiance
   //   front_kelvin [knot] of the facet's front
@@ -116,22 +117,22 @@ class SceneExposure {
   [[nodiscard]] double half_jump_w_m2(std::size_t k) const {
     return 0.5 * (weather(k).after.sky_w_m2 - weather(k).before.sky_w_m2);
   }
-  // What a flux into a facet, known at all knots, warms it by: as much of the wall as an hour
-  // reaches, or as a day does, whichever says more, against convection and radiation. [knot]
+  // Warming by a flux into a facet, known at all knots: of as much of the wall as an hour reaches,
+  // or as a day does, whichever gives more, against convection and radiation. [knot]
   [[nodiscard]] std::vector<double> warms_k(std::uint32_t facet, std::span<const double> heat_w_m2,
                                             std::span<const float> front_kelvin) const;
   // Standard error of what a face absorbs, by its rays.
   [[nodiscard]] double ray_stderr_w_m2(std::size_t k, std::uint32_t face,
                                        std::span<const float> kelvin,
                                        std::span<const float> incoming) const;
-  // By how much more a face loses that is a kelvin warmer, at least.
+  // Lower bound of the additional loss of a face that is a kelvin warmer.
   [[nodiscard]] double loss_w_m2_k(std::size_t k, std::uint32_t face, double kelvin) const;
   // Coordinates are known to a part of the target's size.
   [[nodiscard]] double touching_m() const;
   [[nodiscard]] double surface_z_m() const;
   void light();
   void respond_to_sky();
-  // Of sky and what lies below, into own_.
+  // Adds the radiation of the sky and of the surface below to own_.
   void send_around(std::size_t k);
 
   const Target& target_;

@@ -16,9 +16,9 @@ namespace irsig {
 
 // Temperatures of all faces of a target outdoors: walls (heat_solver.h) in the weather, sun with
 // shadows, and everything exchanging radiation with everything. Equations, errors and limits:
-// docs/methods/thermal.md.
+// docs/explanation/methods/thermal.md.
 
-// What a part is to heat. Reflection is diffuse.
+// Thermal properties of a part. Reflection is diffuse.
 struct HeatPart {
   double solar_absorptance;               // [0, 1]
   double emissivity;                      // hemispherical, total, long-wave: [0, 1]
@@ -43,8 +43,8 @@ struct WallBuildUp {
   }
 };
 
-// What lies below the horizon; of what lies below its surface water takes the temperature of the
-// water that flows along, ground that of the ground.
+// The surface below the horizon. Facets below its height take the temperature of the water that
+// flows along, or that of the ground.
 struct GroundBoundary {
   bool water = false;
   double surface_z_m = 0;  // of the body frame, down; infinite: no surface
@@ -82,9 +82,9 @@ struct SceneHeatRequest {
   std::uint64_t seed = 1;
   double tolerance_k = 0.01;           // of conduction
   double exchange_tolerance_k = 0.02;  // half of it may be left by the last pass
-  // What may be left out: without `exchange` what a face sees of others is black and as warm as the
-  // air; without `diffuse_sun` the sky's sunlight warms nothing. What that changes at most is in
-  // error_k then.
+  // Effects that may be left out. Without `exchange` the other faces in sight of a face are black
+  // and as warm as the air; without `diffuse_sun` the sky's sunlight warms nothing. error_k then
+  // includes the largest change.
   bool exchange = true, diffuse_sun = true;
   bool effect_bounds = false;  // whether SceneHeatResult has theirs; where one is off it always has
 };
@@ -117,12 +117,13 @@ struct SceneHeatResult {
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                                const SceneHeatRequest& request);
 
-// By how much temperatures are others under other requests (of the same faces, knots and outputs:
-// another weather, other walls). [output][facet], not a number as above                         [K]
+// Changes of temperatures under other requests (of the same faces, knots and outputs: another
+// weather, other walls). [output][facet], not a number as above  [K]
 using TemperatureChange = std::vector<std::vector<float>>;
-// Of every second knot, with half the rays, as the second computation above: both sides of each
-// difference have its errors, which cancel but for what they change of the difference. Each begins
-// at the temperatures of `request`, so that few rounds are left. Errors as above.
+// Computes the changes from every second knot, with half the rays, as the second computation above:
+// both sides of each difference have its errors, which cancel but for their effect on the
+// difference. Each computation begins at the temperatures of `request`, so that few rounds are
+// left. Errors as above.
 [[nodiscard]] absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
     const Target& target, const SceneHeatRequest& request, std::span<const SceneHeatRequest> moved);
 

@@ -29,12 +29,12 @@ class SceneWalls {
   // Passes until another one would change nothing by more than half of exchange_tolerance_k and
   // the day begins where it ends.
   [[nodiscard]] absl::Status settle();
-  // From here on with cells and steps half as long.
+  // Continues with cells and steps half as long.
   void refine();
-  // From what walls of the same level with every second knot have found.
+  // Starts from the result of walls of the same level with every second knot.
   void start_from(const SceneWalls& coarse);
-  // From what walls of the same level, knots and build-ups have found in a world that is nearly
-  // this one; walls that are cut otherwise begin anew.
+  // Starts from the result of walls of the same level, knots and build-ups in a nearly equal world;
+  // walls that are cut otherwise begin anew.
   void start_near(const SceneWalls& other);
   // Walls whose conduction is not known to tolerance_k once more, among the others as they are,
   // with cells and steps that are halved until it is.
@@ -48,10 +48,10 @@ class SceneWalls {
   [[nodiscard]] const std::vector<float>& kelvin() const { return kelvin_; }
   // Likewise: long-wave irradiance, of the mean of both sides where the sky jumps.
   [[nodiscard]] const std::vector<float>& incoming() const { return incoming_; }
-  // Of conduction, and of where the day begins: at any knot.
+  // Error at any knot from conduction, and from the begin of the day.
   [[nodiscard]] double error_k(std::uint32_t face) const { return error_k_[face]; }
   [[nodiscard]] int passes() const { return passes_; }
-  // What another pass would change at most.
+  // Upper bound of the change by another pass.
   [[nodiscard]] double left_k() const { return left_k_; }
   [[nodiscard]] double closure_w_m2() const { return closure_w_m2_; }
 
@@ -76,17 +76,18 @@ class SceneWalls {
   [[nodiscard]] absl::Status named(const Wall& wall, const absl::Status& status) const;
   [[nodiscard]] std::vector<WallWalk> walks_at_begin(std::span<const Wall> walls, int level) const;
   void note_kelvin(std::size_t k, std::span<const Wall> walls, const std::vector<WallWalk>& walks);
-  // What arrives between two knots.
+  // Choice of the irradiance between two knots.
   enum class Incoming {
     kForeseen,  // at the second: from the temperatures at the first alone
     kKnown,     // as in the pass before, more what this one differs by
     kFixed,     // at both: as it was
   };
-  // Once from knot to knot.
+  // Walks once from knot to knot.
   [[nodiscard]] absl::Status pass(std::size_t first, std::size_t last, Incoming incoming,
                                   std::span<const Wall> walls, std::vector<WallWalk>& walks,
                                   std::span<std::optional<WallWalk>> probes);
-  // Once over the day, and where it begins next; out: how far that is from where it began.
+  // Walks once over the day and computes its next begin; returns the distance of the next begin
+  // from this one.
   [[nodiscard]] absl::StatusOr<double> day(Incoming incoming, int level, std::span<Wall> walls,
                                            std::vector<WallWalk>& walks);
   // Passes from knot to knot until they are settled; `walks` at the first come out at the last.

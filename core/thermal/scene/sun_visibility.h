@@ -7,9 +7,9 @@
 
 namespace irsig {
 
-// What each face receives of a sun with one unit of irradiance normal to its beam: the cosine of
-// its angle times the share of the face that sees the sun, from `points` rays a face to places on
-// the sun's disk. 0 below the horizon's plane and for what lies below surface_z_m (as
+// Irradiance of each face by a sun with one unit of irradiance normal to its beam: the cosine of
+// its angle times the fraction of the face that sees the sun, from `points` rays a face to places
+// on the sun's disk. 0 below the horizon's plane and for faces below surface_z_m (as
 // exchange_factors has it).
 struct SunDisk {
   Vec<Body> direction;  // unit vector towards its centre
