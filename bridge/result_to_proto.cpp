@@ -143,10 +143,10 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
     // The catalogue's quantities: the message has a field of each name, causes are in the enum's
     // order.
     std::size_t cause = 0;
-#define IRSIG_SET_VALUE(name, stderr_name, unit, since, what) set(row->mutable_##name(), r.name);
-#define IRSIG_SET_CAUSE(name, stderr_name, unit, since, what) \
+#define IRSIG_SET_VALUE(name, stderr_name, unit, what) set(row->mutable_##name(), r.name);
+#define IRSIG_SET_CAUSE(name, stderr_name, unit, what) \
   set(row->mutable_##name(), r.cause_w_sr[cause++]);
-#define IRSIG_SET_NUMBER(name, kind, unit, since, what) row->set_##name(r.name);
+#define IRSIG_SET_NUMBER(name, kind, unit, what) row->set_##name(r.name);
     IRSIG_SOURCE_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)
     IRSIG_CAUSE_QUANTITIES(IRSIG_SET_CAUSE)
     IRSIG_SENSOR_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)

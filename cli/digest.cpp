@@ -2,7 +2,7 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/print.h"
 
 namespace irsig {

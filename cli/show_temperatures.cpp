@@ -5,7 +5,7 @@
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/temperatures.h"
 
 namespace irsig {

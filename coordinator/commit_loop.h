@@ -8,7 +8,7 @@
 #include "absl/functional/any_invocable.h"
 #include "absl/status/status.h"
 #include "coordinator/farm.h"
-#include "schema/store/store.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 

@@ -16,7 +16,7 @@
 #include "coordinator/farm_table.h"
 #include "coordinator/lease_book.h"
 #include "schema/farm.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 

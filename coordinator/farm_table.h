@@ -1,6 +1,6 @@
 #pragma once
 
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 

@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "planning/load_sweep.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 

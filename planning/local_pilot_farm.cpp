@@ -13,6 +13,7 @@
 #include "planning/pilot_farm.h"
 #include "view/heat_effects.h"
 #include "view/progress.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 namespace {

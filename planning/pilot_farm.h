@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 

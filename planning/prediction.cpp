@@ -6,6 +6,7 @@
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 

@@ -22,7 +22,7 @@ import urllib.parse
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMATS = range(1, 20)  # that this file knows
+FORMAT = 20  # of the databases that this file reads
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
@@ -107,10 +107,10 @@ class Database:
         except sqlite3.DatabaseError as error:
             self._sql.close()
             raise Error(f"{path}: {error}") from error
-        if application != APPLICATION_ID or self.format not in FORMATS:
+        if application != APPLICATION_ID or self.format != FORMAT:
             self._sql.close()
             raise Error(f"{path}: this is no signature database" if application != APPLICATION_ID else
-                        f"{path}: its format is {self.format}, this irsig.py knows 1 to {FORMATS[-1]}")
+                        f"{path}: its format is {self.format}, this irsig.py reads {FORMAT}")
         self._sql.row_factory = sqlite3.Row
 
     def close(self):
@@ -337,14 +337,13 @@ class Rows:
         """
         column = name.removesuffix("_w_sr_um") + "_modes"
         known = [r["name"] for r in self._database.sql("SELECT name FROM pragma_table_info('spectral_modes')")][1:]
-        if self._database.format >= 16 and column not in known:
+        if column not in known:
             raise Error(f'there are no modes of "{name}", expected one of '
                         + ", ".join(k.removesuffix("_modes") + "_w_sr_um" for k in known))
         out = []
         stderrs = self.spectra(name.removesuffix("_w_sr_um") + "_stderr_w_sr_um")
         for at, (row, (_, stderr)) in enumerate(zip(self._ids(), stderrs)):
-            blob = self._database._sql.execute(f"SELECT {column} FROM spectral_modes WHERE signature_id = ?", (row,)).fetchone() \
-                if known else None
+            blob = self._database._sql.execute(f"SELECT {column} FROM spectral_modes WHERE signature_id = ?", (row,)).fetchone()
             shares = self._numbers(at, blob[0] if blob else b"", "<i2", f"its {column}")
             if len(stderr) == 0:  # the row has no spectrum, and so nothing to weigh
                 out.append(numpy.zeros((0, 0)))

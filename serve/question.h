@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/filters.h"
 #include "view/bands.h"
 #include "view/query.h"
 

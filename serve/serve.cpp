@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "serve/answers.h"
 #include "serve/hosts.h"
 #include "serve/http_server.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 #include "view/signature_quantity.h"
 
 namespace irsig {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/accuracy/measured.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 

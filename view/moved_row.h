@@ -2,7 +2,7 @@
 
 #include "absl/status/statusor.h"
 #include "schema/result.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 #include "view/arriving_reflected.h"
 #include "view/shape_change.h"
 #include "view/sight_line.h"

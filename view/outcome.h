@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "schema/job.pb.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "view/query.h"
 
 namespace irsig {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/store.h"
+#include "schema/store/rows.h"
 #include "view/signature_quantity.h"
 
 namespace irsig {

@@ -7,7 +7,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/measured.h"
-#include "schema/store/store.h"
+#include "schema/store/filters.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 

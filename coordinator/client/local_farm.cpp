@@ -20,7 +20,7 @@ namespace irsig {
 namespace {
 
 constexpr int kCoordinatorDeaths = 5;
-constexpr double kCoordinatorStart_s = 600;  // migrations of a large database included
+constexpr double kCoordinatorStart_s = 600;  // a large journal is recovered before
 constexpr std::size_t kLongestFolder = 80;   // the path of a Unix socket has at most 107 letters
 constexpr double kCoordinatorStop_s = 60;    // the checkpoint of a large journal
 constexpr double kCertificates_s = 366 * 86400.0;

@@ -6,116 +6,115 @@
 
 namespace irsig {
 
-// The catalogue of what one row of a database says in numbers: a viewpoint, a condition, a band.
-// The core's result, the message, the stored row, its SQL and what views list of it are made from
-// this list; whoever adds a quantity adds a line here, a field of the message, a column in a
-// migration, and computes it.
+// The catalogue of the numbers of a database row, which belongs to a viewpoint, a condition and a
+// band. The core's result, the message, the stored row, its SQL and the lists of views are made
+// from this catalogue. Whoever adds a quantity adds a line here, a field of the message
+// (schema/result.proto) and a column (schema/sql/create.sql), and computes it.
 //
-//   VALUE(name, stderr_name, unit, since, what)   with a sampling error of its own
-//   NUMBER(name, kind, unit, since, what)
-//   since: the format of the database that has it; rows of older ones hold NULL
+//   VALUE(name, stderr_name, unit, what)   with a sampling error of its own
+//   NUMBER(name, kind, unit, what)
 //
-// In the order in which tables list it. Names are those of columns, fields and members; "at the
-// sensor" is behind the air between it and the target.
+// The order is that of tables. Names are those of columns, fields and members; "at the sensor" is
+// behind the air between it and the target.
 
-// Parts of the source intensity.
-#define IRSIG_CAUSE_QUANTITIES(VALUE)                                                      \
-  VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", 1, "emitted by what the sensor sees")   \
-  VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", 1, "direct sun, reflected") \
-  VALUE(sky_reflected_w_sr, sky_reflected_stderr_w_sr, "W/sr", 1, "sky, reflected")        \
-  VALUE(surface_reflected_w_sr, surface_reflected_stderr_w_sr, "W/sr", 1,                  \
-        "what lies below the horizon, reflected")                                          \
-  VALUE(interreflected_w_sr, interreflected_stderr_w_sr, "W/sr", 1,                        \
+// Of which the source intensity is made up.
+#define IRSIG_CAUSE_QUANTITIES(VALUE)                                                   \
+  VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", "emitted by what the sensor sees")   \
+  VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", "direct sun, reflected") \
+  VALUE(sky_reflected_w_sr, sky_reflected_stderr_w_sr, "W/sr", "sky, reflected")        \
+  VALUE(surface_reflected_w_sr, surface_reflected_stderr_w_sr, "W/sr",                  \
+        "what lies below the horizon, reflected")                                       \
+  VALUE(interreflected_w_sr, interreflected_stderr_w_sr, "W/sr",                        \
         "emitted by parts of the target, reflected by others")
 
-#define IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)                                                     \
-  VALUE(intensity_w_sr, intensity_stderr_w_sr, "W/sr", 1, "in-band intensity at the target")       \
-  NUMBER(numerical_error_w_sr, kError, "W/sr", 1, "of intensity_w_sr: one sigma, bounds included") \
-  VALUE(projected_area_m2, projected_area_stderr_m2, "m2", 1, "of the silhouette")                 \
-  NUMBER(apparent_temperature_k, kDerived, "K", 1,                                                 \
+#define IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)                                                  \
+  VALUE(intensity_w_sr, intensity_stderr_w_sr, "W/sr", "in-band intensity at the target")       \
+  NUMBER(numerical_error_w_sr, kError, "W/sr", "of intensity_w_sr: one sigma, bounds included") \
+  VALUE(projected_area_m2, projected_area_stderr_m2, "m2", "of the silhouette")                 \
+  NUMBER(apparent_temperature_k, kDerived, "K",                                                 \
          "of a blackbody with the same in-band radiance over the projected area; 0: no area")
 
-#define IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)                                           \
-  VALUE(apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, "W/sr", 1,              \
-        "in-band intensity at the sensor")                                               \
-  NUMBER(apparent_numerical_error_w_sr, kError, "W/sr", 1, "of apparent_intensity_w_sr") \
-  VALUE(contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, "W/sr", 3,              \
-        "at the sensor: the target less what would be seen in its place")                \
-  NUMBER(contrast_numerical_error_w_sr, kError, "W/sr", 3, "of contrast_intensity_w_sr") \
-  VALUE(background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, "W/(m2 sr)", 3, \
-        "at the sensor, mean over the silhouette: what would be seen in its place")      \
-  NUMBER(model_error_w_sr, kModelError, "W/sr", 3,                                       \
-         "of intensity_w_sr: one sigma of the models of sky and sea")                    \
-  NUMBER(apparent_model_error_w_sr, kModelError, "W/sr", 3,                              \
-         "of apparent_intensity_w_sr: one sigma of the models of air, sky and sea")      \
-  NUMBER(contrast_model_error_w_sr, kModelError, "W/sr", 9,                              \
-         "of contrast_intensity_w_sr: the same, glitter behind the target among them")   \
-  NUMBER(path_transmittance, kExact, "1", 3, "in-band mean, of a grey source")           \
-  NUMBER(path_radiance_w_m2_sr, kExact, "W/(m2 sr)", 3, "in-band, of the air in front")
+#define IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)                                         \
+  VALUE(apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, "W/sr",               \
+        "in-band intensity at the sensor")                                             \
+  NUMBER(apparent_numerical_error_w_sr, kError, "W/sr", "of apparent_intensity_w_sr")  \
+  VALUE(contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, "W/sr",               \
+        "at the sensor: the target less what would be seen in its place")              \
+  NUMBER(contrast_numerical_error_w_sr, kError, "W/sr", "of contrast_intensity_w_sr")  \
+  VALUE(background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, "W/(m2 sr)",  \
+        "at the sensor, mean over the silhouette: what would be seen in its place")    \
+  NUMBER(model_error_w_sr, kModelError, "W/sr",                                        \
+         "of intensity_w_sr: one sigma of the models of sky and sea")                  \
+  NUMBER(apparent_model_error_w_sr, kModelError, "W/sr",                               \
+         "of apparent_intensity_w_sr: one sigma of the models of air, sky and sea")    \
+  NUMBER(contrast_model_error_w_sr, kModelError, "W/sr",                               \
+         "of contrast_intensity_w_sr: the same, glitter behind the target among them") \
+  NUMBER(path_transmittance, kExact, "1", "in-band mean, of a grey source")            \
+  NUMBER(path_radiance_w_m2_sr, kExact, "W/(m2 sr)", "in-band, of the air in front")
 
 #define IRSIG_BOUND_QUANTITIES(NUMBER)                                                           \
-  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed")  \
-  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                               \
+  NUMBER(truncation_bound_w_sr, kBound, "W/sr", "of reflections after the last one allowed")     \
+  NUMBER(quadrature_bound_w_sr, kBound, "W/sr",                                                  \
          "over wavelength; spectral_basis_bound_w_sr is contained in it")                        \
-  NUMBER(undersampling_bound_w_sr, kBound, "W/sr", 3,                                            \
+  NUMBER(undersampling_bound_w_sr, kBound, "W/sr",                                               \
          "of small places that may shine and that samples may have missed")                      \
-  NUMBER(spectral_basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")      \
-  NUMBER(direction_interpolation_bound_w_sr, kBound, "W/sr", 3,                                  \
+  NUMBER(spectral_basis_bound_w_sr, kBound, "W/sr", "of spectra carried at a few nodes")         \
+  NUMBER(direction_interpolation_bound_w_sr, kBound, "W/sr",                                     \
          "of sky and sea between the directions at which they are known")                        \
-  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")        \
-  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr")  \
-  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr")  \
-  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here")  \
-  NUMBER(target_depth_bound_w_sr, kBound, "W/sr", 6,                                             \
+  NUMBER(omitted_bound_w_sr, kBound, "W/sr", "of effects left out: of intensity_w_sr")           \
+  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", "the same of apparent_intensity_w_sr")     \
+  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", "the same of contrast_intensity_w_sr")     \
+  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", "what accuracy.absolute_error_k is worth here")     \
+  NUMBER(target_depth_bound_w_sr, kBound, "W/sr",                                                \
          "at the sensor: of one range for the target's whole depth")                             \
-  NUMBER(undersampling_stderr_w_sr, kStderr, "W/sr", 8,                                          \
+  NUMBER(undersampling_stderr_w_sr, kStderr, "W/sr",                                             \
          "estimate: what samples that met nothing brighter may have missed, of intensity_w_sr")  \
-  NUMBER(apparent_undersampling_stderr_w_sr, kStderr, "W/sr", 8,                                 \
+  NUMBER(apparent_undersampling_stderr_w_sr, kStderr, "W/sr",                                    \
          "the same of apparent_intensity_w_sr")                                                  \
-  NUMBER(contrast_undersampling_stderr_w_sr, kStderr, "W/sr", 8,                                 \
+  NUMBER(contrast_undersampling_stderr_w_sr, kStderr, "W/sr",                                    \
          "the same of contrast_intensity_w_sr")                                                  \
-  NUMBER(background_bound_w_sr, kBound, "W/sr", 9,                                               \
+  NUMBER(background_bound_w_sr, kBound, "W/sr",                                                  \
          "of contrast_intensity_w_sr: of what is behind, between the directions at which it is " \
          "known")                                                                                \
-  NUMBER(backface_fraction, kGuard, "1", 10,                                                     \
+  NUMBER(backface_fraction, kGuard, "1",                                                         \
          "of the silhouette: one-sided facets seen from behind, which send nothing")             \
-  NUMBER(temperature_bound_w_sr, kBound, "W/sr", 11,                                             \
+  NUMBER(temperature_bound_w_sr, kBound, "W/sr",                                                 \
          "of intensity_w_sr: of temperatures that are not stated, but measured or computed")     \
-  NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr", 11,                                    \
+  NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr",                                        \
          "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
-// Quantities of rows of conditions with hot gas; others have none. "Plume": emission of the gas
-// less its absorption of the light behind it, which the totals above include.
-#define IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)                                                  \
-  VALUE(plume_w_sr, plume_stderr_w_sr, "W/sr", 14, "hot gas, of intensity_w_sr")               \
-  VALUE(apparent_plume_w_sr, apparent_plume_stderr_w_sr, "W/sr", 14,                           \
-        "the same of apparent_intensity_w_sr")                                                 \
-  VALUE(contrast_plume_w_sr, contrast_plume_stderr_w_sr, "W/sr", 14,                           \
-        "the same of contrast_intensity_w_sr, less what is behind it beyond the target")       \
-  NUMBER(plume_emitted_w_sr, kDerived, "W/sr", 14, "sent by hot gas, at the target")           \
-  NUMBER(apparent_plume_emitted_w_sr, kDerived, "W/sr", 14, "the same at the sensor")          \
-  NUMBER(plume_bound_w_sr, kBound, "W/sr", 14,                                                 \
-         "of intensity_w_sr: of steps along rays, and of spectra computed of a few columns")   \
-  NUMBER(apparent_plume_bound_w_sr, kBound, "W/sr", 14, "the same of apparent_intensity_w_sr") \
-  NUMBER(contrast_plume_bound_w_sr, kBound, "W/sr", 14, "the same of contrast_intensity_w_sr") \
-  NUMBER(plume_model_error_w_sr, kModelError, "W/sr", 14,                                      \
-         "one sigma of hot water behind the air's, part of apparent_model_error_w_sr")         \
-  VALUE(plume_reflected_w_sr, plume_reflected_stderr_w_sr, "W/sr", 15,                         \
-        "of plume_w_sr: hot gas that the target reflects, less what gas takes of its light")   \
-  VALUE(apparent_plume_reflected_w_sr, apparent_plume_reflected_stderr_w_sr, "W/sr", 15,       \
-        "the same of apparent_plume_w_sr and contrast_plume_w_sr")                             \
-  VALUE(plume_area_m2, plume_area_stderr_m2, "m2", 15,                                         \
-        "projected, where hot gas has plume.area_optical_depth in band")                       \
-  NUMBER(plume_voxel_error_w_sr, kModelError, "W/sr", 15,                                      \
+// Of rows of conditions with hot gas; others have none. "Plume": what it sends less what it takes
+// of the light behind it, which the totals above hold.
+#define IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)                                                \
+  VALUE(plume_w_sr, plume_stderr_w_sr, "W/sr", "hot gas, of intensity_w_sr")                 \
+  VALUE(apparent_plume_w_sr, apparent_plume_stderr_w_sr, "W/sr",                             \
+        "the same of apparent_intensity_w_sr")                                               \
+  VALUE(contrast_plume_w_sr, contrast_plume_stderr_w_sr, "W/sr",                             \
+        "the same of contrast_intensity_w_sr, less what is behind it beyond the target")     \
+  NUMBER(plume_emitted_w_sr, kDerived, "W/sr", "sent by hot gas, at the target")             \
+  NUMBER(apparent_plume_emitted_w_sr, kDerived, "W/sr", "the same at the sensor")            \
+  NUMBER(plume_bound_w_sr, kBound, "W/sr",                                                   \
+         "of intensity_w_sr: of steps along rays, and of spectra computed of a few columns") \
+  NUMBER(apparent_plume_bound_w_sr, kBound, "W/sr", "the same of apparent_intensity_w_sr")   \
+  NUMBER(contrast_plume_bound_w_sr, kBound, "W/sr", "the same of contrast_intensity_w_sr")   \
+  NUMBER(plume_model_error_w_sr, kModelError, "W/sr",                                        \
+         "one sigma of hot water behind the air's, part of apparent_model_error_w_sr")       \
+  VALUE(plume_reflected_w_sr, plume_reflected_stderr_w_sr, "W/sr",                           \
+        "of plume_w_sr: hot gas that the target reflects, less what gas takes of its light") \
+  VALUE(apparent_plume_reflected_w_sr, apparent_plume_reflected_stderr_w_sr, "W/sr",         \
+        "the same of apparent_plume_w_sr and contrast_plume_w_sr")                           \
+  VALUE(plume_area_m2, plume_area_stderr_m2, "m2",                                           \
+        "projected, where hot gas has plume.area_optical_depth in band")                     \
+  NUMBER(plume_voxel_error_w_sr, kModelError, "W/sr",                                        \
          "one sigma of hot gas between its voxels, part of model_error_w_sr")
 
 // Quantities of rows whose sweep states the uncertainty of its inputs; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
-  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                                  \
+  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr",                                      \
          "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error") \
-  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                         \
+  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr",                             \
          "the same of apparent_intensity_w_sr")                                            \
-  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                         \
+  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr",                             \
          "the same of contrast_intensity_w_sr")
 
 #define IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \
@@ -146,15 +145,14 @@ struct QuantityInfo {
   std::string_view name;
   QuantityKind kind;
   std::string_view unit;
-  int since_format;
   std::string_view what;
 };
 
-#define IRSIG_VALUE_INFO(name, stderr_name, unit, since, what)    \
-  QuantityInfo{#name, QuantityKind::kSampled, unit, since, what}, \
-      QuantityInfo{#stderr_name, QuantityKind::kStderr, unit, since, what},
-#define IRSIG_NUMBER_INFO(name, kind, unit, since, what) \
-  QuantityInfo{#name, QuantityKind::kind, unit, since, what},
+#define IRSIG_VALUE_INFO(name, stderr_name, unit, what)    \
+  QuantityInfo{#name, QuantityKind::kSampled, unit, what}, \
+      QuantityInfo{#stderr_name, QuantityKind::kStderr, unit, what},
+#define IRSIG_NUMBER_INFO(name, kind, unit, what) \
+  QuantityInfo{#name, QuantityKind::kind, unit, what},
 inline constexpr auto kQuantities =
     std::to_array<QuantityInfo>({IRSIG_QUANTITIES(IRSIG_VALUE_INFO, IRSIG_NUMBER_INFO)});
 #undef IRSIG_VALUE_INFO

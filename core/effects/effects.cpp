@@ -42,7 +42,7 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "0 for a convex target; else what is still reflected after each order (pilot, upper "
        "limit) x the brightest source",
        "rays of the second and later orders", true},
-      {Effect::kHotPartsReflected, "hot_interreflected",
+      {Effect::kHotPartsReflected, "hot_parts_reflected",
        "hot parts reflected by others, aimed at from every facet",
        "parts well above the rest of the target", "with inter_reflection: it is on or off with it",
        "one ray to a hot part for each reflection that it could matter to", false},

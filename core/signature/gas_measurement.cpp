@@ -14,6 +14,7 @@ namespace {
 
 // Stages of a view's random numbers: other paths than those of the target's own light.
 constexpr std::uint64_t kGasStage = 0x6a5, kHullStage = 0x6b5;
+constexpr std::uint64_t kPicture = 4;  // after pilots, measurement and half resolution
 // Of the error that is asked for, what the gas's own samples may take.
 constexpr double kShareOfGoal = 0.5;
 // Columns that stand for all: so near to what the tests of all rays are, and at most so many; and
@@ -99,9 +100,9 @@ absl::StatusOr<bool> GasMeasurement::find() {
 
 void GasMeasurement::measure(const std::vector<double>& sent_w_sr) {
   samples_ = samples(sent_w_sr);
-  TracedView traced = run(gas_, *aimed_, samples_, 2, reflections(false), image_plan_);
-  image_ = std::move(traced.image);
-  keep(std::move(traced.weights));
+  keep(run(gas_, *aimed_, samples_, 2, reflections(false)).weights);
+  if (!image_plan_.empty())
+    image_ = run(gas_, whole_view(*aimed_), 1, kPicture, reflections(false), image_plan_).image;
   measured_ = true;
 }
 
@@ -138,6 +139,7 @@ TracedView GasMeasurement::run(std::shared_ptr<const RayMedium> gas, const Aimed
     settings.roulette_survival_scale = 8;
     settings.split = kSplit;
   }
+  if (!pictures.empty()) settings = picture_settings(settings, pictures);
   TracedView traced = trace_view(scene_, view, geometry, settings, pictures);
   rays_ += traced.counts.rays;
   return traced;

@@ -63,6 +63,7 @@ class GasMeasurement {
   };
 
   // Traces the rays of this gas with a stage of random numbers of their own.
+  //   pictures  unless empty: the same number of rays in each pixel; the view is a whole_view
   TracedView run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
                  std::uint64_t samples, std::uint64_t stage, std::uint32_t reflections,
                  const ImagePlan& pictures = {});

@@ -218,9 +218,9 @@ SignatureResult row_of(const MeasuredView& view, std::size_t index, const Prepar
 }
 
 // The pictures' sizes, and of each row its picture: the target's, and what hot gas changes of it.
-void add_pictures(const MeasuredView& view, const PictureFrame& frame,
+void add_pictures(const ViewPictures& pictures, const PictureFrame& frame,
                   const LightComponents& components, const ViewRequest& request, ViewResult& out) {
-  const ImagePlan& image = view.totals.image_plan;
+  const ImagePlan& image = pictures.plan;
   out.image_width_px = frame.width_px;
   out.image_height_px = frame.height_px;
   if (image.empty()) return;
@@ -230,11 +230,11 @@ void add_pictures(const MeasuredView& view, const PictureFrame& frame,
   const double pixel_area_m2 = pixel_m * frame.rectangle.height_m / frame.height_px;
   out.pixel_rad = pixel_m / frame.plane_m;
   const double plane_scale = std::pow(request.viewpoint.range_m / frame.plane_m, 2);
-  const double scale = 1.0 / (request.accuracy.replicates * pixel_area_m2 * plane_scale);
+  const double scale = 1.0 / (pixel_area_m2 * plane_scale);
   const std::size_t pixels = static_cast<std::size_t>(frame.width_px) * frame.height_px;
   std::vector<double> sum(pixels);
   for (std::size_t row = 0; row < out.row.size(); ++row) {
-    for (std::size_t i = 0; i < pixels; ++i) sum[i] = view.totals.image[i * image.padded + row];
+    for (std::size_t i = 0; i < pixels; ++i) sum[i] = pictures.image[i * image.padded + row];
     for (const auto& component : components) component->add_picture(row, sum);
     for (const double pixel : sum)
       out.row[row].image_w_m2_sr.push_back(static_cast<float>(scale * pixel));
@@ -270,7 +270,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   const std::uint64_t seed = view_seed(scene, request);
   MeasuredView measured(scene, request, plan, std::move(view),
                         {request.selected_condition, request.selected_band}, seed);
-  run_view(measured, plan.samples_per_replicate, kStoredStage, RunKind::kStored, pictures, paths);
+  run_view(measured, plan.samples_per_replicate, kStoredStage, RunKind::kStored, paths);
   const PathCounts& counts = measured.totals.counts;
 
   ViewResult out;
@@ -292,7 +292,9 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
     for (const auto& component : components) rays += component->rays(row);
     out.rays = std::max(out.rays, rays);
   }
-  add_pictures(measured, pictures, components, request, out);
+  const ViewPictures shown = trace_pictures(measured, pictures);
+  out.rays += shown.rays;
+  add_pictures(shown, pictures, components, request, out);
   return out;
 }
 

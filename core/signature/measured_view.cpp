@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/accuracy/replicates.h"
+#include "core/signature/make_plan.h"
 #include "core/signature/row_bounds/row_bounds.h"
 
 namespace irsig {
@@ -151,14 +152,12 @@ ImagePlan plan_images(const MeasuredView& view, const PictureFrame& pictures) {
   return plan;
 }
 
-// Runs the view with these settings and pictures, and returns the weights.
-std::vector<PathWeights> run(MeasuredView& view, const PathSettings& settings,
-                             const ImagePlan& pictures, RunKind kind) {
-  TracedView traced = trace_view(view.setup.scene, view.setup.aimed(),
-                                 view.setup.sources.geometry(), settings, pictures);
+// Runs the view with these settings, and returns the weights.
+std::vector<PathWeights> run(MeasuredView& view, const PathSettings& settings, RunKind kind) {
+  TracedView traced =
+      trace_view(view.setup.scene, view.setup.aimed(), view.setup.sources.geometry(), settings);
   view.totals.samples = settings.samples;
   view.totals.counts = traced.counts;
-  view.totals.image = std::move(traced.image);
   collect(traced.weights, kind, view);
   return std::move(traced.weights);
 }
@@ -166,18 +165,27 @@ std::vector<PathWeights> run(MeasuredView& view, const PathSettings& settings,
 }  // namespace
 
 void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, RunKind kind,
-              const PictureFrame& pictures, std::vector<PathWeights>* kept) {
-  view.totals.image_plan = plan_images(view, pictures);
-  std::vector<PathWeights> weights =
-      run(view, settings_of(view.setup, samples, stage), view.totals.image_plan, kind);
+              std::vector<PathWeights>* kept) {
+  std::vector<PathWeights> weights = run(view, settings_of(view.setup, samples, stage), kind);
   if (kept != nullptr) *kept = std::move(weights);
+}
+
+ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame) {
+  ViewPictures out{plan_images(view, frame), {}, 0};
+  if (out.plan.empty()) return out;
+  TracedView traced =
+      trace_view(view.setup.scene, whole_view(view.setup.aimed()), view.setup.sources.geometry(),
+                 picture_settings(settings_of(view.setup, 1, kPictureStage), out.plan), out.plan);
+  out.image = std::move(traced.image);
+  out.rays = traced.counts.rays;
+  return out;
 }
 
 void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t samples,
                  std::uint64_t stage) {
   PathSettings settings = settings_of(view.setup, samples, stage);
   settings.only_stratum = stratum;
-  run(view, settings, {}, RunKind::kPilot);
+  run(view, settings, RunKind::kPilot);
 }
 
 MeasuredIntensities measured(const MeasuredView& view, const Row& row) {

@@ -24,8 +24,6 @@ struct RunTotals {
   ReplicateStatistics beyond;                          // [number of reflections]
   double front_area_m2 = 0, back_area_m2 = 0;          // of the silhouette, means over replicates
   std::vector<EnergyLedger> energy;                    // [band]; empty in pilots
-  ImagePlan image_plan;
-  std::vector<double> image;
 };
 
 // MeasuredView is a view with its rows, as the last run measured them. Pilots and the stored run
@@ -52,10 +50,19 @@ enum class RunKind : std::uint8_t { kPilot, kStored };
 //   stage  of the view's random numbers
 //   kept   gets the weights of the paths, unless it is null
 void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, RunKind kind,
-              const PictureFrame& pictures = {}, std::vector<PathWeights>* kept = nullptr);
+              std::vector<PathWeights>* kept = nullptr);
 // Runs a pilot of one stratum alone: of what is seen in it.
 void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t samples,
                  std::uint64_t stage);
+
+// Pictures of all rows, by paths of their own: the same number of samples in every pixel, so that
+// no pixel inside the silhouette is empty.
+struct ViewPictures {
+  ImagePlan plan;             // empty: none
+  std::vector<double> image;  // [pixel][plan.padded] radiance x solid angle x range^2 [W/sr]
+  std::uint64_t rays = 0;
+};
+[[nodiscard]] ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame);
 
 // A row's three intensities with their errors and bounds; pilots are without those of the air and
 // of the background. Reflections that the plan leaves out are `omitted`, those that the request

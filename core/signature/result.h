@@ -14,6 +14,7 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
+// 18: pictures have paths of their own, the same number in each pixel.
 // 17: the bound of the target's depth takes light to leave the target where it is seen to, in mean.
 // 16: rays at hot gas also go where it is seen past what is in front; steps beside jumps; what so
 // few columns and rays may have missed; sunlight thrown onto other facets is allowed for by how
@@ -28,7 +29,7 @@ namespace irsig {
 // 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
 // added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
 // met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 17;
+inline constexpr int kPhysicsVersion = 18;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
@@ -53,8 +54,8 @@ struct SignatureResult {
   std::uint32_t condition = 0, band = 0;
   // The catalogue's quantities by their names (core/accuracy/quantities.h says what each is); the
   // causes below.
-#define IRSIG_VALUE_MEMBER(name, stderr_name, unit, since, what) Estimate name;
-#define IRSIG_NUMBER_MEMBER(name, kind, unit, since, what) double name = 0;
+#define IRSIG_VALUE_MEMBER(name, stderr_name, unit, what) Estimate name;
+#define IRSIG_NUMBER_MEMBER(name, kind, unit, what) double name = 0;
   IRSIG_SOURCE_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
   IRSIG_SENSOR_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
   IRSIG_BOUND_QUANTITIES(IRSIG_NUMBER_MEMBER)

@@ -165,4 +165,15 @@ void show_sources(const SourceTable& table, const ConditionSources& light,
   }
 }
 
+PathSettings picture_settings(PathSettings settings, const ImagePlan& plan) {
+  const std::uint64_t pixels = static_cast<std::uint64_t>(plan.width_px) * plan.height_px;
+  settings.replicates = 1;
+  settings.pixel_samples = kPixelSamples;
+  while (settings.pixel_samples > kLeastPixelSamples &&
+         pixels * settings.pixel_samples > kPictureSamples)
+    settings.pixel_samples /= 2;
+  settings.samples = pixels * settings.pixel_samples;
+  return settings;
+}
+
 }  // namespace irsig

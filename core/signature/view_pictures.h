@@ -26,6 +26,14 @@ struct PictureFrame {
 [[nodiscard]] PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
                                          const ViewRequest& request);
 
+// Samples of each pixel: where pictures are larger than this many samples in all, as few as
+// kLeastPixelSamples. Powers of two.
+inline constexpr std::uint32_t kPixelSamples = 16, kLeastPixelSamples = 4;
+inline constexpr std::uint64_t kPictureSamples = std::uint64_t{1} << 19;
+
+// Returns a run's settings changed to those of its pictures: one replicate, each pixel by itself.
+[[nodiscard]] PathSettings picture_settings(PathSettings settings, const ImagePlan& plan);
+
 // Pictures of that frame that show nothing yet, for rays that start on the plane of `view`.
 //   firsts  tables of sources: one, or one for each class of gas before them
 [[nodiscard]] ImagePlan blank_pictures(const PictureFrame& frame, const ViewFrame& view,

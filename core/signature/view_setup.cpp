@@ -150,6 +150,7 @@ std::vector<InBandRadiance> sent_by_parts(const UndersampledSources& sources,
 
 std::vector<Row> rows_of(const ViewSetup& setup, const ViewRequest& request) {
   std::vector<Row> out;
+  out.reserve(setup.keys.condition.size() * setup.keys.band.size());
   std::map<std::array<double, 3>, double> quadrature;  // conditions often share temperatures
   for (std::size_t c = 0; c < setup.keys.condition.size(); ++c)
     for (const std::uint32_t band : setup.keys.band) {

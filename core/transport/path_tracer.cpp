@@ -133,12 +133,12 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       work.gas_seen.assign(settings_.replicates * out.front().gas_seen_m2.size(), 0.0);
       work.gas_fraction.resize(static_cast<std::size_t>(work.capacity) * gas->classes());
     }
+    const double normalise = sample_m2(plan, s);
+    work.area_per_sample = static_cast<float>(normalise);
     if (spectral_)
       trace_stratum<true>(work, s);
     else
       trace_stratum<false>(work, s);
-    const double normalise =
-        view_.stratum[s].area_m2() / static_cast<double>(view_.samples(s, settings_.samples));
     for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
       if (settings_.by_order)
         for (std::size_t k = 0; k < orders; ++k)
@@ -191,9 +191,6 @@ const SeedPair* PathTracer::seeds_of(Work& work, std::uint32_t order) const {
 
 template <bool kSpectral>
 void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
-  const CoverageMask& mask = view_.stratum[stratum];
-  const std::uint64_t samples = view_.samples(stratum, settings_.samples);
-  work.area_per_sample = static_cast<float>(mask.area_m2() / static_cast<double>(samples));
   work.stratum_seed.clear();
   std::vector<SeedPair> aim;
   for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
@@ -205,7 +202,8 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   for (std::uint32_t order = 0; order < std::min(kSeedOrders, settings_.max_reflections + 1);
        ++order)
     add_seeds(work.stratum_seed, order, work.seeds);
-  const CellOrder order(samples, aim);
+  if (settings_.pixel_samples > 0) return trace_pixels<kSpectral>(work, aim);
+  const CellOrder order(view_.samples(stratum, settings_.samples), aim);
 
   SampleList& list = work.list;
   list.size = 0;
@@ -220,25 +218,67 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
       list.seed_x[i] = aim[r].x;
       list.seed_y[i] = aim[r].y;
       work.replicate_of_list[i] = r;
-      if (list.size == work.capacity) {
-        aim_batch(work, mask);
-        trace_batch<kSpectral>(work);
-        list.size = 0;
-      }
+      if (list.size == work.capacity) trace_listed<kSpectral>(work);
     }
   }
-  aim_batch(work, mask);
+  trace_listed<kSpectral>(work);
+}
+
+// Each pixel's samples are consecutive: of a scrambled Sobol sequence they are stratified over the
+// pixel.
+template <bool kSpectral>
+void PathTracer::trace_pixels(Work& work, const std::vector<SeedPair>& aim) const {
+  SampleList& list = work.list;
+  list.size = 0;
+  const std::uint32_t pixels = work.plan->width_px * work.plan->height_px;
+  for (std::uint32_t pixel = 0; pixel < pixels; ++pixel)
+    for (std::uint32_t r = 0; r < settings_.replicates; ++r)
+      for (std::uint32_t k = 0; k < settings_.pixel_samples; ++k) {
+        const std::uint32_t i = list.size++;
+        list.index[i] = pixel * settings_.pixel_samples + k;
+        list.seed_x[i] = aim[r].x;
+        list.seed_y[i] = aim[r].y;
+        work.replicate_of_list[i] = r;
+        if (list.size == work.capacity) trace_listed<kSpectral>(work);
+      }
+  trace_listed<kSpectral>(work);
+}
+
+template <bool kSpectral>
+void PathTracer::trace_listed(Work& work) const {
+  aim_batch(work);
   trace_batch<kSpectral>(work);
+  work.list.size = 0;
+}
+
+double PathTracer::sample_m2(const ImagePlan& plan, std::uint32_t stratum) const {
+  if (settings_.pixel_samples > 0)
+    return plan.rectangle.width_m * plan.rectangle.height_m /
+           (static_cast<double>(plan.width_px) * plan.height_px * settings_.pixel_samples);
+  return view_.stratum[stratum].area_m2() /
+         static_cast<double>(view_.samples(stratum, settings_.samples));
 }
 
 // Turns the listed samples into primary rays.
-void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
+void PathTracer::aim_batch(Work& work) const {
   SampleList& list = work.list;
   settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs(list);
+  const CoverageMask& mask = view_.stratum[work.stratum];
   const CellDensity* density = work.stratum == 0 && view_.density ? &*view_.density : nullptr;
   for (std::uint32_t i = 0; i < list.size; ++i) {
     const SamplePair at{list.x[i], list.y[i]};
-    if (density != nullptr) {
+    if (settings_.pixel_samples > 0) {
+      const ImagePlan& plan = *work.plan;
+      const std::uint32_t pixel = list.index[i] / settings_.pixel_samples;
+      const std::uint32_t column = pixel % plan.width_px, row = pixel / plan.width_px;
+      const PlaneRectangle& r = plan.rectangle;
+      work.x_m[i] = static_cast<float>(
+          r.x0_m +
+          r.width_m * ((static_cast<double>(column) + static_cast<double>(at.x)) / plan.width_px));
+      work.y_m[i] = static_cast<float>(
+          r.y0_m +
+          r.height_m * ((static_cast<double>(row) + static_cast<double>(at.y)) / plan.height_px));
+    } else if (density != nullptr) {
       const CellDensity::Place p = density->map(at);
       work.x_m[i] = p.x_m;
       work.y_m[i] = p.y_m;

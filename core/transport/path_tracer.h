@@ -72,7 +72,11 @@ struct PathSettings {
   bool hot_lights = true, sun_disk_by_chance = true;
   // Independent random numbers instead of scrambled Sobol points. For comparisons.
   bool pseudo_random = false;
-  // The one stratum of the view to be traced; absent: all strata.
+  // Primary samples of each pixel of the pictures and replicate, a power of two, stratified over
+  // the pixel; needs a view of one stratum (whole_view) and pictures. 0: samples of the view's
+  // strata.
+  std::uint32_t pixel_samples = 0;
+  // Of the view's strata this one alone.
   std::optional<std::uint32_t> only_stratum = std::nullopt;
   // True if no ray that leaves the target can meet it again (Target::convex): none is traced.
   bool skip_self_intersection = false;
@@ -178,7 +182,13 @@ class PathTracer {
   void trace_stratum(Work& work, std::uint32_t stratum) const;
   template <bool kSpectral>
   void trace_batch(Work& work) const;
-  void aim_batch(Work& work, const CoverageMask& mask) const;
+  template <bool kSpectral>
+  void trace_pixels(Work& work, const std::vector<SeedPair>& aim) const;
+  template <bool kSpectral>
+  void trace_listed(Work& work) const;
+  // Area of the image plane that one sample of a replicate stands for. [m2]
+  [[nodiscard]] double sample_m2(const ImagePlan& plan, std::uint32_t stratum) const;
+  void aim_batch(Work& work) const;
   void cross_gas(Work& work) const;
   template <bool kSpectral>
   void cross_gas_around(Work& work) const;

@@ -405,4 +405,13 @@ FootprintView make_footprint_view(const Target& target, Vec<Body> sensor, Vec<Bo
   return out;
 }
 
+AimedView whole_view(const AimedView& view) {
+  AimedView out;
+  out.range_m = view.range_m;
+  out.frame = view.frame;
+  out.stratum_of_part.assign(view.stratum_of_part.size(), 0);
+  out.stratum = {CoverageMask::whole(view.frame)};
+  return out;
+}
+
 }  // namespace irsig

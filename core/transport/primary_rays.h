@@ -145,6 +145,10 @@ struct AimedView {
     return std::max<std::uint64_t>(64, samples / 8);
   }
 };
+
+// Returns the view with one stratum, the whole rectangle of its frame: every primary ray counts for
+// what it meets, hot and bright facets included.
+[[nodiscard]] AimedView whole_view(const AimedView& view);
 // INVALID_ARGUMENT: the sensor is inside the target's convex hull, or within a hundredth of the
 // target's radius of it. A sensor that is nearer than the target reaches looks past the reference
 // point, so that all of the target is in front of it.

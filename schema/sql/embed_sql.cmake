@@ -1,7 +1,6 @@
-# cmake -DOUTPUT=<header> -DSOURCES=<a.sql|b.sql> -DMIGRATIONS=<0001_x.sql|...> -P embed_sql.cmake
+# cmake -DOUTPUT=<header> -DSOURCES=<a.sql|b.sql> -P embed_sql.cmake
 #
-# Every statement that follows a line "-- name: <identifier>" in SOURCES becomes irsig::sql::<identifier>; the
-# migrations become the table irsig::sql::kMigrations, in order, numbered from 1.
+# Every statement that follows a line "-- name: <identifier>" in SOURCES becomes irsig::sql::<identifier>.
 set(text "// Made from schema/sql by embed_sql.cmake.\n#pragma once\n\nnamespace irsig::sql {\n\n")
 set(mark "-- name: ")
 string(LENGTH "${mark}" mark_length)
@@ -29,18 +28,5 @@ foreach(source IN LISTS sources)
   endwhile()
 endforeach()
 
-string(APPEND text "struct Migration {\n  int version;\n  const char* script;\n};\n\ninline constexpr Migration kMigrations[] = {\n")
-string(REPLACE "|" ";" migrations "${MIGRATIONS}")
-set(version 0)
-foreach(migration IN LISTS migrations)
-  math(EXPR version "${version} + 1")
-  get_filename_component(file_name "${migration}" NAME)
-  if(NOT file_name MATCHES "^0*${version}_")
-    message(FATAL_ERROR "${migration}: expected the migration to version ${version}")
-  endif()
-  file(READ "${migration}" script)
-  # One literal may hold 64 kB by the standard; a migration has no name to split at and needs no more.
-  string(APPEND text "    {${version}, R\"sql(${script})sql\"},\n")
-endforeach()
-string(APPEND text "};\n\n}  // namespace irsig::sql\n")
+string(APPEND text "}  // namespace irsig::sql\n")
 file(WRITE "${OUTPUT}" "${text}")

@@ -64,28 +64,16 @@ absl::StatusOr<Definitions> definitions_of(Database& database) {
   }
 }
 
-struct BuiltIn {
-  Definitions newest;
-  std::set<std::string> ever;  // of every version
-};
-
-absl::StatusOr<BuiltIn> make_built_in() {
+absl::StatusOr<Definitions> make_built_in() {
   ASSIGN_OR_RETURN(std::unique_ptr<Database> memory,
                    Database::open(":memory:", Database::Mode::kReadWriteCreate));
-  IRSIG_STORE_TRY(memory->script("PRAGMA foreign_keys = OFF"));
-  BuiltIn out;
-  for (const sql::Migration& migration : sql::kMigrations) {
-    IRSIG_STORE_TRY(memory->script(migration.script));
-    ASSIGN_OR_RETURN(Definitions now, definitions_of(*memory));
-    for (const auto& [name, sql] : now) out.ever.insert(name);
-    out.newest = std::move(now);
-  }
-  return out;
+  IRSIG_STORE_TRY(memory->script(sql::create));
+  return definitions_of(*memory);
 }
 
 // Made once for a process.
-const absl::StatusOr<BuiltIn>& built_in() {
-  static const absl::StatusOr<BuiltIn> made = make_built_in();
+const absl::StatusOr<Definitions>& built_in() {
+  static const absl::StatusOr<Definitions> made = make_built_in();
   return made;
 }
 
@@ -97,28 +85,18 @@ absl::Status foreign(const std::string& path, const std::string& what) {
 }  // namespace
 
 absl::Status check_schema(const std::string& path, Database& database) {
-  const absl::StatusOr<BuiltIn>& expected = built_in();
+  const absl::StatusOr<Definitions>& expected = built_in();
   if (!expected.ok()) return expected.status();
   ASSIGN_OR_RETURN(const Definitions there, definitions_of(database));
   for (const auto& [name, sql] : there) {
-    const auto known = expected->newest.find(name);
-    if (known == expected->newest.end())
+    const auto known = expected->find(name);
+    if (known == expected->end())
       return foreign(path, absl::StrCat("has the ", name, ", which is none of the format's"));
     if (known->second != sql)
       return foreign(path, absl::StrCat("its ", name, " is not defined as the format has it"));
   }
-  for (const auto& [name, sql] : expected->newest)
+  for (const auto& [name, sql] : *expected)
     if (!there.contains(name)) return foreign(path, absl::StrCat("lacks the ", name));
-  return absl::OkStatus();
-}
-
-absl::Status check_old_schema(const std::string& path, Database& database) {
-  const absl::StatusOr<BuiltIn>& expected = built_in();
-  if (!expected.ok()) return expected.status();
-  ASSIGN_OR_RETURN(const Definitions there, definitions_of(database));
-  for (const auto& [name, sql] : there)
-    if (!expected->ever.contains(name))
-      return foreign(path, absl::StrCat("has the ", name, ", which no version of the format had"));
   return absl::OkStatus();
 }
 

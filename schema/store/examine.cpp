@@ -14,9 +14,9 @@
 #include "schema/store/check_picture.h"
 #include "schema/store/find_signatures.h"
 #include "schema/store/open_database.h"
+#include "schema/store/reader.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
-#include "schema/store/store.h"
 #include "schema/store/stored_asset.h"
 #include "schema/store/whole_file.h"
 
@@ -27,10 +27,10 @@ constexpr std::size_t kMostNamed = 5;
 
 // How many signatures have an infinite number in a column. (SQLite stores what is not a number as
 // NULL, which the columns that must be there refuse.)
-#define IRSIG_COUNT_VALUE(name, stderr_name, unit, since, what)                   \
+#define IRSIG_COUNT_VALUE(name, stderr_name, unit, what)                          \
   "SELECT count(*) FROM signature WHERE abs(" #name ") > 1.7976931348623157e308", \
       "SELECT count(*) FROM signature WHERE abs(" #stderr_name ") > 1.7976931348623157e308",
-#define IRSIG_COUNT_NUMBER(name, kind, unit, since, what) \
+#define IRSIG_COUNT_NUMBER(name, kind, unit, what) \
   "SELECT count(*) FROM signature WHERE abs(" #name ") > 1.7976931348623157e308",
 constexpr const char* kCountInfinite[] = {IRSIG_QUANTITIES(IRSIG_COUNT_VALUE, IRSIG_COUNT_NUMBER)};
 #undef IRSIG_COUNT_VALUE
@@ -116,16 +116,11 @@ bool modes_fit(const schema::Spectrum& s) {
 
 class Examination {
  public:
-  // reader: of the same file; nullptr: its tables are an earlier version's.
-  Examination(Database& database, StoreReader* reader) : database_(database), reader_(reader) {}
+  // reader: of the same file.
+  Examination(Database& database, StoreReader& reader) : database_(database), reader_(reader) {}
 
   absl::Status run(int physics_version) {
     IRSIG_STORE_TRY(structure());
-    if (reader_ == nullptr) {
-      found(Kind::kOld,
-            "the format: an earlier version's, of which no more than the structure is looked at");
-      return absl::OkStatus();
-    }
     IRSIG_STORE_TRY(directions());
     IRSIG_STORE_TRY(assets());
     IRSIG_STORE_TRY(numbers());
@@ -209,7 +204,7 @@ class Examination {
         modes(findings_, "modes of errors that do not fit their spectra"),
         images(findings_, "images that are damaged");
     for (const Signature& s : signatures) {
-      const auto spectrum = reader_->spectrum(s.id);
+      const auto spectrum = reader_.spectrum(s.id);
       if (absl::IsNotFound(spectrum.status()) || absl::IsDataLoss(spectrum.status())) {
         spectra.add(s.name);
       } else if (!spectrum.ok()) {
@@ -217,7 +212,7 @@ class Examination {
       } else if (!modes_fit(*spectrum)) {
         modes.add(s.name);
       }
-      ASSIGN_OR_RETURN(const auto thumbnail, reader_->thumbnail(s.id));
+      ASSIGN_OR_RETURN(const auto thumbnail, reader_.thumbnail(s.id));
       if (thumbnail && !check_thumbnail(*thumbnail, s.name).ok()) images.add(s.name);
     }
     return absl::OkStatus();
@@ -282,11 +277,12 @@ class Examination {
   }
 
   Database& database_;
-  StoreReader* reader_;
+  StoreReader& reader_;
   std::vector<StoreFinding> findings_;
 };
 
-std::vector<StoreFinding> look_at(Database& database, StoreReader* reader, int physics_version) {
+// database, reader: two connections to one file.
+std::vector<StoreFinding> look_at(Database& database, StoreReader& reader, int physics_version) {
   Examination examination(database, reader);
   // A file so broken that a statement fails is damaged, too; what was found before stays.
   const absl::Status status = examination.run(physics_version);
@@ -300,10 +296,9 @@ std::vector<StoreFinding> look_at(Database& database, StoreReader* reader, int p
 // By itself, whatever its header says of a journal.
 absl::StatusOr<std::vector<StoreFinding>> examine_as_it_is(const std::string& path,
                                                            int physics_version) {
-  ASSIGN_OR_RETURN(const auto opened, open_as_it_is(path));
-  if (opened.is_older) return look_at(*opened.database, nullptr, physics_version);
+  ASSIGN_OR_RETURN(const auto database, open_as_it_is(path));
   ASSIGN_OR_RETURN(const auto reader, StoreReader::open_as_it_is(path));
-  return look_at(*opened.database, reader.get(), physics_version);
+  return look_at(*database, *reader, physics_version);
 }
 
 bool is_damaged(const std::vector<StoreFinding>& findings) {
@@ -316,7 +311,7 @@ bool is_damaged(const std::vector<StoreFinding>& findings) {
 absl::StatusOr<std::vector<StoreFinding>> examine(const std::string& path, int physics_version) {
   ASSIGN_OR_RETURN(const auto database, open_for_reading(path));
   ASSIGN_OR_RETURN(const auto reader, StoreReader::open(path));
-  return look_at(*database, reader.get(), physics_version);
+  return look_at(*database, *reader, physics_version);
 }
 
 absl::StatusOr<AcceptedFile> accept_file(const std::string& path, int physics_version) {

@@ -5,7 +5,8 @@
 
 #include "absl/status/statusor.h"
 #include "schema/store/database.h"
-#include "schema/store/store.h"
+#include "schema/store/filters.h"
+#include "schema/store/rows.h"
 
 namespace irsig {
 

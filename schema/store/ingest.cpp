@@ -87,14 +87,13 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
                    database.integer(sql::current_condition, job.sweep_id, row.condition_index()));
   ASSIGN_OR_RETURN(const std::int64_t band_id, band_for(database, job.sweep_id, row));
   // The catalogue's quantities, in its order: the message has a field of each name.
-#define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
+#define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, what) \
   , row.name().value(), row.name().stderr()
-#define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
-#define IRSIG_STATED_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
-  , if_stated(row.has_##name(), row.name().value()),                       \
+#define IRSIG_NUMBER_ARGUMENT(name, kind, unit, what) , row.name()
+#define IRSIG_STATED_VALUE_ARGUMENTS(name, stderr_name, unit, what) \
+  , if_stated(row.has_##name(), row.name().value()),                \
       if_stated(row.has_##name(), row.name().stderr())
-#define IRSIG_STATED_ARGUMENT(name, kind, unit, since, what) \
-  , if_stated(row.has_##name(), row.name())
+#define IRSIG_STATED_ARGUMENT(name, kind, unit, what) , if_stated(row.has_##name(), row.name())
   IRSIG_STORE_TRY(database.run(
       insert_signature_statement(), job.job_id, job.view.viewpoint_id, condition_id, band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),

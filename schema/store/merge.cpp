@@ -14,6 +14,7 @@
 #include "schema/store/statements.h"
 #include "schema/store/stored_asset.h"
 #include "schema/store/whole_file.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 namespace {

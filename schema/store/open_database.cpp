@@ -8,10 +8,10 @@
 #include <cstring>
 #include <filesystem>
 #include <utility>
-#include <vector>
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/printable.h"
 #include "core/base/status_macros.h"
 #include "schema/store/check_schema.h"
 #include "schema/store/statements.h"
@@ -22,23 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kVersion = static_cast<int>(std::size(sql::kMigrations));
-
-std::vector<MigrationStep> all_steps() {
-  std::vector<MigrationStep> steps;
-  for (const sql::Migration& migration : sql::kMigrations)
-    steps.push_back({migration.version, migration.script});
-  return steps;
-}
-
 absl::Status refuse(const std::string& path, std::uint32_t application_id, std::int64_t version) {
   if (application_id != kApplicationId) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": is an SQLite file, but not a signature database"));
   }
-  if (version > kVersion) {
+  if (version > kFormat) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": has format version ", version,
-                                                   "; this irsig knows up to ", kVersion,
+                                                   "; this irsig knows up to ", kFormat,
                                                    " (update irsig)"));
   }
   return absl::OkStatus();
@@ -62,10 +53,26 @@ absl::Status check_header(const std::string& path, const FileHeader& header) {
   return refuse(path, header.application_id, header.user_version);
 }
 
+// The program that wrote a file of an older format: " (build ...)", or empty. Nobody has checked
+// the file's definitions: a view in the place of the table is not run.
+std::string writer_of(Database& database) {
+  absl::StatusOr<Rows> row = database.query(
+      "SELECT (SELECT substr(build_id, 1, 100) FROM provenance LIMIT 1) FROM sqlite_schema "
+      "WHERE type = 'table' AND name = 'provenance'");
+  if (!row.ok() || !row->next().value_or(false) || row->is_null()) return "";
+  return absl::StrCat(" (build ", row->text(), ")");
+}
+
 absl::Status check_pragmas(const std::string& path, Database& database) {
   ASSIGN_OR_RETURN(const std::int64_t id, database.integer("PRAGMA application_id"));
   ASSIGN_OR_RETURN(const std::int64_t version, database.integer("PRAGMA user_version"));
-  return refuse(path, static_cast<std::uint32_t>(id), version);
+  IRSIG_STORE_TRY(refuse(path, static_cast<std::uint32_t>(id), version));
+  if (version == kFormat) return absl::OkStatus();
+  return absl::InvalidArgumentError(one_line(absl::StrCat(
+      path, ": has format version ", version,
+      ", of an irsig before the first release; this irsig reads version ", kFormat,
+      ": run the sweep again into a new file, or read this one with the irsig that wrote it",
+      writer_of(database))));
 }
 
 bool path_exists(const std::string& path) {
@@ -101,7 +108,7 @@ absl::StatusOr<std::string> journal_mode(Database& database, const char* pragma)
 // Puts a commit into the journal that changes nothing: from then on the header does not ask for a
 // journal that is empty.
 absl::Status begin_journal(Database& database) {
-  return database.script(absl::StrCat("PRAGMA user_version = ", kVersion));
+  return database.script(absl::StrCat("PRAGMA user_version = ", kFormat));
 }
 
 // After a change of the journal's mode that failed: the lock file keeps what it says as long as the
@@ -119,8 +126,6 @@ absl::Status write_ahead(const std::string& path, WritableDatabase& out) {
     if (mode != "wal")
       return absl::FailedPreconditionError(absl::StrCat(
           path, ": its file system cannot share memory between processes: use a local disk"));
-    // A close without end_write_ahead() leaves the journal as it is.
-    IRSIG_STORE_TRY(database.keep_journal_on_close());
     const absl::Status begun = begin_journal(database);
     if (!begun.ok())
       static_cast<void>(journal_mode(database, "PRAGMA journal_mode = DELETE").status());
@@ -131,34 +136,6 @@ absl::Status write_ahead(const std::string& path, WritableDatabase& out) {
   const absl::Status changed = change();
   say_no_more_than_needed(out);
   return changed;
-}
-
-absl::Status run_steps(Database& database, std::int64_t from,
-                       std::span<const MigrationStep> steps) {
-  for (const MigrationStep& step : steps) {
-    if (step.version <= from) continue;
-    IRSIG_STORE_TRY(database.script(step.script));
-    IRSIG_STORE_TRY(database.script(absl::StrCat("PRAGMA user_version = ", step.version)));
-  }
-  return absl::OkStatus();
-}
-
-// One transaction in which tables may be made anew: foreign keys are checked once, at its end.
-absl::Status change_format(Database& database, const std::function<absl::Status()>& change) {
-  const auto run = [&]() -> absl::Status {
-    IRSIG_STORE_TRY(database.script("BEGIN EXCLUSIVE"));
-    IRSIG_STORE_TRY(change());
-    ASSIGN_OR_RETURN(const std::int64_t lost,
-                     database.integer("SELECT count(*) FROM pragma_foreign_key_check()"));
-    if (lost > 0)
-      return absl::DataLossError(absl::StrCat(lost, " rows name rows that do not exist"));
-    return database.script("COMMIT");
-  };
-  IRSIG_STORE_TRY(database.script("PRAGMA foreign_keys = OFF"));
-  const absl::Status status = run();
-  if (database.in_transaction()) static_cast<void>(database.script("ROLLBACK"));
-  const absl::Status restored = database.script("PRAGMA foreign_keys = ON");
-  return status.ok() ? restored : status;
 }
 
 // For its owner alone: whoever lets others read it says so with chmod. SQLite would make it with
@@ -177,31 +154,13 @@ absl::Status create(Database& database) {
   // 2000 completions (tests/benchmark/store_bench.cpp) with pages of 4, 8, 16, 32 kB: 1.09, 0.96,
   // 0.88, 1.02; with 32 kB the file is a quarter larger.
   IRSIG_STORE_TRY(database.script("PRAGMA page_size = 16384"));
-  return change_format(database, [&]() -> absl::Status {
-    IRSIG_STORE_TRY(database.script(absl::StrCat("PRAGMA application_id = ", kApplicationId)));
-    return run_steps(database, 0, all_steps());
-  });
+  return database.script(absl::StrCat("BEGIN EXCLUSIVE; ", sql::create, "COMMIT"));
 }
 
 }  // namespace
 
 void remove_database(const std::string& path) {
   for (const char* suffix : {"", "-journal", "-wal", "-shm"}) ::unlink((path + suffix).c_str());
-}
-
-absl::Status migrate(Database& database, std::span<const MigrationStep> steps,
-                     const std::function<absl::Status()>& check) {
-  ASSIGN_OR_RETURN(const std::int64_t from, database.integer("PRAGMA user_version"));
-  const int newest = steps.empty() ? 0 : steps.back().version;
-  if (from > newest) {
-    return absl::InvalidArgumentError(absl::StrCat("the database has format version ", from,
-                                                   "; known are versions up to ", newest));
-  }
-  if (from == newest) return absl::OkStatus();
-  return change_format(database, [&]() -> absl::Status {
-    IRSIG_STORE_TRY(run_steps(database, from, steps));
-    return check ? check() : absl::OkStatus();
-  });
 }
 
 absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
@@ -213,8 +172,8 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
 
   const bool existed = path_exists(out.path);
   bool is_new = !existed;
-  // With a hot rollback journal (a creation or migration that was killed) the bytes mean nothing
-  // before SQLite has rolled it back; the pragmas are checked below.
+  // With a hot rollback journal (a creation that was killed) the bytes mean nothing before SQLite
+  // has rolled it back; the pragmas are checked below.
   if (existed && !path_exists(out.path + "-journal")) {
     ASSIGN_OR_RETURN(const FileHeader header, read_file_header(out.path));
     is_new = header.empty;
@@ -234,6 +193,9 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
                    Database::open(out.path, Database::Mode::kReadWriteCreate));
   out.database = std::move(database);
   Database& opened = *out.database;
+  // A close without end_write_ahead() leaves the journal as it is, also that of a file that is
+  // refused below.
+  IRSIG_STORE_TRY(opened.keep_journal_on_close());
   if (existed &&
       !is_new) {  // after a creation that was killed, nothing is left: that is a new file, too
     ASSIGN_OR_RETURN(const std::int64_t tables,
@@ -245,10 +207,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     IRSIG_STORE_TRY(create(opened));
   } else {
     IRSIG_STORE_TRY(check_pragmas(path, opened));
-    IRSIG_STORE_TRY(check_old_schema(path, opened));
-    const auto check = [&] { return check_schema(path, opened); };
-    IRSIG_STORE_TRY(name_the_reader(path, migrate(opened, all_steps(), check)));
-    IRSIG_STORE_TRY(check());
+    IRSIG_STORE_TRY(check_schema(path, opened));
   }
   IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, out)));
   // What a commit writes fits into the cache [kB]: otherwise pages go to the disk and come back.
@@ -285,7 +244,6 @@ void leave_journal(WritableDatabase& written) {
 
 namespace {
 
-// Up to what a file's own bytes and PRAGMAs say: a signature database, and not a newer one's.
 absl::StatusOr<std::unique_ptr<Database>> open_known(const std::string& path, bool as_it_is,
                                                      bool attaches) {
   IRSIG_STORE_TRY(check_regular(path));
@@ -303,30 +261,18 @@ absl::StatusOr<std::unique_ptr<Database>> open_known(const std::string& path, bo
                      attaches));
   if (const absl::Status checked = check_pragmas(path, *database); !checked.ok())
     return cannot_share(path, header, checked);
+  IRSIG_STORE_TRY(check_schema(path, *database));
   return database;
 }
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path, bool attaches) {
-  ASSIGN_OR_RETURN(std::unique_ptr<Database> database, open_known(path, false, attaches));
-  ASSIGN_OR_RETURN(const std::int64_t version, database->integer("PRAGMA user_version"));
-  if (version < kVersion) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path, ": has the older format version ", version,
-                     "; open it once for writing (irsig run --resume) to bring it to ", kVersion));
-  }
-  IRSIG_STORE_TRY(check_schema(path, *database));
-  return database;
+  return open_known(path, false, attaches);
 }
 
-absl::StatusOr<AsItIs> open_as_it_is(const std::string& path) {
-  ASSIGN_OR_RETURN(std::unique_ptr<Database> database, open_known(path, true, false));
-  ASSIGN_OR_RETURN(const std::int64_t version, database->integer("PRAGMA user_version"));
-  AsItIs out{std::move(database), version < kVersion};
-  IRSIG_STORE_TRY(out.is_older ? check_old_schema(path, *out.database)
-                               : check_schema(path, *out.database));
-  return out;
+absl::StatusOr<std::unique_ptr<Database>> open_as_it_is(const std::string& path) {
+  return open_known(path, true, false);
 }
 
 }  // namespace irsig

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "absl/status/status.h"
@@ -15,11 +13,8 @@ namespace irsig {
 // "IRSG": tells a signature database from every other SQLite file (`file` prints it).
 inline constexpr std::uint32_t kApplicationId = 0x49525347;
 
-// One step of the file format: `script` takes a database of version - 1 to version.
-struct MigrationStep {
-  int version;
-  const char* script;
-};
+// The version of the format, which schema/sql/create.sql makes.
+inline constexpr int kFormat = 20;
 
 struct WritableDatabase {
   std::unique_ptr<WriterLock> lock;  // outlives the connection
@@ -28,7 +23,8 @@ struct WritableDatabase {
   std::string path;      // where it lies, links followed
 };
 
-// Creates or opens for writing, brings to the newest version, switches to write-ahead logging.
+// Creates or opens for writing, switches to write-ahead logging. INVALID_ARGUMENT: the file is no
+// signature database, or one of another format; an older one is named with the build that wrote it.
 // Files that it refuses (schema/store/check_schema.h, schema/store/whole_file.h) stay as they are;
 // a new one is its owner's alone (mode 0600); a file that it began to create does not stay behind
 // when it fails.
@@ -48,17 +44,8 @@ void remove_database(const std::string& path);
 // Never creates or changes anything. attaches: database.h.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path,
                                                                          bool attaches = false);
-// Like open_for_reading(), for a file whose journal is missing (check_has_its_journal): its own
-// content. No program may write to it meanwhile. is_older: it has an earlier version's tables.
-struct AsItIs {
-  std::unique_ptr<Database> database;
-  bool is_older;
-};
-[[nodiscard]] absl::StatusOr<AsItIs> open_as_it_is(const std::string& path);
-
-// Runs the steps above the database's user_version, all in one transaction, which ends as it began
-// unless `check` is content with what they have left. INVALID_ARGUMENT: a newer version.
-[[nodiscard]] absl::Status migrate(Database& database, std::span<const MigrationStep> steps,
-                                   const std::function<absl::Status()>& check = nullptr);
+// The same for a file whose journal is missing (check_has_its_journal): what it holds by itself.
+// Nobody may write to it meanwhile.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_as_it_is(const std::string& path);
 
 }  // namespace irsig

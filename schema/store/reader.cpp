@@ -1,3 +1,5 @@
+#include "schema/store/reader.h"
+
 #include <array>
 #include <utility>
 
@@ -16,204 +18,196 @@
 #include "schema/store/queue.h"
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
-#include "schema/store/store.h"
 #include "schema/store/stored_asset.h"
 
 namespace irsig {
 namespace {
 
-class SqliteReader final : public StoreReader {
- public:
-  explicit SqliteReader(std::unique_ptr<Database> database)
-      : owned_(std::move(database)), database_(*owned_) {}
-
-  absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) override {
-    return in_one_snapshot([&]() -> absl::StatusOr<std::vector<StoredSignature>> {
-      ASSIGN_OR_RETURN(const auto ids, find_signature_ids(database_, filter));
-      return read_signatures(database_, ids);
-    });
-  }
-
-  absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter) override {
-    return in_one_snapshot([&] { return find_signature_ids(database_, filter); });
-  }
-
-  absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids) override {
-    return in_one_snapshot([&] { return read_signatures(database_, ids); });
-  }
-
-  absl::StatusOr<std::vector<SweepContents>> contents() override {
-    return in_one_snapshot([&] { return find_contents(database_); });
-  }
-
-  absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter) override {
-    return find_values(database_, filter);
-  }
-
-  absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) override {
-    ASSIGN_OR_RETURN(Rows row, database_.query(sql::spectrum_of_signature, signature_id));
-    ASSIGN_OR_RETURN(const bool found, row.next());
-    if (!found) return absl::NotFoundError(absl::StrCat("no spectrum of signature ", signature_id));
-    const std::string lambda_um = row.text();
-    std::array<std::string, kSpectrumArrays> arrays;
-    for (std::string& array : arrays) array = row.text();
-    auto spectrum = spectrum_from_blobs(lambda_um, arrays);
-    if (!spectrum.ok())
-      return absl::Status(
-          spectrum.status().code(),
-          absl::StrCat("signature ", signature_id, ": ", spectrum.status().message(),
-                       "; `irsig doctor` lists what is damaged"));
-    for (std::string* modes : {spectrum->mutable_spectral_intensity_modes(),
-                               spectrum->mutable_apparent_spectral_intensity_modes(),
-                               spectrum->mutable_contrast_spectral_intensity_modes()}) {
-      *modes = row.text();
-      if (const std::string wrong =
-              wrong_modes(*modes, static_cast<std::size_t>(spectrum->lambda_um_size()));
-          !wrong.empty())
-        return absl::DataLossError(absl::StrCat("signature ", signature_id, ": modes of errors: ",
-                                                wrong, "; `irsig doctor` lists what is damaged"));
-    }
-    return spectrum;
-  }
-
-  absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles files) override {
-    return in_one_snapshot([&] { return stored_sweep(name, files); });
-  }
-
-  absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) override {
-    IRSIG_STORE_TRY(check_exists(signature_id));
-    std::vector<StoredPart> parts;
-    ASSIGN_OR_RETURN(Rows row, database_.query(sql::parts_of_signature, signature_id));
-    for (;;) {
-      ASSIGN_OR_RETURN(const bool found, row.next());
-      if (!found) return parts;
-      StoredPart& part = parts.emplace_back();
-      part.part = row.text();
-      part.intensity_w_sr = row.real();
-      part.intensity_stderr_w_sr = row.real();
-    }
-  }
-
-  absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) override {
-    IRSIG_STORE_TRY(check_exists(signature_id));
-    return find_ledger(database_, signature_id);
-  }
-  absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id) override {
-    IRSIG_STORE_TRY(check_exists(signature_id));
-    return find_inputs(database_, signature_id);
-  }
-
-  absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) override {
-    IRSIG_STORE_TRY(check_exists(signature_id));
-    ASSIGN_OR_RETURN(Rows row, database_.query(sql::thumbnail_of_signature, signature_id));
-    ASSIGN_OR_RETURN(const bool found, row.next());
-    if (!found) return std::nullopt;
-    schema::Thumbnail thumbnail;
-    thumbnail.set_width_px(static_cast<std::uint32_t>(row.integer()));
-    thumbnail.set_height_px(static_cast<std::uint32_t>(row.integer()));
-    thumbnail.set_pixel_rad(row.real());
-    thumbnail.set_png(row.text());
-    thumbnail.set_exr(row.text());
-    return thumbnail;
-  }
-
-  absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) override {
-    return find_profile_rows(database_, filter);
-  }
-
-  absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep) override {
-    return find_published(database_, sweep);
-  }
-
-  absl::StatusOr<std::vector<SweepProgress>> progress() override {
-    return in_one_snapshot([&] { return sweep_progress(database_); });
-  }
-
-  absl::StatusOr<std::optional<StoredPrediction>> prediction(
-      const std::string& sweep_sha256) override {
-    return find_prediction(database_, sweep_sha256);
-  }
-
-  absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) override {
-    return find_job_costs(database_, sweep);
-  }
-
-  absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(
-      const std::string& sweep) override {
-    return find_rows_of_jobs(database_, sweep);
-  }
-
-  absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
-      const TemperatureFilter& filter) override {
-    return find_computed_temperatures(database_, filter);
-  }
-
-  absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep) override {
-    return find_heat_jobs(database_, sweep);
-  }
-
-  absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) override {
-    return in_one_snapshot([&] { return find_outcome(database_, sweep); });
-  }
-
-  absl::StatusOr<std::uint64_t> bytes() override { return database_bytes(database_); }
-
-  absl::StatusOr<std::string> digest() override {
-    return in_one_snapshot([&] { return content_digest(database_); });
-  }
-
- private:
-  // Several statements that must see the same commit.
-  template <typename Work>
-  auto in_one_snapshot(const Work& work) -> decltype(work()) {
-    IRSIG_STORE_TRY(database_.run("BEGIN"));
-    auto result = work();
-    IRSIG_STORE_TRY(database_.run("COMMIT"));
-    return result;
-  }
-
-  absl::StatusOr<StoredSweep> stored_sweep(const std::string& name, SweepFiles files) {
-    ASSIGN_OR_RETURN(Rows row, database_.query(sql::sweep_by_name, name));
-    ASSIGN_OR_RETURN(const bool found, row.next());
-    if (!found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
-    StoredSweep sweep;
-    if (!sweep.resolved.ParseFromString(row.text()))
-      return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
-    if (files == SweepFiles::kNone) return sweep;
-    ASSIGN_OR_RETURN(HeatOutputs heat, find_heat_outputs(database_, name));
-    if (heat.size() == static_cast<std::size_t>(sweep.resolved.heat_size()))
-      sweep.heat = std::move(heat);
-    if (files == SweepFiles::kTemperatures) return sweep;
-    for (const std::string& sha256 : needed_assets(sweep.resolved)) {
-      absl::StatusOr<std::string> bytes = read_asset(database_, sha256);
-      if (absl::IsNotFound(bytes.status())) continue;
-      if (!bytes.ok()) return bytes.status();
-      sweep.assets[sha256] = *std::move(bytes);
-    }
-    return sweep;
-  }
-
-  absl::Status check_exists(std::int64_t signature_id) {
-    ASSIGN_OR_RETURN(const std::int64_t count,
-                     database_.integer(sql::signature_exists, signature_id));
-    return count == 1 ? absl::OkStatus()
-                      : absl::NotFoundError(absl::StrCat("no signature ", signature_id));
-  }
-
-  std::unique_ptr<Database> owned_;
-  Database& database_;
-};
+// Several statements that must see the same commit.
+template <typename Work>
+auto in_one_snapshot(Database& database, const Work& work) -> decltype(work()) {
+  IRSIG_STORE_TRY(database.run("BEGIN"));
+  auto result = work();
+  IRSIG_STORE_TRY(database.run("COMMIT"));
+  return result;
+}
 
 }  // namespace
 
+StoreReader::StoreReader(std::unique_ptr<Database> database) : database_(std::move(database)) {}
+
+StoreReader::~StoreReader() = default;
+
+absl::StatusOr<std::vector<StoredSignature>> StoreReader::find(const SignatureFilter& filter) {
+  return in_one_snapshot(*database_, [&]() -> absl::StatusOr<std::vector<StoredSignature>> {
+    ASSIGN_OR_RETURN(const auto ids, find_signature_ids(*database_, filter));
+    return read_signatures(*database_, ids);
+  });
+}
+
+absl::StatusOr<std::vector<std::int64_t>> StoreReader::find_ids(const SignatureFilter& filter) {
+  return in_one_snapshot(*database_, [&] { return find_signature_ids(*database_, filter); });
+}
+
+absl::StatusOr<std::vector<StoredSignature>> StoreReader::read(std::span<const std::int64_t> ids) {
+  return in_one_snapshot(*database_, [&] { return read_signatures(*database_, ids); });
+}
+
+absl::StatusOr<std::vector<SweepContents>> StoreReader::contents() {
+  return in_one_snapshot(*database_, [&] { return find_contents(*database_); });
+}
+
+absl::StatusOr<std::vector<StoredValue>> StoreReader::values(const ValueFilter& filter) {
+  return find_values(*database_, filter);
+}
+
+absl::StatusOr<schema::Spectrum> StoreReader::spectrum(std::int64_t signature_id) {
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::spectrum_of_signature, signature_id));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return absl::NotFoundError(absl::StrCat("no spectrum of signature ", signature_id));
+  const std::string lambda_um = row.text();
+  std::array<std::string, kSpectrumArrays> arrays;
+  for (std::string& array : arrays) array = row.text();
+  auto spectrum = spectrum_from_blobs(lambda_um, arrays);
+  if (!spectrum.ok())
+    return absl::Status(spectrum.status().code(),
+                        absl::StrCat("signature ", signature_id, ": ", spectrum.status().message(),
+                                     "; `irsig doctor` lists what is damaged"));
+  for (std::string* modes : {spectrum->mutable_spectral_intensity_modes(),
+                             spectrum->mutable_apparent_spectral_intensity_modes(),
+                             spectrum->mutable_contrast_spectral_intensity_modes()}) {
+    *modes = row.text();
+    if (const std::string wrong =
+            wrong_modes(*modes, static_cast<std::size_t>(spectrum->lambda_um_size()));
+        !wrong.empty())
+      return absl::DataLossError(absl::StrCat("signature ", signature_id, ": modes of errors: ",
+                                              wrong, "; `irsig doctor` lists what is damaged"));
+  }
+  return spectrum;
+}
+
+absl::StatusOr<StoredSweep> StoreReader::sweep(const std::string& name, SweepFiles files) {
+  return in_one_snapshot(*database_, [&] { return stored_sweep(name, files); });
+}
+
+absl::StatusOr<std::vector<StoredPart>> StoreReader::parts(std::int64_t signature_id) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  std::vector<StoredPart> parts;
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::parts_of_signature, signature_id));
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return parts;
+    StoredPart& part = parts.emplace_back();
+    part.part = row.text();
+    part.intensity_w_sr = row.real();
+    part.intensity_stderr_w_sr = row.real();
+  }
+}
+
+absl::StatusOr<StoredLedger> StoreReader::ledger(std::int64_t signature_id) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  return find_ledger(*database_, signature_id);
+}
+absl::StatusOr<std::vector<StoredInput>> StoreReader::inputs(std::int64_t signature_id) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  return find_inputs(*database_, signature_id);
+}
+
+absl::StatusOr<std::optional<schema::Thumbnail>> StoreReader::thumbnail(std::int64_t signature_id) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::thumbnail_of_signature, signature_id));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return std::nullopt;
+  schema::Thumbnail thumbnail;
+  thumbnail.set_width_px(static_cast<std::uint32_t>(row.integer()));
+  thumbnail.set_height_px(static_cast<std::uint32_t>(row.integer()));
+  thumbnail.set_pixel_rad(row.real());
+  thumbnail.set_png(row.text());
+  thumbnail.set_exr(row.text());
+  return thumbnail;
+}
+
+absl::StatusOr<std::vector<StoredProfileRow>> StoreReader::profiles(const ProfileFilter& filter) {
+  return find_profile_rows(*database_, filter);
+}
+
+absl::StatusOr<std::vector<StoredPublished>> StoreReader::published(const std::string& sweep) {
+  return find_published(*database_, sweep);
+}
+
+absl::StatusOr<std::vector<SweepProgress>> StoreReader::progress() {
+  return in_one_snapshot(*database_, [&] { return sweep_progress(*database_); });
+}
+
+absl::StatusOr<std::optional<StoredPrediction>> StoreReader::prediction(
+    const std::string& sweep_sha256) {
+  return find_prediction(*database_, sweep_sha256);
+}
+
+absl::StatusOr<std::vector<StoredJobCost>> StoreReader::job_costs(const std::string& sweep) {
+  return find_job_costs(*database_, sweep);
+}
+
+absl::StatusOr<std::map<std::string, std::uint64_t>> StoreReader::rows_of_jobs(
+    const std::string& sweep) {
+  return find_rows_of_jobs(*database_, sweep);
+}
+
+absl::StatusOr<std::vector<StoredTemperature>> StoreReader::computed_temperatures(
+    const TemperatureFilter& filter) {
+  return find_computed_temperatures(*database_, filter);
+}
+
+absl::StatusOr<std::vector<StoredHeatJob>> StoreReader::heat_jobs(const std::string& sweep) {
+  return find_heat_jobs(*database_, sweep);
+}
+
+absl::StatusOr<StoredOutcome> StoreReader::outcome(const std::string& sweep) {
+  return in_one_snapshot(*database_, [&] { return find_outcome(*database_, sweep); });
+}
+
+absl::StatusOr<std::uint64_t> StoreReader::bytes() { return database_bytes(*database_); }
+
+absl::StatusOr<std::string> StoreReader::digest() {
+  return in_one_snapshot(*database_, [&] { return content_digest(*database_); });
+}
+
+absl::StatusOr<StoredSweep> StoreReader::stored_sweep(const std::string& name, SweepFiles files) {
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::sweep_by_name, name));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
+  StoredSweep sweep;
+  if (!sweep.resolved.ParseFromString(row.text()))
+    return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
+  if (files == SweepFiles::kNone) return sweep;
+  ASSIGN_OR_RETURN(HeatOutputs heat, find_heat_outputs(*database_, name));
+  if (heat.size() == static_cast<std::size_t>(sweep.resolved.heat_size()))
+    sweep.heat = std::move(heat);
+  if (files == SweepFiles::kTemperatures) return sweep;
+  for (const std::string& sha256 : needed_assets(sweep.resolved)) {
+    absl::StatusOr<std::string> bytes = read_asset(*database_, sha256);
+    if (absl::IsNotFound(bytes.status())) continue;
+    if (!bytes.ok()) return bytes.status();
+    sweep.assets[sha256] = *std::move(bytes);
+  }
+  return sweep;
+}
+
+absl::Status StoreReader::check_exists(std::int64_t signature_id) {
+  ASSIGN_OR_RETURN(const std::int64_t count,
+                   database_->integer(sql::signature_exists, signature_id));
+  return count == 1 ? absl::OkStatus()
+                    : absl::NotFoundError(absl::StrCat("no signature ", signature_id));
+}
+
 absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open(const std::string& path) {
   ASSIGN_OR_RETURN(std::unique_ptr<Database> database, open_for_reading(path));
-  return std::make_unique<SqliteReader>(std::move(database));
+  return std::make_unique<StoreReader>(std::move(database));
 }
 
 absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open_as_it_is(const std::string& path) {
-  ASSIGN_OR_RETURN(AsItIs opened, irsig::open_as_it_is(path));
-  return std::make_unique<SqliteReader>(std::move(opened.database));
+  ASSIGN_OR_RETURN(std::unique_ptr<Database> database, irsig::open_as_it_is(path));
+  return std::make_unique<StoreReader>(std::move(database));
 }
 
 }  // namespace irsig

@@ -89,7 +89,7 @@ absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
   bool fits = !lambda_um.empty() && numbers_from(lambda_um, *spectrum.mutable_lambda_um());
   for (std::size_t array = 0; array < kSpectrumArrays; ++array) {
     Floats& values = *(spectrum.*kArrays[array].mutable_get)();
-    if (array >= kOldSpectrumArrays && arrays[array].empty()) continue;
+    if (array >= kRequiredSpectrumArrays && arrays[array].empty()) continue;
     fits =
         fits && numbers_from(arrays[array], values) && values.size() == spectrum.lambda_um_size();
   }

@@ -10,8 +10,8 @@
 namespace irsig {
 
 inline constexpr std::size_t kSpectrumArrays = 26;
-// Arrays that spectra of format version 1 and 2, and rows without hot gas, do not have come last.
-inline constexpr std::size_t kOldSpectrumArrays = 14;
+// The first arrays have a value at each wavelength; each later one may be empty (hot gas).
+inline constexpr std::size_t kRequiredSpectrumArrays = 14;
 
 // The bytes of a spectrum's arrays in the order of schema/result.proto (fields 2 to 27): float32,
 // little-endian. Views into the message where the machine is little-endian, so the message must

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
 #include "schema/store/database.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "schema/store/writer_lock.h"
 
 namespace irsig {

@@ -22,7 +22,8 @@
 #include "jobs/expand.h"
 #include "jobs/shard.h"
 #include "planning/load_sweep.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
+#include "schema/store/writer.h"
 
 namespace irsig {
 namespace {

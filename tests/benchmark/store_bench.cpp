@@ -14,7 +14,8 @@
 #include <filesystem>
 #include <random>
 
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
+#include "schema/store/writer.h"
 #include "tests/fault/synthetic_ledger.h"
 
 namespace irsig {

@@ -25,7 +25,7 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/child_process.h"
 #include "coordinator/client/farm_client.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {

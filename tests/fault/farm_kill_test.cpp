@@ -16,7 +16,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/farm_server.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {

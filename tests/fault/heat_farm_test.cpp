@@ -17,7 +17,7 @@
 #include "jobs/expand.h"
 #include "jobs/sweep_file.h"
 #include "planning/export_temperatures.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

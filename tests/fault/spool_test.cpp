@@ -19,7 +19,7 @@
 #include "coordinator/client/child_process.h"
 #include "coordinator/client/farm_client.h"
 #include "jobs/expand.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "tests/unit/store_fixture.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 namespace {

@@ -174,22 +174,6 @@ class Explain(unittest.TestCase):
         self.assertEqual((effects["sky_reflected"]["state"], effects["sky_reflected"]["reason"]), ("on", "no_goal"))
         self.assertIn("asked     a number of samples", irsig("explain", self.db, "--row", 1))
 
-    def test_rows_of_an_older_irsig(self):
-        self.run_sweep(BALL)
-        # What format version 4 did not have.
-        with sqlite3.connect(self.db) as connection:
-            connection.executescript(
-                "DELETE FROM ledger; DELETE FROM energy; UPDATE signature SET omitted_bound_w_sr = NULL,"
-                " apparent_omitted_bound_w_sr = NULL, contrast_omitted_bound_w_sr = NULL,"
-                " absolute_floor_w_sr = NULL, reflections = NULL;")
-        connection.close()
-        text = irsig("explain", self.db, "--row", 1)
-        self.assertIn("no ledger of effects: an older irsig stored this row", text)
-        self.assertRegex(text, r"(?m)^  omitted bound +not stored$")
-        self.assertNotRegex(text, r"\bnan\b|absent")
-        d = self.explained(1)
-        self.assertEqual((d["effects"], d["energy"]), ([], []))
-
     def test_show_effects(self):
         text = irsig("show", "effects")
         self.assertIn("direct_sun *: sunlight reflected by the target", text)

@@ -217,7 +217,7 @@ class Merge(unittest.TestCase):
                 db.execute("DROP TRIGGER t")
                 db.execute("PRAGMA user_version = 16")
             db.close()
-            self.refused("older format version 16", "merge", self.shard[0], copy, "--out", out)
+            self.refused("has format version 16", "merge", self.shard[0], copy, "--out", out)
         finally:
             copy.unlink()
 

@@ -140,13 +140,12 @@ class Python(unittest.TestCase):
             self.assertEqual(superseded, whole / 3)
 
     def test_what_is_missing_is_not_a_number(self):
-        changed = self.change("DELETE FROM spectrum WHERE signature_id = 1", "UPDATE signature SET contrast_intensity_w_sr = NULL, "
-                              "contrast_intensity_stderr_w_sr = NULL, contrast_numerical_error_w_sr = NULL WHERE signature_id = 1",
+        changed = self.change("DELETE FROM spectrum WHERE signature_id = 1", "UPDATE signature SET plume_w_sr = 2.0 WHERE signature_id <> 1",
                               "DELETE FROM thumbnail WHERE signature_id = 1")
         with irsig.open(changed) as db:
             rows = db.query()
             first = list(rows["signature_id"]).index(1)
-            self.assertNotEqual(rows["contrast_intensity_w_sr"][first], rows["contrast_intensity_w_sr"][first])
+            self.assertEqual([i for i, plume in enumerate(rows["plume_w_sr"]) if plume != plume], [first])
             self.assertEqual([len(part) for part in rows.spectra()[first]], [0, 0])
             self.assertIsNone(rows.thumbnails()[first])
             rows.to_xarray()
@@ -162,6 +161,8 @@ class Python(unittest.TestCase):
                                 ("bytes", "UPDATE spectrum SET spectral_intensity_w_sr_um = x'00000000ff'")):
             files[name] = self.path / f"{name}.sigdb"
             shutil.move(self.change(statement + " WHERE signature_id = (SELECT signature_id FROM signature_view WHERE row = 3)"), files[name])
+        older = self.path / "older.sigdb"
+        shutil.move(self.change("PRAGMA user_version = 19"), older)
         damaged = self.change("UPDATE spectrum SET spectral_intensity_w_sr_um = x'00000000' WHERE signature_id = 1")
         newer = self.path / "newer.sigdb"
         shutil.copy(self.file, newer)
@@ -174,6 +175,7 @@ class Python(unittest.TestCase):
                     (lambda: irsig.open(text), "not a database"),
                     (lambda: irsig.open(empty), "this is no signature database"),
                     (lambda: irsig.open(newer), "its format is 999"),
+                    (lambda: irsig.open(older), "its format is 19, this irsig.py reads 20"),
                     (lambda: irsig.open(damaged).query().spectra(), "1 values at"),
                     (lambda: irsig.open(files["modes"]).query().modes(), "row 3 of quickstart: its spectral_intensity_modes are no list"),
                     (lambda: irsig.open(files["modes"]).query().to_xarray(), "row 3 of quickstart"),
@@ -199,7 +201,7 @@ class Python(unittest.TestCase):
                     call()
 
     def test_it_knows_the_format_that_is_written(self):
-        self.assertEqual(irsig.open(self.file).format, irsig.FORMATS[-1])
+        self.assertEqual(irsig.open(self.file).format, irsig.FORMAT)
 
     def test_the_documentation_is_what_it_does(self):
         before = pathlib.Path.cwd()

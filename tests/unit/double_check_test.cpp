@@ -8,6 +8,7 @@
 
 #include "jobs/expand.h"
 #include "tests/unit/farm_fixture.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 namespace {

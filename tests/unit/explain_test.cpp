@@ -7,7 +7,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "tests/unit/fake_store_reader.h"
+#include "tests/unit/fake_database.h"
 #include "view/effect_ledger.h"
 #include "view/temperatures.h"
 
@@ -38,8 +38,8 @@ StoredLedger some_ledger(double scale) {
 }
 
 // Row 4: spring, lwir of the first viewpoint.
-FakeStoreReader with_ledger() {
-  FakeStoreReader db = fake_database();
+FakeDatabase with_ledger() {
+  FakeDatabase db = fake_database();
   StoredSignature& s = db.signatures[3];
   s.truncation_bound_w_sr = 1e-3 * s.intensity_w_sr;
   s.omitted_bound_w_sr = 2e-4 * s.intensity_w_sr;
@@ -53,7 +53,7 @@ FakeStoreReader with_ledger() {
   return db;
 }
 
-std::string explained(FakeStoreReader db, std::uint64_t row, const std::string& format = "text") {
+std::string explained(FakeDatabase db, std::uint64_t row, const std::string& format = "text") {
   std::ostringstream out;
   const absl::Status status = explain_row(db, "", row, format, out);
   EXPECT_TRUE(status.ok()) << status;
@@ -61,7 +61,7 @@ std::string explained(FakeStoreReader db, std::uint64_t row, const std::string& 
 }
 
 TEST(Explain, ShowsTheTemperaturesThatAJobHasComputed) {
-  FakeStoreReader db = with_ledger();
+  FakeDatabase db = with_ledger();
   EXPECT_THAT(explained(db, 4), Not(HasSubstr("temperatures that a job")));
   const StoredSignature& s = db.signatures[3];
   db.temperatures.push_back(
@@ -75,7 +75,7 @@ TEST(Explain, ShowsTheTemperaturesThatAJobHasComputed) {
 }
 
 TEST(Temperatures, AreATableOfWhatPassesTheFilter) {
-  FakeStoreReader db = with_ledger();
+  FakeDatabase db = with_ledger();
   std::ostringstream out;
   EXPECT_TRUE(absl::IsNotFound(write_temperatures(db, {}, "csv", out)));
   db.temperatures = {
@@ -119,7 +119,7 @@ TEST(Explain, TellsWhatEachEffectDid) {
 }
 
 TEST(Explain, ARowOfAnOlderFileHasNoLedger) {
-  FakeStoreReader db = with_ledger();
+  FakeDatabase db = with_ledger();
   db.ledgers.clear();
   using S = StoredSignature;
   for (double S::*number : {&S::omitted_bound_w_sr, &S::absolute_floor_w_sr})
@@ -148,7 +148,7 @@ TEST(Explain, JsonHasEveryNumber) {
 }
 
 TEST(Explain, RefusesRowsThatAreNotOne) {
-  FakeStoreReader db = with_ledger();
+  FakeDatabase db = with_ledger();
   std::ostringstream out;
   const absl::Status beyond = explain_row(db, "", 99999, "text", out);
   EXPECT_TRUE(absl::IsNotFound(beyond));
@@ -171,7 +171,7 @@ TEST(Explain, RefusesRowsThatAreNotOne) {
 }
 
 TEST(EffectSummary, CountsRowsAndEachViewsTimeOnce) {
-  const FakeStoreReader db = fake_database();
+  const FakeDatabase db = fake_database();
   std::vector<LedgerRow> rows;
   for (const int i : {0, 1, 6}) {  // two rows of one view, one of another
     const StoredSignature& s = db.signatures[static_cast<std::size_t>(i)];

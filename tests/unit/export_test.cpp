@@ -11,7 +11,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/atomic_file.h"
 #include "view/query_table.h"
 
@@ -50,7 +50,7 @@ class Export : public ::testing::Test {
 
 // More rows than are read at once.
 TEST_F(Export, ATableHasTheRowsOfTheQueryInTheirOrder) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto rows = run_query(db, {});
   ASSERT_TRUE(rows.ok()) << rows.status();
   ASSERT_GT(rows->size(), 1000U);
@@ -62,7 +62,7 @@ TEST_F(Export, ATableHasTheRowsOfTheQueryInTheirOrder) {
 }
 
 TEST_F(Export, NetcdfOpensInXarray) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   ASSERT_TRUE(export_file(db, {}, "netcdf", path("all.nc")).ok());
   EXPECT_EQ(files(), 1U);
   const StoredSignature& s = db.signatures[(10 * 3 + 2) * 2 + 1];  // viewpoint 10, summer, lwir
@@ -118,7 +118,7 @@ for name, v in d.variables.items():
 }
 
 TEST_F(Export, NetcdfOfAnUnfinishedSweepHasNan) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   std::erase_if(db.signatures, [](const auto& s) { return s.row == 8; });
   db.signatures[0].apparent_temperature_k = 0;
   ASSERT_TRUE(export_file(db, {}, "netcdf", path("part.nc")).ok());
@@ -136,7 +136,7 @@ assert np.isnan(d["apparent_temperature_k"].values[0, 0, 0, 0])
 
 // Once "wind_speed_m_s" was in "s", and a calm not stated.
 TEST_F(Export, NetcdfHasUnitsOfEverythingAndZerosThatAreStated) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   schema::ResolvedSweep& sweep = db.sweeps["box ship"].resolved;
   sweep.mutable_sweep()->mutable_transport()->set_sun(true);
   std::uint32_t place = 0;
@@ -190,7 +190,7 @@ assert "ground_temperature_k" not in d
 }
 
 TEST_F(Export, NetcdfHasTheResponsesOfTheBands) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   schema::ResolvedSweep& sweep = db.sweeps["box ship"].resolved;
   for (const auto& [um, value] : {std::pair{3.0, 0.0}, {3.25, 0.5}, {4.5, 1.0}, {5.0, 0.8}}) {
     schema::SpectralPoint& p = *sweep.mutable_sweep()->mutable_band(0)->add_response();
@@ -218,8 +218,8 @@ assert "is not stored" in comment and "contrast_intensity_w_sr" in comment
 }
 
 TEST_F(Export, NetcdfOfSeveralSweepsHasAGroupForEach) {
-  FakeStoreReader db = fake_database();
-  const FakeStoreReader other = fake_database();
+  FakeDatabase db = fake_database();
+  const FakeDatabase other = fake_database();
   db.sweeps["a/b"] = db.sweeps["box ship"];
   for (StoredSignature s : other.signatures) {
     if (s.season != "summer") continue;
@@ -247,7 +247,7 @@ assert np.array_equal(other["intensity_w_sr"].sel(season="summer").values[:, 0],
 
 // Chosen by date: of one season by its dates, of several after the season.
 TEST_F(Export, NetcdfIsChosenByDate) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   ASSERT_TRUE(export_file(db, {}, "netcdf", path("all.nc")).ok());
   ASSERT_TRUE(export_file(db, {.query = {.season = "summer"}}, "netcdf", path("summer.nc")).ok());
   EXPECT_EQ(python(R"(
@@ -268,7 +268,7 @@ assert np.array_equal(np.ravel(same["intensity_w_sr"]), np.ravel(chosen["intensi
 
 // Times of day that seasons share are an axis; a season with several dates has instants.
 TEST_F(Export, NetcdfOfSeasonsWithSeveralDates) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (auto& s : db.signatures)
     if (s.season == "spring") {
       s.season = "summer";
@@ -292,7 +292,7 @@ assert i.sel(time="2025-06-22").sizes["time"] == 1
 }
 
 TEST_F(Export, CsvHasTheCausesAndTheFilters) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   ASSERT_TRUE(
       export_file(db, {.query = {.season = "winter", .band = "mwir"}}, "csv", path("w.csv")).ok());
   const std::string text = contents(path("w.csv"));
@@ -301,7 +301,7 @@ TEST_F(Export, CsvHasTheCausesAndTheFilters) {
 }
 
 TEST_F(Export, RefusalsLeaveNothingBehind) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   std::ofstream(path("old.nc")) << "old";
   EXPECT_EQ(
       export_file(db, {.query = {.max_relative_error = 1e-9}}, "netcdf", path("old.nc")).code(),

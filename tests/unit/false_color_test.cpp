@@ -16,7 +16,7 @@
 
 #include "absl/strings/escaping.h"
 #include "core/spectral/planck.h"
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/plot_picture.h"
 #include "view/png.h"
 #include "view/svg.h"
@@ -177,7 +177,7 @@ absl::StatusOr<std::vector<PictureAnswer>> pixels(std::uint32_t width_px, std::u
 
 // A hot and a cold pixel of target and one of background.
 struct Stored {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   ReadPictures read = [](const std::vector<PictureTask>& tasks) {
     EXPECT_EQ(tasks.front().exr, "the image");
     EXPECT_EQ(tasks.front().most_px, kMostPixels) << "the sweep does not state it";

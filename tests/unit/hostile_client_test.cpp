@@ -22,6 +22,7 @@
 #include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fault/synthetic_pictures.h"
+#include "schema/store/reader.h"
 
 namespace irsig {
 namespace {

@@ -13,7 +13,7 @@
 #include <random>
 
 #include "core/geo/viewpoint.h"
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/interpolate_rows.h"
 
 namespace irsig {
@@ -324,7 +324,7 @@ TEST(InterpolateRows, ZenithOfAGridIsOneSample) {
   std::vector<double> azimuths;
   for (double a = 0; a < 360; a += 15) azimuths.push_back(a);
   sweep.viewpoint = grid_viewpoints(azimuths, {0, 15, 30, 45, 60, 75, 90}, 5000);
-  const FakeStoreReader db = fake_database(sweep);
+  const FakeDatabase db = fake_database(sweep);
   const auto fields = fields_of(db.signatures);
   ASSERT_EQ(fields.size(), 6U);
   EXPECT_EQ(fields[0].signature.size(), 24U * 6 + 1);

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/fake_store_reader.h"
+#include "tests/unit/fake_database.h"
 
 namespace irsig {
 namespace {
@@ -50,7 +50,7 @@ TEST(Outcome, WarnsOfBackFacesWithTheRemedy) {
 }
 
 TEST(Outcome, NotesOfAQueryNameTheFloor) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (StoredSignature& s : db.signatures) s.stop_reason = "accuracy_reached";
   const auto rows = [&] { return *run_query(db, {.row = 1}); };
   EXPECT_THAT(*floor_notes(db, rows()), IsEmpty());
@@ -64,7 +64,7 @@ TEST(Outcome, NotesOfAQueryNameTheFloor) {
 }
 
 TEST(Outcome, NotesOfAQueryCountBackFacesOnce) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   double share = 0.1;
   for (StoredSignature& s : db.signatures) {
     s.backface_fraction = 0;

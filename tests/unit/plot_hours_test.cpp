@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/hours.h"
 
 namespace irsig {
@@ -29,14 +29,14 @@ std::string utc(const std::string& date, int hour) {
 }
 
 // Two seasons of eight times, one viewpoint, two bands. Time zone of the place: UTC + 9 h.
-FakeStoreReader day_of_hours(bool placed = true) {
+FakeDatabase day_of_hours(bool placed = true) {
   FakeSweep sweep;
   sweep.viewpoint = {{90, 10, 2000}};
   sweep.season.clear();
   for (const auto& [season, date] :
        {std::pair{"winter", "2025-01-29"}, std::pair{"summer", "2025-07-22"}})
     for (int h = 0; h < 24; h += 3) sweep.season.push_back({season, utc(date, h), 1 + 0.01 * h});
-  FakeStoreReader db = fake_database(sweep);
+  FakeDatabase db = fake_database(sweep);
   schema::ResolvedSweep resolved;
   if (placed) {
     resolved.mutable_sweep()->mutable_place()->set_latitude_deg(35);
@@ -46,7 +46,7 @@ FakeStoreReader day_of_hours(bool placed = true) {
   return db;
 }
 
-void add_temperatures(FakeStoreReader& db) {
+void add_temperatures(FakeDatabase& db) {
   for (const auto& s : db.signatures) {
     if (s.band != "lwir") continue;
     for (const char* part : {"hull", "deck"})
@@ -56,7 +56,7 @@ void add_temperatures(FakeStoreReader& db) {
 }
 
 TEST(PlotHours, HoursAreThoseOfTheSunAtThePlace) {
-  FakeStoreReader db = day_of_hours();
+  FakeDatabase db = day_of_hours();
   const auto hours = hours_of(db, {.season = "winter", .band = "lwir"});
   ASSERT_TRUE(hours.ok()) << hours.status();
   ASSERT_EQ(hours->value.size(), 8U);
@@ -75,7 +75,7 @@ TEST(PlotHours, HoursAreThoseOfTheSunAtThePlace) {
 }
 
 TEST(PlotHours, WithoutAPlaceTheyAreOfUtc) {
-  FakeStoreReader db = day_of_hours(false);
+  FakeDatabase db = day_of_hours(false);
   const auto hours = hours_of(db, {});
   ASSERT_TRUE(hours.ok()) << hours.status();
   EXPECT_FALSE(hours->solar_offset_h);
@@ -86,7 +86,7 @@ TEST(PlotHours, WithoutAPlaceTheyAreOfUtc) {
 }
 
 TEST(PlotHours, TemperaturesHaveAPanelForEachSeason) {
-  FakeStoreReader db = day_of_hours();
+  FakeDatabase db = day_of_hours();
   add_temperatures(db);
   // Of the version before, not replaced yet: its successor is shown.
   StoredTemperature old = db.temperatures.front();
@@ -111,7 +111,7 @@ TEST(PlotHours, TemperaturesHaveAPanelForEachSeason) {
 // Expected: the schedule's curve from a day's first hour to its last, upright where it jumps, in
 // the hours of the place; in the table at its times.
 TEST(PlotHours, WhatIsBehindWallsIsDrawn) {
-  FakeStoreReader db = day_of_hours();
+  FakeDatabase db = day_of_hours();
   add_temperatures(db);
   schema::Sweep& sweep = *db.sweeps["box ship"].resolved.mutable_sweep();
   const auto wall = [&](const std::string& part, const std::string& inside) -> schema::BuildUp& {
@@ -171,7 +171,7 @@ TEST(PlotHours, SeveralDaysOfASeasonAreCurvesOfTheirOwn) {
   sweep.season.clear();
   for (const char* date : {"2025-01-29", "2025-01-30"})
     for (int h : {1, 5, 9}) sweep.season.push_back({"trial", utc(date, h), 1});
-  FakeStoreReader db = fake_database(sweep);
+  FakeDatabase db = fake_database(sweep);
   db.sweeps["box ship"] = {};
   const auto hours = hours_of(db, {.band = "mwir"});
   ASSERT_TRUE(hours.ok()) << hours.status();
@@ -182,7 +182,7 @@ TEST(PlotHours, SeveralDaysOfASeasonAreCurvesOfTheirOwn) {
 }
 
 TEST(PlotHours, TheTableHasTheNumbersOfTheRows) {
-  FakeStoreReader db = day_of_hours();
+  FakeDatabase db = day_of_hours();
   add_temperatures(db);
   const auto hours = hours_of(
       db, {.season = "winter", .band = "lwir", .quantity = SignatureQuantity::kContrastIntensity});
@@ -201,12 +201,12 @@ TEST(PlotHours, TheTableHasTheNumbersOfTheRows) {
 }
 
 TEST(PlotHours, RefusesOneTimeAndSeveralViewpoints) {
-  FakeStoreReader db = day_of_hours();
+  FakeDatabase db = day_of_hours();
   const auto alone = hours_of(db, {.season = "winter", .time = "2025-01-29T03:00:00Z"});
   EXPECT_EQ(alone.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(alone.status().message()),
               AllOf(HasSubstr("two times or more"), HasSubstr("winter")));
-  FakeStoreReader many = fake_database();
+  FakeDatabase many = fake_database();
   const auto views = hours_of(many, {});
   EXPECT_EQ(views.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(views.status().message()), HasSubstr("--aspect"));

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "fake_store_reader.h"
+#include "fake_database.h"
 
 namespace irsig {
 namespace {
@@ -19,7 +19,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 TEST(PlotPolar, DrawsOneCurvePerSeasonAndOnePanelPerBand) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto svg = plot_polar(db, {}, std::nullopt);
   ASSERT_TRUE(svg.ok()) << svg.status();
   EXPECT_THAT(*svg,
@@ -35,7 +35,7 @@ TEST(PlotPolar, DrawsOneCurvePerSeasonAndOnePanelPerBand) {
 TEST(PlotPolar, RingOfViewpointsIsDrawnAsItIs) {
   FakeSweep sweep;
   sweep.viewpoint = ring_viewpoints(36, {10, 40}, 800);
-  FakeStoreReader db = fake_database(sweep);
+  FakeDatabase db = fake_database(sweep);
   auto svg = plot_polar(db, {.season = "summer", .band = "lwir"}, std::nullopt);
   ASSERT_TRUE(svg.ok()) << svg.status();
   EXPECT_THAT(*svg,
@@ -44,7 +44,7 @@ TEST(PlotPolar, RingOfViewpointsIsDrawnAsItIs) {
 }
 
 TEST(PlotPolar, RefusesAnUncoveredElevationAndAnAspect) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   EXPECT_EQ(plot_polar(db, {}, -30).status().code(), absl::StatusCode::kOutOfRange);
   EXPECT_EQ(plot_polar(db, {.aspect = SignatureFilter::Direction{0, 0}, .nearest = 1}, {})
                 .status()
@@ -55,14 +55,14 @@ TEST(PlotPolar, RefusesAnUncoveredElevationAndAnAspect) {
 TEST(PlotPolar, SeveralTimesHaveTheirOwnCurves) {
   FakeSweep sweep;
   sweep.season = {{"winter", "2025-12-21T01:30:00Z", 1}, {"winter", "2025-12-21T05:00:00Z", 1.1}};
-  FakeStoreReader db = fake_database(sweep);
+  FakeDatabase db = fake_database(sweep);
   auto svg = plot_polar(db, {.band = "lwir"}, 10);
   ASSERT_TRUE(svg.ok());
   EXPECT_THAT(*svg, AllOf(HasSubstr("winter 01:30Z"), HasSubstr("winter 05:00Z")));
 }
 
 TEST(PlotSpectrum, NeedsOneViewpoint) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto all = plot_spectrum(db, {});
   EXPECT_EQ(all.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(all.status().message()), HasSubstr("one viewpoint"));
@@ -81,7 +81,7 @@ TEST(PlotSpectrum, NeedsOneViewpoint) {
 }
 
 TEST(PlotMap, DrawsAPanelPerSeasonAndBand) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto svg = plot_map(db, {});
   ASSERT_TRUE(svg.ok()) << svg.status();
   EXPECT_EQ(count(*svg, "<clipPath"), 6U);
@@ -90,7 +90,7 @@ TEST(PlotMap, DrawsAPanelPerSeasonAndBand) {
 }
 
 TEST(Plot, EverythingZeroIsStillAPicture) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (auto& s : db.signatures) {
     s.intensity_w_sr = s.intensity_stderr_w_sr = s.numerical_error_w_sr = 0;
   }
@@ -101,17 +101,17 @@ TEST(Plot, EverythingZeroIsStillAPicture) {
 }
 
 TEST(Plot, NothingToPlotSaysSo) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto none = plot_map(db, {.max_relative_error = 1e-9});
   EXPECT_EQ(none.status().code(), absl::StatusCode::kNotFound);
-  FakeStoreReader two = fake_database();
+  FakeDatabase two = fake_database();
   for (std::size_t i = 0; i < 6; ++i) two.signatures[i].sweep = "other";
   EXPECT_THAT(std::string(plot_map(two, {}).status().message()),
               HasSubstr("choose one with --sweep: box ship, other"));
 }
 
 TEST(PlotQuantity, PolarPlotOfANegativeContrastHasACircleOfZero) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   Query query{.season = "winter", .band = "lwir"};
   EXPECT_THAT(*plot_polar(db, query, 10), Not(HasSubstr("stroke-dasharray=\"5 3\"")));
   query.quantity = SignatureQuantity::kContrastIntensity;
@@ -122,7 +122,7 @@ TEST(PlotQuantity, PolarPlotOfANegativeContrastHasACircleOfZero) {
 }
 
 TEST(PlotQuantity, SpectraAndMapsShowWhatWasAskedFor) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   Query query{.row = 2, .quantity = SignatureQuantity::kContrastIntensity};
   auto svg = plot_spectrum(db, query);
   ASSERT_TRUE(svg.ok()) << svg.status();

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "core/image/image.h"
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/quantity.h"
 #include "view/query_table.h"
 #include "view/thumbnail.h"
@@ -51,7 +51,7 @@ constexpr const char* kFixedColumns =
     "apparent_temperature_k";
 
 TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto rows = run_query(db, {.season = "summer", .band = "lwir"});
   ASSERT_TRUE(rows.ok());
   EXPECT_EQ(rows->size(), 191U);
@@ -62,7 +62,7 @@ TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
 }
 
 TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const Query query{.season = "summer", .band = "lwir"};
   const auto all = run_query(db, query);
   ASSERT_TRUE(all.ok());
@@ -88,7 +88,7 @@ TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
 }
 
 TEST(Query, NearestAndWithin) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   Query query{.season = "winter", .band = "mwir", .aspect = SignatureFilter::Direction{90, 20}};
   query.nearest = 3;
   auto nearest = run_query(db, query);
@@ -103,7 +103,7 @@ TEST(Query, NearestAndWithin) {
 }
 
 TEST(Query, UnknownNamesListTheKnownOnes) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto season = run_query(db, {.season = "autumn"});
   EXPECT_EQ(season.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(season.status().message()),
@@ -117,7 +117,7 @@ TEST(Query, UnknownNamesListTheKnownOnes) {
 }
 
 TEST(Query, RefusesWhatMakesNoSense) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const SignatureFilter::Direction bow{0, 10};
   for (const Query& query :
        {Query{.aspect = bow}, Query{.nearest = 2}, Query{.interpolate = true},
@@ -130,17 +130,17 @@ TEST(Query, RefusesWhatMakesNoSense) {
 }
 
 TEST(Query, NoMatchIsNoErrorAndPrintsTheHeaderOnly) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string csv = printed(db, {.max_relative_error = 1e-9}, {}, "csv");
   ASSERT_EQ(lines(csv).size(), 1U);
   EXPECT_THAT(csv, StartsWith(kFixedColumns));
   EXPECT_EQ(printed(db, {.max_relative_error = 1e-9}, {}, "json"), "[]\n");
-  FakeStoreReader empty;
+  FakeDatabase empty;
   EXPECT_TRUE(run_query(empty, {.season = "winter"}).ok());
 }
 
 TEST(Query, CsvGivesBackTheSameDoubles) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto csv = lines(printed(db, {.row = 700}, {}, "csv"));
   ASSERT_EQ(csv.size(), 2U);
   EXPECT_THAT(csv[0], StartsWith(kFixedColumns));
@@ -157,7 +157,7 @@ TEST(Query, CsvGivesBackTheSameDoubles) {
 }
 
 TEST(Query, NamesWithCommasAndQuotesAreEscaped) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (auto& s : db.signatures) s.sweep = "ship \"A\", grey\n";
   EXPECT_THAT(printed(db, {.row = 1}, {}, "csv"), HasSubstr("1,\"ship \"\"A\"\", grey\n\",winter"));
   EXPECT_THAT(printed(db, {.row = 1}, {}, "json"),
@@ -165,7 +165,7 @@ TEST(Query, NamesWithCommasAndQuotesAreEscaped) {
 }
 
 TEST(Query, SpectrumHasOneLinePerWavelength) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto csv = lines(printed(db, {.row = 2}, {.spectrum = true}, "csv"));
   ASSERT_EQ(csv.size(), 1U + 9);
   EXPECT_THAT(
@@ -180,7 +180,7 @@ TEST(Query, SpectrumHasOneLinePerWavelength) {
 }
 
 TEST(Query, PartsAddUp) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto csv = lines(printed(db, {.row = 2}, {.parts = true}, "csv"));
   ASSERT_EQ(csv.size(), 3U);
   EXPECT_NEAR(std::stod(cells(csv[1])[15]) + std::stod(cells(csv[2])[15]),
@@ -188,7 +188,7 @@ TEST(Query, PartsAddUp) {
 }
 
 TEST(Query, NoProjectedAreaHasNoTemperature) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   db.signatures[0].apparent_temperature_k = 0;
   const auto csv = lines(printed(db, {.row = 1}, {}, "csv"));
   EXPECT_EQ(cells(csv[1])[13], "");
@@ -196,7 +196,7 @@ TEST(Query, NoProjectedAreaHasNoTemperature) {
 }
 
 TEST(Query, InterpolatesEverySeasonAndBand) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   Query query{.aspect = SignatureFilter::Direction{-60, 25}, .interpolate = true};
   auto rows = run_query(db, query);
   ASSERT_TRUE(rows.ok()) << rows.status();
@@ -234,7 +234,7 @@ TEST(Query, InterpolatesEverySeasonAndBand) {
 }
 
 TEST(Query, RefusesToExtrapolate) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   auto rows = run_query(db, {.aspect = SignatureFilter::Direction{30, -20}, .interpolate = true});
   EXPECT_EQ(rows.status().code(), absl::StatusCode::kOutOfRange);
   EXPECT_THAT(std::string(rows.status().message()),
@@ -242,8 +242,8 @@ TEST(Query, RefusesToExtrapolate) {
 }
 
 TEST(Query, InterpolationNeverMixesRanges) {
-  FakeStoreReader db = fake_database();
-  FakeStoreReader far = fake_database();
+  FakeDatabase db = fake_database();
+  FakeDatabase far = fake_database();
   for (auto& s : far.signatures) {
     s.range_m = 20000;
     s.intensity_w_sr *= 2;
@@ -261,7 +261,7 @@ TEST(Query, InterpolationNeverMixesRanges) {
 }
 
 TEST(Table, TextHasUnitsAndAlignedColumns) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto text = lines(printed(db, {.season = "winter"}, {}, "text"));
   ASSERT_EQ(text.size(), 4U + 191 * 2);
   EXPECT_THAT(text[2], HasSubstr("[W/sr]"));
@@ -284,7 +284,7 @@ TEST(Quantity, UnitsComeFromTheSuffix) {
 }
 
 TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_thumbnail_test.png";
   const std::string png = *encode_png({2, 1, {0.0f, 1.0f}});
   db.thumbnails[db.signatures[4].signature_id].set_png(png);
@@ -321,14 +321,14 @@ absl::StatusOr<std::vector<PictureAnswer>> read_here(const std::vector<PictureTa
   return out;
 }
 
-void allow_images(FakeStoreReader& db) {
+void allow_images(FakeDatabase& db) {
   for (auto& [name, sweep] : db.sweeps)
     sweep.resolved.mutable_sweep()->mutable_output()->set_thumbnail_px(4);
 }
 
 // Once written as it was, with exit code 0.
 TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_damaged_test";
   const auto one = run_query(db, {.row = 5});
   ASSERT_TRUE(one.ok());
@@ -360,7 +360,7 @@ TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
 }
 
 TEST(Query, OfOneRangeAmongSeveral) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   for (std::size_t i = 0; i < db.signatures.size(); i += 2) db.signatures[i].range_m = 3000;
   const auto found = run_query(db, {.at_range_m = 3000});
   ASSERT_TRUE(found.ok()) << found.status();
@@ -371,7 +371,7 @@ TEST(Query, OfOneRangeAmongSeveral) {
 }
 
 TEST(Thumbnail, OnACommonScale) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_scaled_test.png";
   const auto exr = [](float hottest) { return *encode_exr({2, 2, {0.0f, 1.0f, 2.0f, hottest}}); };
   // The hottest image of the same band counts, that of another band does not.
@@ -407,7 +407,7 @@ TEST(Thumbnail, OnACommonScale) {
 }
 
 TEST(Query, TheErrorIsThatOfTheQuantityAskedFor) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto all = run_query(db, {.season = "winter", .band = "lwir"});
   const auto contrast = run_query(db, {.season = "winter",
                                        .band = "lwir",
@@ -422,7 +422,7 @@ TEST(Query, TheErrorIsThatOfTheQuantityAskedFor) {
 }
 
 TEST(Query, SortsByAnyColumn) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   db.signatures[3].contrast_intensity_w_sr = kNotComputed;
   auto rows = run_query(db, {.season = "winter", .band = "lwir"});
   ASSERT_TRUE(rows.ok());
@@ -444,7 +444,7 @@ TEST(Query, SortsByAnyColumn) {
 }
 
 TEST(Query, WhatWasNotComputedIsNoNumber) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   db.signatures[0].contrast_intensity_w_sr = kNotComputed;
   db.signatures[0].guarded_negative.reset();
   db.signatures[1].guarded_negative = 0;
@@ -460,7 +460,7 @@ TEST(Query, WhatWasNotComputedIsNoNumber) {
 }
 
 TEST(Query, ATableForPeopleShowsTheQuantityAskedFor) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const std::string source = printed(db, {.row = 1}, {}, "text");
   EXPECT_EQ(source.find("contrast"), std::string::npos);
   QueryContent content;
@@ -472,7 +472,7 @@ TEST(Query, ATableForPeopleShowsTheQuantityAskedFor) {
 }
 
 TEST(Query, InterpolatesASignedContrast) {
-  FakeStoreReader db = fake_database();
+  FakeDatabase db = fake_database();
   const auto at = [&](double azimuth_deg) {
     auto rows = run_query(db, {.season = "winter",
                                .band = "lwir",

@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "core/environment/air.h"
-#include "fake_store_reader.h"
+#include "fake_database.h"
 #include "view/moved_row.h"
 #include "view/sight_line.h"
 #include "view/silhouette.h"
@@ -149,7 +149,7 @@ class RangeChanged : public ::testing::Test {
     return run_query(db_, {.range_m = {range_m}},
                      [&](const StoredSweep&) -> absl::StatusOr<TargetExtent> { return extent; });
   }
-  FakeStoreReader db_;
+  FakeDatabase db_;
 };
 
 TEST_F(RangeChanged, GreyAirObeysBouguersLaw) {

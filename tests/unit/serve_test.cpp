@@ -11,7 +11,7 @@
 #include "serve/hosts.h"
 #include "serve/question.h"
 #include "serve/target.h"
-#include "tests/unit/fake_store_reader.h"
+#include "tests/unit/fake_database.h"
 #include "view/compare.h"
 #include "view/error_budget.h"
 #include "view/interpolate_rows.h"
@@ -199,7 +199,7 @@ TEST(PolarCut, ABeltOfManyViewpointsGivesWhatAllOfThemGive) {
   FakeSweep sweep;
   sweep.viewpoint = fibonacci_viewpoints(1100, 5000, 0, 90);
   sweep.season.resize(1);
-  const FakeStoreReader fake = fake_database(sweep);
+  const FakeDatabase fake = fake_database(sweep);
   std::vector<StoredSignature> mwir;
   for (const StoredSignature& s : fake.signatures)
     if (s.band == "mwir") mwir.push_back(s);

@@ -17,7 +17,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "schema/store/store.h"
+#include "schema/store/reader.h"
+#include "schema/store/writer.h"
 #include "tests/fault/synthetic_ledger.h"
 #include "tests/fault/synthetic_pictures.h"
 #include "tests/unit/test_folder.h"
@@ -348,78 +349,6 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   return text;
 }
 
-inline constexpr const char* kNewestFormat = "19";
 
-// Takes from a database what later versions of the format added; a row keeps what version 2 or 4
-// stored.
-inline std::string without_what_came_after(int version) {
-  std::string script =
-      "DROP VIEW ledger_view; DROP TABLE ledger; DROP TABLE energy; DROP TABLE effect;"
-      "DROP TABLE effect_state; DROP TABLE effect_reason;"
-      "DROP VIEW profile_view; DROP VIEW signature_view; DROP VIEW job_view;"
-      "DROP VIEW computed_temperature_view; DROP VIEW sweep_view; DROP TABLE computed_temperature;"
-      "DROP TABLE heat_job; DROP TABLE spectral_modes; DROP TABLE input_contribution;"
-      "DROP TABLE result_aside; ALTER TABLE provenance DROP COLUMN content_sha256;"
-      "ALTER TABLE sweep DROP COLUMN uncertain_inputs; DROP INDEX sweep_by_priority;"
-      "ALTER TABLE sweep DROP COLUMN priority; ALTER TABLE sweep DROP COLUMN physics_version;"
-      "DROP INDEX job_given_up;"
-      // The job table of version 6: views only, and nothing waits for anything.
-      "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
-      "CREATE TABLE old_job (job_id INTEGER PRIMARY KEY, sweep_id INTEGER NOT NULL, job_index "
-      "INTEGER NOT NULL, superseded INTEGER NOT NULL, job_key TEXT NOT NULL, viewpoint_id INTEGER, "
-      "condition_index TEXT, band_index TEXT, state INTEGER NOT NULL, "
-      "failures INTEGER NOT NULL, failures_after_token INTEGER NOT NULL) STRICT;"
-      "INSERT INTO old_job SELECT job_id, sweep_id, job_index, superseded, job_key, viewpoint_id, "
-      "condition_index, band_index, state, failures, failures_after_token FROM job;"
-      "PRAGMA legacy_alter_table = ON; DROP TABLE job; ALTER TABLE old_job RENAME TO job;"
-      "DROP TABLE job_kind; DELETE FROM stop_reason WHERE name = 'floor_reached';"
-      "ALTER TABLE condition DROP COLUMN temperature_field;"
-      "ALTER TABLE condition DROP COLUMN heat_index;"
-      "ALTER TABLE condition DROP COLUMN heat_time_index;";
-  std::vector<std::string> columns = {"reflections"};
-  for (const QuantityInfo& quantity : kQuantities)
-    if (quantity.since_format > version) columns.emplace_back(quantity.name);
-  for (const std::string& column : columns)
-    absl::StrAppend(&script, "ALTER TABLE signature DROP COLUMN ", column, ";");
-  for (const char* whose : {"plume", "apparent_plume", "contrast_plume"})
-    for (const char* what : {"_w_sr_um", "_stderr_w_sr_um"})
-      absl::StrAppend(&script, "ALTER TABLE spectrum DROP COLUMN ", whose, what, ";");
-  return script;
-}
-
-// Views are made again by the migration, but for that of profiles, which stays as it is.
-inline std::string with_version(int version, const std::string& profile_view) {
-  return absl::StrCat("CREATE VIEW signature_view AS SELECT signature_id FROM signature;",
-                      profile_view,
-                      ";CREATE VIEW job_view AS SELECT job_id FROM job;"
-                      "CREATE VIEW sweep_view AS SELECT sweep_id FROM sweep;"
-                      "PRAGMA user_version = ",
-                      version, "; SELECT 'older'");
-}
-
-inline std::string profile_view_of(const std::string& path) {
-  return sqlite_text(path, "SELECT sql FROM sqlite_schema WHERE name = 'profile_view'");
-}
-
-inline std::string back_to_version_4(const std::string& path) {
-  return sqlite_text(path, without_what_came_after(4) + with_version(4, profile_view_of(path)));
-}
-
-inline std::string back_to_version_2(const std::string& path) {
-  std::string script = without_what_came_after(2) + "DROP TABLE prediction;";
-  const std::pair<const char*, std::vector<const char*>> added[] = {
-      {"condition",
-       {"sea_model", "ground_temperature_k", "ground_emissivity", "weather", "warning"}},
-      {"provenance", {"guarded_negative"}},
-      {"spectrum",
-       {"contrast_spectral_intensity_w_sr_um", "contrast_spectral_intensity_stderr_w_sr_um",
-        "background_radiance_w_m2_sr_um", "background_radiance_stderr_w_m2_sr_um",
-        "path_transmittance", "path_radiance_w_m2_sr_um"}}};
-  for (const auto& [table, columns] : added) {
-    for (const char* column : columns)
-      absl::StrAppend(&script, "ALTER TABLE ", table, " DROP COLUMN ", column, ";");
-  }
-  return sqlite_text(path, script + with_version(2, profile_view_of(path)));
-}
 
 }  // namespace irsig

@@ -70,7 +70,7 @@ TEST_F(StoreLedger, ComesBackWithWhatIsNotKnown) {
   EXPECT_TRUE(absl::IsNotFound(reader->ledger(4711).status()));
 }
 
-// A new effect or reason of the core needs a migration: this is where that is noticed.
+// A new effect or reason of the core needs a line of create.sql: this test notices it.
 TEST_F(StoreLedger, KnowsTheNamesOfTheCore) {
   ASSERT_NO_FATAL_FAILURE(write());
   for (std::size_t i = 0; i < kEffects; ++i)
@@ -125,7 +125,7 @@ TEST_F(StoreLedger, WhatMayBeMissing) {
   const StoredLedger ledger = reader->ledger(reader->find({})->front().signature_id).value();
   EXPECT_EQ(ledger.effect[1].reason, "forced");
   EXPECT_TRUE(std::isnan(ledger.effect[1].bound_w_sr));
-  EXPECT_EQ(ledger.effect[7].effect, "hot_interreflected");
+  EXPECT_EQ(ledger.effect[7].effect, "hot_parts_reflected");
   EXPECT_EQ(ledger.effect[7].state, "off");
   EXPECT_TRUE(std::isnan(ledger.effect[7].bound_w_sr));
   EXPECT_FALSE(ledger.energy.has_value());
@@ -148,32 +148,6 @@ TEST_F(StoreLedger, GoesWithItsRow) {
                         "SELECT count(*) FROM ledger"
                         " WHERE signature_id NOT IN (SELECT signature_id FROM signature)"),
             "0");
-}
-
-TEST_F(StoreLedger, AFileOfVersion4HasNone) {
-  ASSERT_NO_FATAL_FAILURE(write());
-  const auto before = StoreReader::open(path_).value()->find({}).value();
-  ASSERT_EQ(back_to_version_4(path_), "older");
-  ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), kNewestFormat);
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
-  auto reader = StoreReader::open(path_).value();
-  const auto after = reader->find({}).value();
-  ASSERT_EQ(after.size(), before.size());
-  for (std::size_t i = 0; i < after.size(); ++i) {
-    EXPECT_EQ(after[i].contrast_intensity_w_sr, before[i].contrast_intensity_w_sr);
-    EXPECT_EQ(after[i].stop_reason, before[i].stop_reason);
-    EXPECT_EQ(after[i].guarded_negative, before[i].guarded_negative);
-    for (const double number : {after[i].omitted_bound_w_sr, after[i].apparent_omitted_bound_w_sr,
-                                after[i].contrast_omitted_bound_w_sr, after[i].absolute_floor_w_sr})
-      EXPECT_TRUE(std::isnan(number));
-    EXPECT_EQ(after[i].reflections, std::nullopt);
-    const auto ledger = reader->ledger(after[i].signature_id);
-    ASSERT_OK(ledger.status());
-    EXPECT_TRUE(ledger->effect.empty());
-    EXPECT_FALSE(ledger->energy.has_value());
-  }
-  EXPECT_EQ(reader->digest()->size(), 64U);
 }
 
 }  // namespace

@@ -196,21 +196,5 @@ TEST_F(StoreProfile, GoesWithItsSignatureWhenTheSweepChanges) {
   EXPECT_EQ(StoreReader::open(path_).value()->published("").value()[0].apparent_temperature_k, 305);
 }
 
-TEST_F(StoreProfile, AnOlderFileIsMigrated) {
-  ASSERT_OK(complete(make_sweep({}), "a", [](auto&) {}));
-  // What version 1 did not have.
-  ASSERT_EQ(back_to_version_2(path_), "older");
-  ASSERT_EQ(
-      sqlite_text(path_,
-                  "DROP VIEW profile_view; DROP TABLE published; DROP TABLE profile; ALTER TABLE "
-                  "sweep DROP COLUMN profile_rows; PRAGMA user_version = 1; SELECT 'older'"),
-      "older");
-  EXPECT_FALSE(StoreReader::open(path_).ok());
-  ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), kNewestFormat);
-  EXPECT_TRUE(stored().empty());
-  EXPECT_FALSE(StoreReader::open(path_).value()->find({})->empty());
-}
-
 }  // namespace
 }  // namespace irsig

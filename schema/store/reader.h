@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/result.pb.h"
+#include "schema/store/filters.h"
+#include "schema/store/rows.h"
+
+namespace irsig {
+
+class Database;
+
+// The reading side of a signature database. There may be any number of readers, also while the
+// coordinator writes. Not thread-safe: one thread owns an object.
+class StoreReader {
+ public:
+  static absl::StatusOr<std::unique_ptr<StoreReader>> open(const std::string& path);
+  // Reads a file whose journal is missing (schema/store/whole_file.h), for the examination before
+  // the file is accepted.
+  static absl::StatusOr<std::unique_ptr<StoreReader>> open_as_it_is(const std::string& path);
+  // Takes a connection that has the tables of schema/sql/create.sql.
+  explicit StoreReader(std::unique_ptr<Database> database);
+  ~StoreReader();
+  StoreReader(const StoreReader&) = delete;
+  StoreReader& operator=(const StoreReader&) = delete;
+
+  // In row order; with a direction: nearest first.
+  absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter);
+  // The signature_ids of find(), in its order, for streaming large results.
+  absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter);
+  // In the order of the ids. NOT_FOUND: one has been replaced or removed since.
+  absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids);
+  // In the order in which sweeps were added.
+  absl::StatusOr<std::vector<SweepContents>> contents();
+  // In row order; of a row and its superseded predecessor the newer one.
+  absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter);
+  // Arrays that were not computed are empty.
+  absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id);
+  // NOT_FOUND: no sweep of that name. DATA_LOSS: one of the files has other bytes than its SHA-256
+  // says.
+  absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles files = SweepFiles::kAll);
+  absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id);
+  absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id);
+  // In the order of the grammar; none of a sweep without [uncertainty].
+  absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id);
+  absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id);
+  // In the order of sweeps, rows, profiles, points and numbers of reflections.
+  absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter);
+  absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep);
+  absl::StatusOr<std::vector<SweepProgress>> progress();
+  // nullopt: none was stored.
+  absl::StatusOr<std::optional<StoredPrediction>> prediction(const std::string& sweep_sha256);
+  // The costs of the sweep's done jobs, in the order of its jobs.
+  absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep);
+  // In the order of sweeps, heat runs, times and parts.
+  absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
+      const TemperatureFilter& filter);
+  // In the order of the sweep's heat runs.
+  absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep);
+  // Counts the stored rows of a sweep, without superseded ones.
+  absl::StatusOr<StoredOutcome> outcome(const std::string& sweep);
+  // The number of stored rows by job key; superseded jobs included.
+  absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(const std::string& sweep);
+  // Size of the database as one plain file.
+  absl::StatusOr<std::uint64_t> bytes();
+  // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was
+  // computed, in key order: schema/README.md.
+  absl::StatusOr<std::string> digest();
+
+ private:
+  absl::StatusOr<StoredSweep> stored_sweep(const std::string& name, SweepFiles files);
+  absl::Status check_exists(std::int64_t signature_id);
+
+  std::unique_ptr<Database> database_;
+};
+
+// Returns true if the lock of a writer lies beside the database, links followed. The lock of a
+// killed writer stays there until the next writer ends.
+[[nodiscard]] bool has_writer_lock(const std::string& path);
+
+}  // namespace irsig
