@@ -165,7 +165,7 @@ class Words(TreeTest):
         self.assertEqual(self.words({"core/base/base.cpp": "double target_missed;\n"}),
                          ["core/base/base.cpp:1: target_missed is a former name; use accuracy_not_reached"])
         self.assertEqual(self.words({"core/base/base.cpp": "double target_missed_by;\n",
-                                     "schema/sql/migrations/0001_create.sql": "target_missed\n"}), [])
+                                     "schema/README.md": "target_missed\n"}), [])
 
     def test_fragments(self):
         for text in ("// Of a row: its error.\n", "struct A {\n  double a;  // What it is, in W.\n};\n",
