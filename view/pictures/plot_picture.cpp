@@ -63,15 +63,6 @@ BarAxis temperature_axis(const BandQuadrature& band, const ColorRange& range) {
   return out;
 }
 
-constexpr double kPathsInPixel = 25;  // a Poisson count is then right to 20 %
-
-// How many paths met the target in each pixel of it, on the average. 0: none.
-double paths_in_pixel(const StoredSignature& s, double pixel_rad) {
-  const double pixel_m = pixel_rad * s.range_m;
-  if (!(s.projected_area_m2 > 0)) return 0;
-  return static_cast<double>(s.target_paths) * pixel_m * pixel_m / s.projected_area_m2;
-}
-
 // Row by row from the top left. [W/(m2 sr)]
 struct Pixels {
   std::uint32_t width_px, height_px;
@@ -134,13 +125,7 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   if (long_side_px && *long_side_px > longest)
     return absl::InvalidArgumentError(
         fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
-  const double paths = paths_in_pixel(s, thumbnail.pixel_rad());
-  const double wanted = std::ceil(std::sqrt(kPathsInPixel / paths));  // perhaps not a number
-  const std::uint32_t side =
-      long_side_px ? (longest + *long_side_px - 1) / *long_side_px
-      : wanted > 1
-          ? static_cast<std::uint32_t>(std::min(wanted, static_cast<double>(longest)))
-          : 1;
+  const std::uint32_t side = long_side_px ? (longest + *long_side_px - 1) / *long_side_px : 1;
   Pixels pixels = coarser(stored, side);
   ASSIGN_OR_RETURN(const auto band, band_of(reader, s));
 
@@ -148,11 +133,9 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   out.title = fmt::format("{}, {} {}, {}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0, {}",
                           s.sweep, s.season, s.time_utc, band_title(s), s.aspect_azimuth_deg,
                           s.aspect_elevation_deg, range_title(s.range_m));
-  const double in_each = paths * side * side;
-  out.subtitle = fmt::format(
-      "Radiance at the target, without the air; {:.3g} paths in a pixel, about {:.2g} % of noise. "
-      "Grey: no path; edges are covered in part",
-      in_each, 100 / std::sqrt(in_each));
+  out.subtitle =
+      "Radiance at the target, without the air. Grey: nothing of the target; pixels at edges are "
+      "covered in part";
   out.width_px = pixels.width_px;
   out.height_px = pixels.height_px;
   out.value = std::move(pixels.radiance_w_m2_sr);

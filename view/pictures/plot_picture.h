@@ -19,11 +19,8 @@ namespace irsig {
 // with the same in-band radiance. Errors: those of run_query and of stored_thumbnail (thumbnail.h);
 // NOT_FOUND: it shows nothing of the target.
 //
-// A stored image has its paths in however many pixels were asked for: with one path each, a pixel
-// that has it is far too bright, and its neighbours are black. So pixels are means over squares of
-// stored ones.
-//   long_side_px  at most; without: as many as leave 25 paths to a pixel of the target, on the
-//                 average. INVALID_ARGUMENT: more than are stored
+//   long_side_px  at most: pixels are means over squares of stored ones; without: as many as are
+//                 stored. INVALID_ARGUMENT: more than are stored
 [[nodiscard]] absl::StatusOr<FalseColorPicture> radiance_picture(
     StoreReader& reader, const Query& query, const std::optional<ColorRange>& range,
     const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read);
