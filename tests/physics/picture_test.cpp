@@ -13,7 +13,7 @@ namespace {
 
 using namespace fixture;
 
-constexpr double kRangeM = 1e5;
+constexpr double kFarM = 1e5;
 
 ViewResult simulated(const Simulator& simulator, ViewRequest r, std::uint32_t px) {
   r.thumbnail_px = px;
@@ -26,12 +26,12 @@ ViewResult simulated(const Simulator& simulator, ViewRequest r, std::uint32_t px
 double sum_w_sr(const ViewResult& view) {
   double sum = 0;
   for (const float pixel : view.row[0].image_w_m2_sr) sum += static_cast<double>(pixel);
-  return sum * std::pow(view.pixel_rad * kRangeM, 2);
+  return sum * std::pow(view.pixel_rad * kFarM, 2);
 }
 
 TEST(Picture, InnerPixelsHaveTheRadianceOfABlackSphere) {
   const auto simulator = simulator_of(scene_of(generated("sphere", 5000, 1), grey(1), lwir()));
-  const ViewResult view = simulated(*simulator, request(*simulator, 30, 20, kRangeM, {300}), 64);
+  const ViewResult view = simulated(*simulator, request(*simulator, 30, 20, kFarM, {300}), 64);
   const SignatureResult& row = view.row[0];
   const double radiance = row.intensity_w_sr.value / row.projected_area_m2.value;
   int inner = 0;
@@ -57,7 +57,7 @@ TEST(Picture, AddsUpToARowWithReflectionsAndAHotPart) {
   SceneSpec scene = scene_of(mesh, grey(0.6), mwir());
   scene.part = {{"hot", {"hot_*"}, 0, false, true}, {"body", {}, 0, false, false, true}};
   const auto simulator = simulator_of(scene);
-  ViewRequest r = request(*simulator, 50, 25, kRangeM, {700, 300});
+  ViewRequest r = request(*simulator, 50, 25, kFarM, {700, 300});
   r.condition[0].surroundings = {SurroundingsKind::kSea, 260, 0, 290, 0.96, 0};
   r.max_reflections = 3;
   r.accuracy.samples_per_replicate = 4096;
