@@ -41,7 +41,9 @@ TEST(Picture, InnerPixelsHaveTheRadianceOfABlackSphere) {
                    y = 2 * (v + 0.5) / view.image_height_px - 1;
       const double pixel = row.image_w_m2_sr[v * view.image_width_px + u];
       EXPECT_LE(pixel, 1.0001 * radiance) << u << ", " << v;
-      if (std::hypot(x, y) > 1.1) EXPECT_EQ(pixel, 0) << u << ", " << v;
+      if (std::hypot(x, y) > 1.1) {
+        EXPECT_EQ(pixel, 0) << u << ", " << v;
+      }
       if (std::hypot(x, y) > 0.9) continue;
       ++inner;
       EXPECT_NEAR(pixel, radiance, 1e-4 * radiance) << u << ", " << v;
