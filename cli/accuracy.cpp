@@ -18,8 +18,8 @@
 #include "planning/accuracy_source.h"
 #include "planning/accuracy_study.h"
 #include "planning/mesh_study.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

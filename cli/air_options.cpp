@@ -6,12 +6,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/model_file.h"
+#include "core/scene/import/model_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/sweep_file.h"
+#include "messages/environment/weather_from_message.h"
 #include "planning/load_sweep.h"
 
 namespace irsig {

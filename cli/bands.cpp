@@ -22,10 +22,10 @@
 #include "jobs/response_file.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
-#include "view/atomic_file.h"
-#include "view/band_tables.h"
-#include "view/print.h"
-#include "view/query.h"
+#include "view/bands/band_tables.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
+#include "view/query/query.h"
 
 namespace irsig {
 namespace {

@@ -12,8 +12,8 @@
 #include "coordinator/client/authority.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "view/print.h"
-#include "view/table.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

@@ -5,7 +5,7 @@
 #include "coordinator/client/farm_client.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

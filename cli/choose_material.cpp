@@ -4,12 +4,12 @@
 #include <array>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/material_from_message.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/materials/material.h"
 #include "jobs/nearest_name.h"
 #include "jobs/sweep_materials.h"
+#include "messages/scene/material_from_message.h"
 #include "planning/load_sweep.h"
 
 namespace irsig {

@@ -1,4 +1,4 @@
-#include "view/compare.h"
+#include "view/report/compare.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "cli/output_options.h"
 #include "cli/target_extent.h"
 #include "core/base/status_macros.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 // irsig compare A [B]: the same signatures of two databases or of two conditions, side by side.
 namespace irsig {

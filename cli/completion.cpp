@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cli/commands.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 // irsig completion bash | zsh: a script for the shell, written from the commands that there are.
 namespace irsig {

@@ -2,13 +2,13 @@
 #include <string>
 #include <vector>
 
-#include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
+#include "runner/job_runner.h"
 #include "schema/store/examine.h"
-#include "view/print.h"
-#include "view/table.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

@@ -1,4 +1,4 @@
-#include "view/explain.h"
+#include "view/report/explain.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "view/export.h"
+#include "view/export/export.h"
 
 #include <memory>
 #include <string>
@@ -11,8 +11,8 @@
 #include "cli/target_extent.h"
 #include "core/base/status_macros.h"
 #include "planning/export_temperatures.h"
-#include "view/export_thumbnails.h"
-#include "view/print.h"
+#include "view/base/print.h"
+#include "view/pictures/export_thumbnails.h"
 
 namespace irsig {
 namespace {

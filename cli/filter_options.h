@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "view/query.h"
+#include "view/query/query.h"
 
 namespace irsig {
 

@@ -8,13 +8,14 @@
 #include "cli/commands.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/mesh_lint.h"
-#include "core/scene/model_file.h"
+#include "core/scene/check/mesh_lint.h"
+#include "core/scene/import/import_mesh.h"
+#include "core/scene/import/model_file.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/sweep_template.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

@@ -1,6 +1,6 @@
 #include "cli/loading.h"
 
-#include "view/progress.h"
+#include "view/base/progress.h"
 
 namespace irsig {
 

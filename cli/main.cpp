@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
-#include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
 #include "jobs/nearest_name.h"
-#include "view/print.h"
+#include "runner/job_runner.h"
+#include "view/base/print.h"
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include "core/base/status_macros.h"
 #include "core/materials/material_check.h"
 #include "core/materials/optical/angular_table.h"
-#include "view/table.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

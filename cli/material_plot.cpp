@@ -7,7 +7,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/materials/optical/angular_table.h"
-#include "view/plot_curves.h"
+#include "view/plot/plot_curves.h"
 
 namespace irsig {
 namespace {

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "core/base/status_macros.h"
 #include "jobs/check_resolved.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/interruption.h"
-#include "view/print.h"
-#include "view/progress.h"
+#include "runner/job_runner.h"
+#include "view/base/print.h"
+#include "view/base/progress.h"
 
 namespace irsig {
 namespace {

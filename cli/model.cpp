@@ -9,9 +9,10 @@
 #include "cli/output_options.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

@@ -5,20 +5,21 @@
 #include <string>
 
 #include "absl/strings/match.h"
-#include "bridge/model_warnings.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/mesh_lint.h"
+#include "core/scene/check/mesh_lint.h"
+#include "core/scene/import/import_mesh.h"
+#include "core/scene/import/model_file.h"
 #include "core/scene/mesh_measure.h"
-#include "core/scene/model_file.h"
 #include "fmt/format.h"
 #include "planning/model_frame.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
-#include "view/table.h"
+#include "runner/model_warnings.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

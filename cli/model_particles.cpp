@@ -7,7 +7,7 @@
 #include "cli/output_options.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "core/scene/generate_particles.h"
+#include "core/scene/generate/generate_particles.h"
 
 namespace irsig {
 namespace {

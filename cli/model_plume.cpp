@@ -14,7 +14,7 @@
 #include "core/plume/plume_field.h"
 #include "core/plume/plume_silhouette.h"
 #include "core/plume/vdb_subprocess.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "absl/strings/ascii.h"
 #include "core/base/status_macros.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// A ReadPictures (view/thumbnail.h): what needs OpenImageIO is done by irsig-picture, by as many
+// A ReadPictures (view/pictures/thumbnail.h): what needs OpenImageIO is done by irsig-picture, by as many
 // processes as the machine has cores where there are many images.
 [[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> read_pictures(
     const std::vector<PictureTask>& tasks);

@@ -14,11 +14,11 @@
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
-#include "view/atomic_file.h"
-#include "view/plot_frame.h"
-#include "view/print.h"
-#include "view/refine_tables.h"
-#include "view/table.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
+#include "view/plot/plot_frame.h"
+#include "view/report/refine_tables.h"
 
 namespace irsig {
 namespace {

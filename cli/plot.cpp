@@ -1,4 +1,4 @@
-#include "view/plot.h"
+#include "view/plot/plot.h"
 
 #include <algorithm>
 #include <memory>
@@ -13,8 +13,8 @@
 #include "cli/target_extent.h"
 #include "core/base/status_macros.h"
 #include "planning/temperature_picture.h"
-#include "view/hours.h"
-#include "view/plot_picture.h"
+#include "view/pictures/plot_picture.h"
+#include "view/report/hours.h"
 
 namespace irsig {
 namespace {
@@ -129,8 +129,8 @@ void add_plot(CLI::App& app, int& exit_code) {
   command
       ->add_option("--pixels", options->pixels,
                    "Long side of temperatures, default: " + std::to_string(PlotCommand::kPixels) +
-                       "; of picture, of whose stored pixels squares are averaged, default: as "
-                       "many as leave 25 paths to each pixel of the target")
+                       "; of picture, of whose stored pixels squares are averaged, default: all "
+                       "that are stored")
       ->type_name("N")
       ->check(CLI::Range(16, 2048));
   options->filter.add_ranges(*command);

@@ -2,7 +2,7 @@
 #include "cli/coordinator_options.h"
 #include "coordinator/client/farm_client.h"
 #include "core/base/status_macros.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

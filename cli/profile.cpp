@@ -1,4 +1,4 @@
-#include "view/profile.h"
+#include "view/report/profile.h"
 
 #include <cstdio>
 #include <memory>
@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

@@ -15,11 +15,11 @@
 #include "core/base/status_macros.h"
 #include "jobs/number_bounds.h"
 #include "jobs/response_file.h"
-#include "view/band_sum.h"
-#include "view/outcome.h"
-#include "view/print.h"
-#include "view/query_table.h"
-#include "view/thumbnail.h"
+#include "view/base/print.h"
+#include "view/pictures/thumbnail.h"
+#include "view/query/band_sum.h"
+#include "view/query/query_table.h"
+#include "view/report/outcome.h"
 
 namespace irsig {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "cli/commands.h"
 #include "core/base/problems.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 

@@ -18,10 +18,10 @@
 #include "fmt/ostream.h"
 #include "planning/prediction.h"
 #include "schema/shard.h"
-#include "view/measured_row.h"
-#include "view/outcome.h"
-#include "view/print.h"
-#include "view/table.h"
+#include "view/base/print.h"
+#include "view/base/table.h"
+#include "view/report/outcome.h"
+#include "view/rows/measured_row.h"
 
 namespace irsig {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/stability/selftest.h"
+#include "verify/cases/selftest.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/job_runner.h"
 #include "cli/commands.h"
-#include "planning/honesty_search.h"
+#include "runner/job_runner.h"
+#include "verify/search/honesty_search.h"
 
 namespace irsig {
 namespace {

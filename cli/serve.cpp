@@ -15,7 +15,7 @@
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "jobs/detector_file.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

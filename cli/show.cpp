@@ -18,7 +18,7 @@
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
 #include "jobs/sweep_file.h"
-#include "view/table.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

@@ -18,8 +18,8 @@
 #include "core/geo/sun.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
-#include "view/plot_curves.h"
-#include "view/table.h"
+#include "view/base/table.h"
+#include "view/plot/plot_curves.h"
 
 // irsig show atmosphere | sky | sun: what core/atmosphere answers, as CSV or drawn.
 namespace irsig {

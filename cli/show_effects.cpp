@@ -6,7 +6,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/effects/effects.h"
-#include "view/table.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

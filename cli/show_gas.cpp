@@ -11,8 +11,8 @@
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
 #include "core/gas/gas_spectrum.h"
-#include "view/plot_curves.h"
-#include "view/table.h"
+#include "view/base/table.h"
+#include "view/plot/plot_curves.h"
 
 // irsig show gas: a column of hot gas, alone and behind air.
 namespace irsig {

@@ -5,7 +5,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/thermal/solids.h"
-#include "view/table.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

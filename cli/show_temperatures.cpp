@@ -6,7 +6,7 @@
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "schema/store/reader.h"
-#include "view/temperatures.h"
+#include "view/report/temperatures.h"
 
 namespace irsig {
 namespace {

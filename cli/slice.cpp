@@ -8,8 +8,8 @@
 #include "cli/filter_options.h"
 #include "core/base/status_macros.h"
 #include "planning/interruption.h"
-#include "view/print.h"
-#include "view/progress.h"
+#include "view/base/print.h"
+#include "view/base/progress.h"
 
 namespace irsig {
 namespace {

@@ -20,9 +20,9 @@
 #include "core/base/status_macros.h"
 #include "fmt/ostream.h"
 #include "planning/interruption.h"
-#include "view/print.h"
-#include "view/progress.h"
-#include "view/table.h"
+#include "view/base/print.h"
+#include "view/base/progress.h"
+#include "view/base/table.h"
 
 namespace irsig {
 namespace {

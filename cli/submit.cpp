@@ -11,7 +11,7 @@
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/time_budget.h"
-#include "view/print.h"
+#include "view/base/print.h"
 
 namespace irsig {
 namespace {

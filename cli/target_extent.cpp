@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "bridge/spec_to_request.h"
 #include "core/base/status_macros.h"
-#include "core/scene/target.h"
-#include "view/range_change.h"
-#include "view/silhouette.h"
+#include "core/scene/trace/target.h"
+#include "runner/spec_to_request.h"
+#include "view/moved/range_change.h"
+#include "view/moved/silhouette.h"
 
 namespace irsig {
 

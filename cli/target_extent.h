@@ -1,7 +1,7 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "view/query.h"
+#include "view/rows/query_row.h"
 
 namespace irsig {
 

@@ -13,9 +13,9 @@
 #include "fmt/format.h"
 #include "planning/effects_check.h"
 #include "planning/load_sweep.h"
-#include "view/atomic_file.h"
-#include "view/effects_tables.h"
-#include "view/print.h"
+#include "view/base/atomic_file.h"
+#include "view/base/print.h"
+#include "view/study_tables/effects_tables.h"
 
 namespace irsig {
 namespace {

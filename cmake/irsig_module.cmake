@@ -105,11 +105,12 @@ function(irsig_declare_layer name depends files)
   file(APPEND ${PROJECT_BINARY_DIR}/layers.txt "${name} | ${allowed} | ${owned}\n")
 endfunction()
 
-# irsig_test(<name> SOURCES ... DEPENDS <libraries> [LABELS ...] [LONG]): one GoogleTest executable; each
-# TEST becomes one ctest entry named <folder>.<name>.<suite>.<test>. LONG: the executable has a long form
+# irsig_test(<name> SOURCES ... DEPENDS <libraries> [LABELS ...] [LONG] [ONE_PROCESS]): one GoogleTest executable; each
+# TEST becomes one ctest entry named <folder>.<name>.<suite>.<test>. ONE_PROCESS: one entry <folder>.<name> runs them
+# all, because they share something that takes long to prepare. LONG: the executable has a long form
 # (tests/long_form.h), one ctest entry <folder>.<name>.long that only `ctest -C Long` runs.
 function(irsig_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG" "" "SOURCES;DEPENDS;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "LONG;ONE_PROCESS" "" "SOURCES;DEPENDS;LABELS")
   get_filename_component(folder ${CMAKE_CURRENT_SOURCE_DIR} NAME)
   set(target ${folder}_${name})
   add_executable(${target} ${arg_SOURCES})
@@ -118,8 +119,13 @@ function(irsig_test name)
   irsig_batches(${target} ${arg_SOURCES})
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   add_dependencies(${target} irsig-import)  # looked for beside the executable
-  gtest_discover_tests(${target} TEST_PREFIX ${folder}.${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 300
-                       PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT ${IRSIG_TEST_TIMEOUT_S})
+  if(arg_ONE_PROCESS)
+    add_test(NAME ${folder}.${name} COMMAND ${target})
+    set_tests_properties(${folder}.${name} PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT ${IRSIG_TEST_TIMEOUT_S})
+  else()
+    gtest_discover_tests(${target} TEST_PREFIX ${folder}.${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 300
+                         PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT ${IRSIG_TEST_TIMEOUT_S})
+  endif()
   if(arg_LONG)
     add_test(NAME ${folder}.${name}.long CONFIGURATIONS Long COMMAND ${target})
     set_tests_properties(${folder}.${name}.long PROPERTIES LABELS "${folder};long" TIMEOUT ${IRSIG_TEST_TIMEOUT_S}

@@ -8,9 +8,8 @@
 #include "absl/strings/str_join.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "jobs/check_resolved.h"
-#include "jobs/expand.h"
-#include "jobs/size_bounds.h"
+#include "jobs/keys/expand.h"
+#include "jobs/keys/size_limits.h"
 
 namespace irsig {
 namespace {
@@ -34,12 +33,13 @@ bool has_key(const std::vector<schema::JobSpec>& jobs, const std::string& job_ke
 }  // namespace
 
 Farm::Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_clock,
-           std::string coordinator_id)
+           std::string coordinator_id, SweepCheck check_sweep)
     : store_(store),
       rules_(rules),
       clock_(std::move(clock)),
       unix_clock_(std::move(unix_clock)),
       coordinator_id_(std::move(coordinator_id)),
+      check_sweep_(std::move(check_sweep)),
       checked_at_s_(clock_()),
       double_check_(rules.audit_fraction, coordinator_id_) {}
 
@@ -310,7 +310,7 @@ absl::Status Farm::check_physics(const Session& session, const JobName& job) {
     if (!sweep.ParseFromString(bytes)) {
       return absl::DataLossError(absl::StrCat("the stored sweep ", sha256, " is damaged"));
     }
-    if (auto status = check_resolved(sweep); !status.ok())
+    if (auto status = check_sweep_(sweep); !status.ok())
       return absl::FailedPreconditionError(
           absl::StrCat("the stored sweep ", sha256, " cannot be computed: ", status.message()));
     SweepRules& rules = remember(sha256, sweep);

@@ -15,6 +15,7 @@
 #include "coordinator/double_check.h"
 #include "coordinator/farm_table.h"
 #include "coordinator/lease_book.h"
+#include "jobs/keys/sweep_check.h"
 #include "schema/farm.pb.h"
 #include "schema/store/writer.h"
 
@@ -43,9 +44,10 @@ struct Submission {
   std::optional<schema::Prediction> prediction = std::nullopt;
   std::optional<int> priority = std::nullopt;  // not stated: as it is
 };
-// INVALID_ARGUMENT: the sweep says what no file could (jobs/check_resolved.h), a hash is wrong, or
+// INVALID_ARGUMENT: check_sweep refuses the sweep, a hash is wrong, or
 // it comes without its physics version.
-[[nodiscard]] absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
+[[nodiscard]] absl::StatusOr<Submission> make_submission(const SweepCheck& check_sweep,
+                                                         schema::ResolvedSweep sweep,
                                                          std::uint32_t physics_version,
                                                          std::vector<Asset> assets);
 
@@ -73,8 +75,9 @@ class Farm {
  public:
   // clock: never goes back, for timeouts. unix_clock: for the record of who leased what and when.
   // coordinator_id: differs with every start, so that no worker id is ever given twice.
+  // check_sweep: of stored sweeps that an earlier coordinator took.
   Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_clock,
-       std::string coordinator_id);
+       std::string coordinator_id, SweepCheck check_sweep);
 
   absl::StatusOr<schema::RegisterReply> register_worker(const schema::RegisterRequest& request);
   absl::StatusOr<schema::LeaseReply> lease(const schema::LeaseRequest& request);
@@ -164,6 +167,7 @@ class Farm {
   FarmRules rules_;
   Clock clock_, unix_clock_;
   std::string coordinator_id_;
+  const SweepCheck check_sweep_;
   std::uint64_t registrations_ = 0;
   double checked_at_s_;
   std::map<std::string, Session> sessions_;                 // by worker id

@@ -82,7 +82,7 @@ class Server final : public FarmServer {
  public:
   explicit Server(FarmServerOptions options)
       : options_(std::move(options)),
-        service_(loop_, folder_of(options_.db_path)),
+        service_(loop_, folder_of(options_.db_path), options_.check_sweep),
         address_(options_.listen.text) {}
 
   ~Server() override { (void)stop(); }
@@ -92,7 +92,8 @@ class Server final : public FarmServer {
                                              options_.unix_clock));
     ASSIGN_OR_RETURN(store_, StoreWriter::open(options_.db_path));
     RETURN_IF_ERROR(take_over());
-    farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id());
+    farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id(),
+                  options_.check_sweep);
     service_.use(farm_->leases(), *door_);
     loop_.start(*farm_, *store_, [this](absl::Status status) {
       failed_ = true;
@@ -203,6 +204,7 @@ class Server final : public FarmServer {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FarmServer>> FarmServer::start(FarmServerOptions options) {
+  if (!options.check_sweep) return absl::InternalError("a coordinator has no check of sweeps");
   auto server = std::make_unique<Server>(std::move(options));
   RETURN_IF_ERROR(server->start());
   return server;

@@ -17,6 +17,7 @@ struct FarmServerOptions {
   Clock clock, unix_clock;  // as Farm's
   std::function<void(const absl::Status&)>
       on_failure;  // the store cannot go on; called at most once
+  SweepCheck check_sweep;  // of what is submitted, and of what is stored; not empty
   // A database that this coordinator made goes again when nobody submitted anything to it.
   bool remove_unused = false;
   // The authority's list of revoked certificates, with TLS, read anew when it changes; empty: none.

@@ -310,7 +310,8 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
       return absl::InvalidArgumentError("the sweep arrived damaged");
     bytes_ = std::string();
     ASSIGN_OR_RETURN(auto made,
-                     make_submission(std::move(sweep), physics_version_, std::move(assets_)));
+                     make_submission(desk_.check_sweep, std::move(sweep), physics_version_,
+                                     std::move(assets_)));
     made.prediction = std::move(prediction_);
     made.priority = priority_;
     desk_.loop.post(

@@ -20,11 +20,12 @@ class FarmService final : public schema::Farm::CallbackService {
  public:
   // State that all calls share.
   struct Desk {
-    Desk(CommitLoop& commit_loop, std::string of_database)
-        : loop(commit_loop), folder(std::move(of_database)) {}
+    Desk(CommitLoop& commit_loop, std::string of_database, SweepCheck check)
+        : loop(commit_loop), folder(std::move(of_database)), check_sweep(std::move(check)) {}
 
     CommitLoop& loop;
     std::string folder;  // of the database: files on their way into it are kept there
+    SweepCheck check_sweep;
     const LeaseBook* leases = nullptr;
     Doorkeeper* door = nullptr;
     SharedLimit result_bytes{512 << 20};
@@ -35,7 +36,8 @@ class FarmService final : public schema::Farm::CallbackService {
     BackgroundThread clerk;
   };
 
-  FarmService(CommitLoop& loop, std::string folder) : desk_(loop, std::move(folder)) {}
+  FarmService(CommitLoop& loop, std::string folder, SweepCheck check_sweep)
+      : desk_(loop, std::move(folder), std::move(check_sweep)) {}
 
   // Before the first call.
   void use(const LeaseBook& leases, Doorkeeper& door) {

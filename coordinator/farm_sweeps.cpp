@@ -5,9 +5,8 @@
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "jobs/check_resolved.h"
-#include "jobs/expand.h"
-#include "jobs/size_bounds.h"
+#include "jobs/keys/expand.h"
+#include "jobs/keys/size_limits.h"
 
 namespace irsig {
 namespace {
@@ -62,13 +61,14 @@ absl::Status check_prediction(const schema::Prediction& p) {
 
 }  // namespace
 
-absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
+absl::StatusOr<Submission> make_submission(const SweepCheck& check_sweep,
+                                           schema::ResolvedSweep sweep,
                                            std::uint32_t physics_version,
                                            std::vector<Asset> assets) {
   if (physics_version == 0) {
     return absl::InvalidArgumentError("a sweep is submitted with its physics_version");
   }
-  RETURN_IF_ERROR(check_resolved(sweep));
+  RETURN_IF_ERROR(check_sweep(sweep));
   for (const auto& asset : assets) {
     if ((asset.file ? asset.file->sha256() : sha256_hex(asset.bytes)) != asset.sha256) {
       return absl::InvalidArgumentError(

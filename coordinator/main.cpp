@@ -15,6 +15,7 @@
 #include "coordinator/front_gate.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
+#include "jobs/check_resolved.h"
 
 namespace {
 
@@ -114,7 +115,7 @@ int main(int argc, char** argv) {
                                   failure = status;
                                   sem_post(&end_asked);
                                 },
-                                remove_unused, tls_crl});
+                                irsig::check_resolved, remove_unused, tls_crl});
   if (!server.ok()) return report(server.status());
   // Until here a signal ends it at once: what opening a database leaves half done is undone by the
   // next one who opens it.

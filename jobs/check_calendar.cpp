@@ -9,11 +9,11 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/geo/sun.h"
 #include "jobs/check_weather.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "messages/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {

@@ -6,12 +6,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
 #include "core/atmosphere/imported_path.h"
 #include "core/atmosphere/light_path.h"
 #include "jobs/check_weather.h"
 #include "jobs/resolve.h"
+#include "messages/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {

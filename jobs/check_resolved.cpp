@@ -8,15 +8,15 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/geo/sun.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
 #include "jobs/size_bounds.h"
+#include "messages/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {

@@ -6,9 +6,11 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/environment/weather_from_message.h"
+#include "core/atmosphere/air_column.h"
 #include "core/atmosphere/air_profile.h"
+#include "core/thermal/sky_of_air.h"
 #include "jobs/resolve.h"
+#include "messages/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {
@@ -135,7 +137,7 @@ class SeasonGate {
   void check_pressure() {
     if (!has_position(sweep_)) return;
     const double height_m = sweep_.place().height_m();
-    const double standard_pa = 101325 * std::pow(std::max(0.0, 1 - 2.25577e-5 * height_m), 5.25588);
+    const double standard_pa = standard_pressure_pa(height_m);
     const double ratio = weather_.pressure_pa() / standard_pa;
     const Name path = weather_.surface_stated()
                           ? of_surface("pressure_pa", season_.has_pressure_pa())
@@ -245,7 +247,7 @@ class SeasonGate {
     const bool in_season = season_.part_temperature_k().contains(part.name());
     const std::string path = in_season ? of_season("part_temperature_k." + part.name())
                                        : absl::StrCat("part[", p, "].temperature_k");
-    const double coldest_sky_k = 0.0552 * std::pow(weather_.air_temperature_k(), 1.5) - 20;
+    const double coldest_sky_k = swinbank_sky_k(weather_.air_temperature_k()) - 20;
     if (part_k < coldest_sky_k) {
       odd(path, absl::StrCat("= ", part_k, " is colder than any sky above ", air_text(),
                              " in season \"", season_.name(), "\" (", std::round(coldest_sky_k),

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_plume.h"
+#include "messages/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {

@@ -8,14 +8,14 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "bridge/environment/gas_from_message.h"
-#include "bridge/environment/weather_from_message.h"
 #include "core/base/problems.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/gas/gas_state.h"
 #include "core/plume/exhaust_gas.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/resolve.h"
+#include "messages/environment/gas_from_message.h"
+#include "messages/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {

@@ -103,7 +103,7 @@ std::string stem(const std::string& file_name) {
 // at 300 K, 30 K more are 1.57 times the radiance in 8-12 um and 2.71 times in 3-5 um.
 void mark_hot_parts(schema::ResolvedSweep& resolved) {
   constexpr double kHotterK = 30;
-  // Temperatures that stand in files are known where the mesh is (bridge/sweep_temperatures.h).
+  // Temperatures that stand in files are known where the mesh is (runner/sweep_temperatures.h).
   for (const schema::Condition& condition : resolved.condition())
     if (condition.has_temperature_field() && !condition.temperature_field().has_heat()) return;
   for (int i = 0; i < resolved.sweep().part_size(); ++i) {

@@ -5,7 +5,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
 

@@ -3,7 +3,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
 #include "jobs/temperature_files.h"

@@ -6,8 +6,8 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "bridge/inputs/moved_sweep.h"
 #include "jobs/resolve.h"
+#include "messages/inputs/moved_sweep.h"
 
 namespace irsig {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 
 namespace irsig {
 namespace {

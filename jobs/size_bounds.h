@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "jobs/keys/size_limits.h"
 #include "jobs/section_check.h"
 
 namespace irsig {
@@ -19,15 +20,6 @@ struct SizeBound {
 // A row for each list and map of schema/sweep.proto and schema/job.proto that a sweep has, and for
 // each text that may be longer than a name (tests/unit/size_bounds_test.cpp).
 [[nodiscard]] std::span<const SizeBound> size_bounds();
-
-// Every other text.
-inline constexpr std::size_t kLongestName = 1000;
-
-// Limits of one sweep in all: rows = viewpoints x conditions x bands, jobs, and rows of profiles
-// under each signature.
-inline constexpr double kMostRows = 1e8;
-inline constexpr double kMostJobs = 2e6;
-inline constexpr double kMostProfileRows = 1e6;
 
 // Every list, map and text in `message`, which stands at `path` ("" for the file itself).
 void check_sizes(const google::protobuf::Message& message, const std::string& path,

@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
 #include "core/base/status_macros.h"
 #include "core/study/effects_check.h"
 #include "core/study/stated_errors.h"
 #include "fmt/format.h"
+#include "runner/spec_to_request.h"
 
 namespace irsig {
 namespace {
@@ -151,7 +151,7 @@ class Checker {
                      request_from_job(sweep_, job, environment_, temperatures_, plumes_));
     LongerRun longer;
     longer.times = times_;
-    // As the worker has it (bridge/job_runner.cpp).
+    // As the worker has it (runner/job_runner.cpp).
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
     if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
       longer.row_samples = accuracy.samples_per_replicate();

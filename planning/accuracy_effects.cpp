@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/spec_to_request.h"
 #include "core/base/status_macros.h"
 #include "core/effects/effects.h"
+#include "runner/spec_to_request.h"
 
 namespace irsig {
 namespace {

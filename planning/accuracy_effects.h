@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "schema/assets.h"
 #include "schema/job.pb.h"
-#include "view/accuracy_tables.h"
+#include "view/study_tables/accuracy_tables.h"
 
 namespace irsig {
 

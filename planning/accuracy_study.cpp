@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/spec_to_request.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
@@ -15,6 +14,7 @@
 #include "core/study/work_precision.h"
 #include "fmt/format.h"
 #include "planning/accuracy_effects.h"
+#include "runner/spec_to_request.h"
 
 namespace irsig {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "planning/load_sweep.h"
-#include "view/accuracy_tables.h"
+#include "view/study_tables/accuracy_tables.h"
 
 namespace irsig {
 

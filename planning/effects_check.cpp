@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
 #include "core/base/status_macros.h"
+#include "runner/spec_to_request.h"
 
 namespace irsig {
 namespace {

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "bridge/sweep_temperatures.h"
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "planning/sweep_facets.h"
-#include "view/table.h"
+#include "runner/sweep_temperatures.h"
+#include "view/base/table.h"
 
 namespace irsig {
 

@@ -7,19 +7,19 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "bridge/heat_outputs.h"
-#include "bridge/sweep_temperatures.h"
 #include "core/base/printable.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "core/scene/model_file.h"
-#include "jobs/expand.h"
+#include "core/scene/import/model_file.h"
+#include "jobs/keys/expand.h"
 #include "jobs/material_files.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/shard.h"
 #include "jobs/temperature_files.h"
 #include "jobs/weather_files.h"
+#include "runner/heat_outputs.h"
+#include "runner/sweep_temperatures.h"
 
 namespace irsig {
 namespace {

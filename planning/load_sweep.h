@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "bridge/job_runner.h"
 #include "jobs/sweep_file.h"
 #include "planning/sweep_size.h"
+#include "runner/job_runner.h"
 
 namespace irsig {
 

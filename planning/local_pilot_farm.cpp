@@ -4,16 +4,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "bridge/job_runner.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/scratch_folder.h"
 #include "core/base/status_macros.h"
 #include "planning/interruption.h"
 #include "planning/pilot_farm.h"
-#include "view/heat_effects.h"
-#include "view/progress.h"
+#include "runner/job_runner.h"
 #include "schema/store/reader.h"
+#include "view/base/progress.h"
+#include "view/report/heat_effects.h"
 
 namespace irsig {
 namespace {

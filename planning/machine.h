@@ -4,8 +4,8 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "bridge/job_memory.h"
 #include "coordinator/client/machine_memory.h"
+#include "runner/job_memory.h"
 
 namespace irsig {
 

@@ -7,16 +7,16 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "bridge/heat_outputs.h"
-#include "bridge/job_runner.h"
-#include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
+#include "core/scene/import/model_file.h"
 #include "core/scene/mesh_measure.h"
-#include "core/scene/model_file.h"
-#include "core/scene/target.h"
-#include "jobs/expand.h"
+#include "core/scene/trace/target.h"
+#include "jobs/keys/expand.h"
+#include "runner/heat_outputs.h"
+#include "runner/job_runner.h"
+#include "runner/spec_to_request.h"
 
 namespace irsig {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/study/work_precision.h"
 #include "planning/accuracy_study.h"
 #include "planning/load_sweep.h"
-#include "view/mesh_tables.h"
+#include "view/study_tables/mesh_tables.h"
 
 namespace irsig {
 

@@ -1,5 +1,7 @@
 #include "planning/model_frame.h"
 
+#include "core/scene/import/import_mesh.h"
+
 namespace irsig {
 
 FrameSources choose_frame(std::string_view bytes, const AskedFrame& asked, MeshImport& how) {

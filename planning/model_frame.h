@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh.h"
 
 namespace irsig {

@@ -5,7 +5,7 @@
 #include "coordinator/client/progress_text.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "schema/store/writer.h"
 
 namespace irsig {

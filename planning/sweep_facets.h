@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "bridge/spec_to_request.h"
 #include "planning/accuracy_source.h"
+#include "runner/spec_to_request.h"
 
 namespace irsig {
 

@@ -10,12 +10,12 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/replicates.h"
 #include "core/base/status_macros.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
 #include "schema/shard.h"
 #include "schema/store/rows.h"
-#include "view/measured_row.h"
+#include "view/rows/measured_row.h"
 
 namespace irsig {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/accuracy/cost_model.h"
 #include "planning/load_sweep.h"
 #include "planning/pilot_farm.h"
-#include "view/effect_ledger.h"
+#include "view/report/effect_ledger.h"
 
 namespace irsig {
 

@@ -11,7 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/formula.h"
 #include "core/base/printable.h"
-#include "core/scene/mesh_lint.h"
+#include "core/scene/check/mesh_lint.h"
 
 namespace irsig {
 namespace {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh.h"
 #include "planning/model_frame.h"
 

@@ -10,7 +10,7 @@
 
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 
 namespace irsig {
 namespace {

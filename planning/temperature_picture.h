@@ -6,8 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "planning/sweep_facets.h"
-#include "view/false_color.h"
-#include "view/query.h"
+#include "view/draw/false_color.h"
+#include "view/query/query.h"
 
 namespace irsig {
 

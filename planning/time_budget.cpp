@@ -9,7 +9,7 @@
 #include "coordinator/client/time_budget.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 
 namespace irsig {
 namespace {

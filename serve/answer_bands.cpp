@@ -7,7 +7,7 @@
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
-#include "view/band_tables.h"
+#include "view/bands/band_tables.h"
 
 namespace irsig {
 namespace {

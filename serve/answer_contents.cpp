@@ -3,7 +3,7 @@
 #include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
 #include "serve/json_text.h"
-#include "view/compare.h"
+#include "view/report/compare.h"
 
 namespace irsig {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "core/base/status_macros.h"
 #include "serve/answer_parts.h"
-#include "view/plot.h"
-#include "view/query_table.h"
+#include "view/plot/plot.h"
+#include "view/query/query_table.h"
 
 namespace irsig {
 namespace {

@@ -6,8 +6,8 @@
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
-#include "view/plot_frame.h"
-#include "view/refine_tables.h"
+#include "view/plot/plot_frame.h"
+#include "view/report/refine_tables.h"
 
 namespace irsig {
 namespace {

@@ -7,8 +7,8 @@
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
-#include "view/compare.h"
-#include "view/polar_cut.h"
+#include "view/report/compare.h"
+#include "view/report/polar_cut.h"
 
 namespace irsig {
 namespace {

@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "schema/store/reader.h"
 #include "serve/answers.h"
-#include "view/compare.h"
+#include "view/report/compare.h"
 
 namespace irsig {
 

@@ -6,12 +6,12 @@
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
-#include "view/error_budget.h"
-#include "view/explain.h"
-#include "view/outcome.h"
-#include "view/png.h"
-#include "view/query_table.h"
-#include "view/thumbnail.h"
+#include "view/draw/png.h"
+#include "view/pictures/thumbnail.h"
+#include "view/query/query_table.h"
+#include "view/report/error_budget.h"
+#include "view/report/explain.h"
+#include "view/report/outcome.h"
 
 namespace irsig {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "serve/question.h"
 #include "serve/serve.h"
-#include "view/query.h"
+#include "view/query/query.h"
 
 namespace irsig {
 

@@ -8,8 +8,8 @@
 
 #include "absl/status/statusor.h"
 #include "schema/store/filters.h"
-#include "view/bands.h"
-#include "view/query.h"
+#include "view/bands/bands.h"
+#include "view/query/query.h"
 
 namespace irsig {
 

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/detector/detector.h"
-#include "view/query.h"
+#include "view/query/query.h"
 
 namespace irsig {
 

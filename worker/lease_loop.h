@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
+#include "runner/job_runner.h"
 #include "worker/spool.h"
 
 namespace irsig {

@@ -8,7 +8,6 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
 #include "coordinator/client/farm_log.h"
 #include "coordinator/client/machine_memory.h"
@@ -16,7 +15,8 @@
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
 #include "core/image/image.h"
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
+#include "runner/job_runner.h"
 #include "worker/lease_loop.h"
 
 namespace {

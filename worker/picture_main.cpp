@@ -15,6 +15,7 @@
 #include "core/base/status_macros.h"
 #include "core/image/apart/picture_subprocess.h"
 #include "core/image/image.h"
+#include "core/image/reader/exr_reader.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // In the place of a limit of addresses. What OpenImageIO leaks at its errors is the kernel's to

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "bridge/job_runner.h"
+#include "runner/job_runner.h"
 
 namespace irsig {
 

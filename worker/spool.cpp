@@ -14,7 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/farm_log.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 
 namespace irsig {
 namespace {

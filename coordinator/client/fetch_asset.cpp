@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
 #include "core/base/status_macros.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 
 namespace irsig {
 namespace {

@@ -17,7 +17,7 @@ namespace irsig {
 // The order is that of tables. Names are those of columns, fields and members; "at the sensor" is
 // behind the air between it and the target.
 
-// Of which the source intensity is made up.
+// Parts of the source intensity.
 #define IRSIG_CAUSE_QUANTITIES(VALUE)                                                   \
   VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", "emitted by what the sensor sees")   \
   VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", "direct sun, reflected") \
@@ -83,8 +83,8 @@ namespace irsig {
   NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr",                                        \
          "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
-// Of rows of conditions with hot gas; others have none. "Plume": what it sends less what it takes
-// of the light behind it, which the totals above hold.
+// Quantities of rows of conditions with hot gas; others have none. "Plume": emission of the gas
+// less its absorption of the light behind it, which the totals above include.
 #define IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)                                                \
   VALUE(plume_w_sr, plume_stderr_w_sr, "W/sr", "hot gas, of intensity_w_sr")                 \
   VALUE(apparent_plume_w_sr, apparent_plume_stderr_w_sr, "W/sr",                             \

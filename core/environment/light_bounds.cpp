@@ -45,7 +45,7 @@ AirSpectrum grey_transmittance(const AbsorberAmounts& amounts) {
 }  // namespace
 
 ConditionBounds::ConditionBounds(const ConditionEnvironment& condition,
-                                 const Environment::SunSeen& seen, const WeatherBounds& of_weather)
+                                 const SunSeen& seen, const WeatherBounds& of_weather)
     : weather(of_weather), direction(seen.middle) {
   const AirSpectrum dark(kAirBandCount, 0.0);
   outside = sun = diffuse_sun = diffuse_sun_w_m2_um = mirrored_sun = mirrored_sun_w_m2_um = dark;
@@ -179,7 +179,7 @@ void ConditionBounds::mirror() {
 }
 
 LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg,
-                         const Environment::Line& line, const LineHorizon& horizon) {
+                         const SensorLine& line, const LineHorizon& horizon) {
   const WeatherBounds& weather = condition.weather;
   AirSpectrum path(kAirBandCount, 0.0), background = path;
   const AbsorberAmounts& near = leg.layers.amounts();

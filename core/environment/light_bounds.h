@@ -11,7 +11,7 @@ namespace irsig {
 // Upper bounds of one condition's sunlight at the target, on the air's bands. Private to
 // core/environment, as all of this header.
 struct ConditionBounds {
-  ConditionBounds(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+  ConditionBounds(const ConditionEnvironment& condition, const SunSeen& seen,
                   const WeatherBounds& weather);
 
   const WeatherBounds& weather;
@@ -27,6 +27,6 @@ struct ConditionBounds {
 };
 
 [[nodiscard]] LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg,
-                                       const Environment::Line& line, const LineHorizon& horizon);
+                                       const SensorLine& line, const LineHorizon& horizon);
 
 }  // namespace irsig

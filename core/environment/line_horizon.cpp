@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-LineHorizon::LineHorizon(const GrazingRay& ray, double height_m, const Environment::Line& line,
+LineHorizon::LineHorizon(const GrazingRay& ray, double height_m, const SensorLine& line,
                          double lift_rad)
     : ray_(ray),
       height_m_(height_m),
@@ -26,9 +26,9 @@ LineHorizon::LineHorizon(const GrazingRay& ray, double height_m, const Environme
   z_ = static_cast<float>(line.range_m > 0 ? fall_m / length_m : std::sin(ray.dip_rad(height_m)));
 }
 
-Environment::Horizon LineHorizon::horizon() const {
+SeaHorizon LineHorizon::horizon() const {
   const double bottom_m = ray_.bottom_m(), surface_m = kEarthRadiusM + bottom_m;
-  Environment::Horizon out{static_cast<double>(z_), surface_m, 0,
+  SeaHorizon out{static_cast<double>(z_), surface_m, 0,
                            between_rad_ > to_touch_rad_ ? passes_m_ - bottom_m : 0};
   if (ray_.straight()) return out;
   // The sphere above which straight rays go as these do: one that leaves the sensor and touches it

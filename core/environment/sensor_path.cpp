@@ -70,9 +70,9 @@ InSight in_sight(const WeatherSpec& spec, const AirProfile& profile, double sens
 }
 
 // Of the target's places, as the profile counts; 0: none is stated.
-double highest_m(const Environment::Line& line, double reference_m) {
+double highest_m(const SensorLine& line, double reference_m) {
   double out = 0;
-  for (const Environment::Line::End& end : line.end) {
+  for (const SensorLine::End& end : line.end) {
     out = std::max(out, end.height_m + reference_m);
   }
   return out;
@@ -81,7 +81,7 @@ double highest_m(const Environment::Line& line, double reference_m) {
 }  // namespace
 
 absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec, const Atmosphere& atmosphere,
-                                     double height_m, const Environment::Line& line,
+                                     double height_m, const SensorLine& line,
                                      const BandChoice& bands) {
   const double reference_m = spec.above_surface_m;
   if (!(line.range_m >= 0 && std::isfinite(line.range_m) && line.elevation_deg >= -90 &&
@@ -140,7 +140,7 @@ absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec, const Atmosphere& 
 }
 
 SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-                   const SensorRay& line, const Environment::Line::End& end) {
+                   const SensorRay& line, const SensorLine::End& end) {
   const AirProfile& profile = atmosphere.profile();
   const double lowest_m = std::max(end.height_m, profile.level.front().height_m);
   constexpr int kSteps = 8;

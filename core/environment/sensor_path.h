@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "core/atmosphere/path_layers.h"
-#include "core/environment/environment.h"
+#include "core/environment/view_environment.h"
+#include "core/environment/weather_spec.h"
 
 namespace irsig {
 
@@ -32,14 +33,14 @@ struct SensorRay {
 // INVALID_ARGUMENT as Environment::view has it.
 [[nodiscard]] absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec,
                                                    const Atmosphere& atmosphere, double height_m,
-                                                   const Environment::Line& line,
+                                                   const SensorLine& line,
                                                    const BandChoice& bands);
 
 // Returns the ray to another place of the target, without imported air. A place that the Earth
 // hides is replaced by the lowest visible one above it.
 [[nodiscard]] SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
                                  double height_m, const SensorRay& line,
-                                 const Environment::Line::End& end);
+                                 const SensorLine::End& end);
 
 // The air of one weather between sensor and target.
 class SensorPath {

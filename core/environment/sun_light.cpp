@@ -7,6 +7,7 @@
 #include "core/base/constants.h"
 #include "core/environment/interpolation_error.h"
 #include "core/environment/linear_basis_fit.h"
+#include "core/environment/sea_surface.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
@@ -77,7 +78,7 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
 
 }  // namespace
 
-SunLight::SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
                    const ThermalSurroundings& weather, const SurfaceBoundary& surface,
                    const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
                    const NodeWavelengths& wavelengths)

@@ -18,7 +18,7 @@ namespace irsig {
 class SunLight {
  public:
   // All arguments outlive the object.
-  SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+  SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
            const ThermalSurroundings& weather, const SurfaceBoundary& surface,
            const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
            const NodeWavelengths& wavelengths);

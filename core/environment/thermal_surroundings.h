@@ -7,8 +7,11 @@
 #include <vector>
 
 #include "core/atmosphere/path_layers.h"
-#include "core/environment/environment.h"
+#include "core/environment/direction_nodes.h"
 #include "core/environment/lazy.h"
+#include "core/environment/sea_surface.h"
+#include "core/environment/view_environment.h"
+#include "core/environment/weather_spec.h"
 
 namespace irsig {
 

@@ -71,7 +71,7 @@ struct ViewLight::Solar {
 };
 
 ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
-                     const Environment::Line& line, const LineHorizon& horizon,
+                     const SensorLine& line, const LineHorizon& horizon,
                      const NodeWavelengths& wavelengths, const std::vector<SensorPath>& end)
     : leg_(leg),
       light_(light),

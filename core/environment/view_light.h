@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/effects/effect_set.h"
 #include "core/environment/line_horizon.h"
 #include "core/environment/ring_ratios.h"
 #include "core/environment/sensor_path.h"
@@ -18,7 +19,7 @@ namespace irsig {
 class ViewLight {
  public:
   // All arguments outlive the object.
-  ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const Environment::Line& line,
+  ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const SensorLine& line,
             const LineHorizon& horizon, const NodeWavelengths& wavelengths,
             const std::vector<SensorPath>& end);
   ViewLight(const ViewLight&) = delete;
@@ -65,7 +66,7 @@ class ViewLight {
 
   const SensorPath& leg_;
   const ThermalSurroundings& light_;
-  const Environment::Line& line_;
+  const SensorLine& line_;
   const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
   const std::vector<SensorPath>& end_;  // [Line::end]

@@ -10,7 +10,7 @@
 
 #include "core/base/csv_rows.h"
 #include "core/geo/sun.h"
-#include "core/scene/import_ply_header.h"
+#include "core/scene/import/import_ply_header.h"
 #include "fmt/format.h"
 #include "fmt/ranges.h"
 

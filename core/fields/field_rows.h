@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/scene/import_text.h"
+#include "core/scene/import/import_text.h"
 
 namespace irsig {
 

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
 #include "core/materials/material_spec.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/spectral/band.h"
 
 namespace irsig {

@@ -1,29 +1,17 @@
 #include "core/image/image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <mutex>
 
 #include "core/base/status_macros.h"
 
 namespace irsig {
 namespace {
-
-namespace oiio = OIIO;
-
-// Thumbnails are too small to share among threads, and a worker's threads have other work.
-void without_threads() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    oiio::attribute("threads", 1);
-    oiio::attribute("exr_threads", -1);
-  });
-}
 
 absl::Status check(const RadianceImage& image) {
   constexpr std::uint32_t max_px = 1u << 15;
@@ -40,35 +28,205 @@ absl::Status check(const RadianceImage& image) {
   return absl::OkStatus();
 }
 
-oiio::ImageSpec spec_of(const RadianceImage& image, oiio::TypeDesc type) {
-  oiio::ImageSpec spec(static_cast<int>(image.width_px), static_cast<int>(image.height_px), 1,
-                       type);
-  spec.channelnames = {"Y"};
-  return spec;
+void append_little_endian(std::string& out, std::uint64_t value, int bytes) {
+  for (int i = 0; i < bytes; ++i) out.push_back(static_cast<char>(value >> (8 * i) & 0xffU));
 }
 
-absl::StatusOr<std::string> encode(const char* name, const oiio::ImageSpec& spec,
-                                   const void* pixels) {
-  without_threads();
-  const std::unique_ptr<oiio::ImageOutput> output = oiio::ImageOutput::create(name);
-  if (!output) return absl::InternalError("image: " + oiio::geterror());
-  oiio::Filesystem::IOVecOutput memory;
-  if (!output->set_ioproxy(&memory) || !output->open(name, spec) ||
-      !output->write_image(spec.format, pixels) || !output->close()) {
-    return absl::InternalError("image: " + output->geterror());
+void append_big_endian(std::string& out, std::uint32_t value) {
+  for (int i = 3; i >= 0; --i) out.push_back(static_cast<char>(value >> (8 * i) & 0xffU));
+}
+
+void append_attribute(std::string& out, std::string_view name, std::string_view type,
+                      std::string_view value) {
+  out.append(name).push_back('\0');
+  out.append(type).push_back('\0');
+  append_little_endian(out, value.size(), 4);
+  out.append(value);
+}
+
+// The header of an EXR file of scan lines, its attributes in the order of their names.
+std::string exr_header(std::uint32_t width_px, std::uint32_t height_px) {
+  std::string channels("Y\0", 2), window(8, '\0'), one;
+  append_little_endian(channels, 2, 4);  // float32
+  append_little_endian(channels, 0, 4);  // not linear, reserved
+  append_little_endian(channels, 1, 4);  // every column
+  append_little_endian(channels, 1, 4);  // every line
+  channels.push_back('\0');
+  append_little_endian(window, width_px - 1, 4);
+  append_little_endian(window, height_px - 1, 4);
+  append_little_endian(one, std::bit_cast<std::uint32_t>(1.0f), 4);
+  std::string out;
+  append_little_endian(out, 20000630, 4);  // the format's mark
+  append_little_endian(out, 2, 4);         // its version
+  append_attribute(out, "capDate", "string", "1970:01:01 00:00:00");
+  append_attribute(out, "channels", "chlist", channels);
+  append_attribute(out, "compression", "compression", "\1");  // RLE
+  append_attribute(out, "dataWindow", "box2i", window);
+  append_attribute(out, "displayWindow", "box2i", window);
+  append_attribute(out, "lineOrder", "lineOrder", std::string_view("\0", 1));
+  append_attribute(out, "pixelAspectRatio", "float", one);
+  append_attribute(out, "screenWindowCenter", "v2f", std::string(8, '\0'));
+  append_attribute(out, "screenWindowWidth", "float", one);
+  out.push_back('\0');
+  return out;
+}
+
+// A run of 3 to 128 equal bytes becomes (length - 1, byte), 1 to 127 other bytes become (-length,
+// bytes).
+std::string run_lengths(std::string_view in) {
+  constexpr std::size_t shortest = 3, longest = 127;
+  std::string out;
+  out.reserve(in.size() + in.size() / longest + 1);
+  std::size_t begin = 0, end = 1;
+  while (begin < in.size()) {
+    while (end < in.size() && in[begin] == in[end] && end - begin <= longest) ++end;
+    if (end - begin >= shortest) {
+      out.push_back(static_cast<char>(end - begin - 1));
+      out.push_back(in[begin]);
+    } else {
+      const auto run_begins = [&](std::size_t at) {
+        return at + 2 < in.size() && in[at] == in[at + 1] && in[at + 1] == in[at + 2];
+      };
+      while (end < in.size() && !run_begins(end) && end - begin < longest) ++end;
+      out.push_back(static_cast<char>(begin - end));
+      out.append(in.substr(begin, end - begin));
+    }
+    begin = end++;
   }
-  return std::string(memory.buffer().begin(), memory.buffer().end());
+  return out;
+}
+
+// One line as OpenEXR compresses it: bytes at even places before those at odd places, each as its
+// difference from the one before, run lengths of these; the line itself if that is no shorter.
+std::string exr_line(std::string_view line) {
+  std::string halves(line.size(), '\0');
+  const std::size_t odd = (line.size() + 1) / 2;
+  for (std::size_t i = 0; i < line.size(); ++i) halves[i / 2 + (i % 2) * odd] = line[i];
+  for (std::size_t i = halves.size() - 1; i > 0; --i)
+    halves[i] = static_cast<char>(halves[i] - halves[i - 1] + 128);
+  std::string packed = run_lengths(halves);
+  return packed.size() < line.size() ? packed : std::string(line);
+}
+
+void append_chunk(std::string& out, std::string_view type, std::string_view data) {
+  append_big_endian(out, static_cast<std::uint32_t>(data.size()));
+  const std::size_t begin = out.size();
+  out.append(type).append(data);
+  append_big_endian(
+      out, static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(out.data()) + begin,
+                                            static_cast<uInt>(out.size() - begin))));
+}
+
+// One line of 8 bit grey under each of PNG's five filters, in the order of their numbers.
+std::array<std::string, 5> filtered(std::string_view line, std::string_view above) {
+  std::array<std::string, 5> out;
+  for (std::size_t kind = 0; kind < out.size(); ++kind) {
+    out[kind].reserve(line.size() + 1);
+    out[kind].push_back(static_cast<char>(kind));
+  }
+  const auto at = [](std::string_view bytes, std::size_t i) {
+    return static_cast<int>(static_cast<unsigned char>(bytes[i]));
+  };
+  for (std::size_t x = 0; x < line.size(); ++x) {
+    const int value = at(line, x), up = at(above, x);
+    const int left = x > 0 ? at(line, x - 1) : 0, corner = x > 0 ? at(above, x - 1) : 0;
+    const int to_left = std::abs(up - corner), to_up = std::abs(left - corner);
+    const int to_corner = std::abs(left + up - 2 * corner);
+    const int paeth = to_left <= to_up && to_left <= to_corner ? left
+                      : to_up <= to_corner                     ? up
+                                                               : corner;
+    const int predicted[] = {0, left, up, (left + up) / 2, paeth};
+    for (std::size_t kind = 0; kind < out.size(); ++kind)
+      out[kind].push_back(static_cast<char>(value - predicted[kind]));
+  }
+  return out;
+}
+
+// The filtered line whose bytes, as signed numbers, have the smallest sum of magnitudes: what the
+// PNG specification recommends. Filters that look up or left do so only where there is something.
+std::string best_filtered(std::string_view line, std::string_view above, bool one_line) {
+  const std::array<std::string, 5> lines = filtered(line, above);
+  const bool one_column = line.size() == 1;
+  const bool allowed[] = {true, !one_column, !one_line, !one_column && !one_line,
+                          !one_column && !one_line};
+  std::size_t best = 0;
+  std::uint64_t smallest = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t kind = 0; kind < lines.size(); ++kind) {
+    if (!allowed[kind]) continue;
+    std::uint64_t sum = 0;
+    for (const char byte : std::string_view(lines[kind]).substr(1)) {
+      const unsigned value = static_cast<unsigned char>(byte);
+      sum += value < 128 ? value : 256 - value;
+    }
+    if (sum < smallest) {
+      smallest = sum;
+      best = kind;
+    }
+  }
+  return lines[best];
+}
+
+// The smallest window of deflate, in bits, that reaches back over all of `bytes` and a match.
+int window_bits(std::size_t bytes) {
+  int bits = MAX_WBITS;
+  while (bits > 8 && bytes + 262 <= std::size_t{1} << (bits - 1)) --bits;
+  return bits;
+}
+
+// The header of a zlib stream of no more than 16 kB states the smallest window that its reader
+// needs, as libpng has it.
+void state_window(std::string& stream, std::size_t bytes) {
+  unsigned info = static_cast<unsigned char>(stream[0]) >> 4U;
+  while (info > 0 && bytes <= std::size_t{1} << (info + 7)) --info;
+  const unsigned method = info << 4U | 8U;
+  unsigned flags = static_cast<unsigned char>(stream[1]) & 0xe0U;
+  flags += 31 - (method << 8U | flags) % 31;
+  stream[0] = static_cast<char>(method);
+  stream[1] = static_cast<char>(flags);
+}
+
+absl::StatusOr<std::string> deflated(std::string_view bytes) {
+  const bool small = bytes.size() <= 16384;
+  z_stream stream{};
+  constexpr int level = 6, memory = 8;
+  if (deflateInit2(&stream, level, Z_DEFLATED, small ? window_bits(bytes.size()) : MAX_WBITS,
+                   memory, Z_DEFAULT_STRATEGY) != Z_OK)
+    return absl::ResourceExhaustedError("image: no memory to compress it");
+  std::string out(deflateBound(&stream, bytes.size()), '\0');
+  // zlib does not write to its input.
+  stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int code = deflate(&stream, Z_FINISH);
+  out.resize(out.size() - stream.avail_out);
+  deflateEnd(&stream);
+  if (code != Z_STREAM_END) return absl::InternalError("image: cannot be compressed");
+  if (small) state_window(out, bytes.size());
+  return out;
 }
 
 }  // namespace
 
 absl::StatusOr<std::string> encode_exr(const RadianceImage& image) {
   RETURN_IF_ERROR(check(image));
-  oiio::ImageSpec spec = spec_of(image, oiio::TypeDesc::FLOAT);
-  spec.attribute("compression", "rle");
-  // The writer would put the present time here.
-  spec.attribute("DateTime", "1970:01:01 00:00:00");
-  return encode("radiance.exr", spec, image.radiance_w_m2_sr.data());
+  const std::size_t width = image.width_px, height = image.height_px;
+  std::string out = exr_header(image.width_px, image.height_px);
+  const std::size_t table = out.size();
+  std::string offsets, lines;
+  for (std::size_t y = 0; y < height; ++y) {
+    append_little_endian(offsets, table + 8 * height + lines.size(), 8);
+    std::string line;
+    line.reserve(4 * width);
+    for (std::size_t x = 0; x < width; ++x)
+      append_little_endian(line,
+                           std::bit_cast<std::uint32_t>(image.radiance_w_m2_sr[y * width + x]), 4);
+    const std::string packed = exr_line(line);
+    append_little_endian(lines, y, 4);
+    append_little_endian(lines, packed.size(), 4);
+    lines += packed;
+  }
+  return out + offsets + lines;
 }
 
 absl::StatusOr<std::string> encode_png(const RadianceImage& image) {
@@ -81,38 +239,31 @@ absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreySca
   RETURN_IF_ERROR(check(image));
   const double black = static_cast<double>(scale.black_w_m2_sr);
   const double range = static_cast<double>(scale.white_w_m2_sr) - black;
-  std::vector<unsigned char> grey;
-  grey.reserve(image.radiance_w_m2_sr.size());
-  for (const float radiance : image.radiance_w_m2_sr) {
-    const double part =
-        range > 0 ? std::clamp((static_cast<double>(radiance) - black) / range, 0.0, 1.0) : 0;
-    grey.push_back(static_cast<unsigned char>(std::lround(255 * part)));
+  const std::size_t width = image.width_px;
+  std::string above(width, '\0'), line(width, '\0'), lines;
+  lines.reserve(image.height_px * (width + 1));
+  for (std::size_t y = 0; y < image.height_px; ++y) {
+    for (std::size_t x = 0; x < width; ++x) {
+      const double radiance = static_cast<double>(image.radiance_w_m2_sr[y * width + x]);
+      const double part = range > 0 ? std::clamp((radiance - black) / range, 0.0, 1.0) : 0;
+      line[x] = static_cast<char>(std::lround(255 * part));
+    }
+    lines += best_filtered(line, above, image.height_px == 1);
+    above.swap(line);
   }
-  oiio::ImageSpec spec = spec_of(image, oiio::TypeDesc::UINT8);
-  return encode("radiance.png", spec, grey.data());
-}
-
-absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes, std::uint32_t most_px) {
-  without_threads();
-  oiio::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
-  const std::unique_ptr<oiio::ImageInput> input =
-      oiio::ImageInput::open("radiance.exr", nullptr, &memory);
-  if (!input) return absl::InvalidArgumentError("image: " + oiio::geterror());
-  const oiio::ImageSpec& spec = input->spec();
-  if (spec.nchannels != 1 || spec.width < 1 || spec.height < 1)
-    return absl::InvalidArgumentError("image: expected one channel");
-  const auto side = static_cast<std::uint32_t>(std::max(spec.width, spec.height));
-  if (side > most_px)
-    return absl::InvalidArgumentError(
-        "image: its header states " + std::to_string(spec.width) + " x " +
-        std::to_string(spec.height) + " pixels, expected sides of at most " +
-        std::to_string(most_px) + ", as its sweep asked for");
-  RadianceImage image{
-      static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
-  image.radiance_w_m2_sr.resize(std::size_t{image.width_px} * image.height_px);
-  if (!input->read_image(0, 0, 0, 1, oiio::TypeDesc::FLOAT, image.radiance_w_m2_sr.data()))
-    return absl::InvalidArgumentError("image: " + input->geterror());
-  return image;
+  ASSIGN_OR_RETURN(const std::string stream, deflated(lines));
+  std::string header;
+  append_big_endian(header, image.width_px);
+  append_big_endian(header, image.height_px);
+  header.append("\x08\0\0\0\0", 5);  // 8 bits of grey; deflate, filters by line, not interlaced
+  std::string out("\x89PNG\r\n\x1a\n", 8);
+  append_chunk(out, "IHDR", header);
+  append_chunk(out, "oFFs", std::string(9, '\0'));
+  constexpr std::size_t piece = 8192;
+  for (std::size_t begin = 0; begin < stream.size(); begin += piece)
+    append_chunk(out, "IDAT", std::string_view(stream).substr(begin, piece));
+  append_chunk(out, "IEND", "");
+  return out;
 }
 
 }  // namespace irsig

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -32,7 +31,8 @@ struct GreyScale {
                                                      const GreyScale& scale);
 
 // Both: equal pixels give equal bytes, whenever and wherever they are written: no host or program
-// names, and the date of an EXR file is always 1970-01-01. INVALID_ARGUMENT for an empty image,
+// names, and the date of an EXR file is always 1970-01-01. The bytes are those of OpenImageIO 2.4,
+// which takes 0.4 s of CPU time to load. INVALID_ARGUMENT for an empty image,
 // pixels that do not fill it, or one that is not finite. Safe to call from several threads; no
 // thread of its own.
 
@@ -60,10 +60,5 @@ struct ImageContent {
   std::uint32_t left_px = 0, top_px = 0, width_px = 0, height_px = 0;  // their box; 0: none
 };
 [[nodiscard]] ImageContent content_of(const RadianceImage& image);
-
-// The pixels of an EXR file written by encode_exr. INVALID_ARGUMENT: it is none, it is damaged, or
-// its header states a side of more than most_px pixels, of which none is read then.
-[[nodiscard]] absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes,
-                                                       std::uint32_t most_px);
 
 }  // namespace irsig

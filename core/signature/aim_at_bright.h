@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/signature/measured_view.h"
 #include "core/transport/primary_rays.h"
 

@@ -44,8 +44,8 @@ struct GasRow {
   std::vector<double> picture_w_sr;
 };
 
-// Rows of the request's selected conditions x bands, as MeasuredView has them; nullopt: no hot gas under
-// that condition. Empty: under none.
+// Rows of the request's selected conditions x bands, as MeasuredView has them; nullopt: no hot gas
+// under that condition. Empty: under none.
 //
 // Rays of their own are aimed at the gas, and their paths go on to what is behind it; others are
 // reflected by the target before they meet it. Independent of those of the target's own light, so

@@ -11,7 +11,7 @@
 namespace irsig {
 namespace {
 
-void add_change(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
+void add_gas_change(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
   to.value += change.in_band.value;
   to.stderr_ = std::hypot(to.stderr_, change.in_band.stderr_);
   to.of(BoundOf::kPlume) += change.bound_w_sr;
@@ -25,9 +25,9 @@ class HotGasLight final : public LightComponent {
   void add_to(std::size_t row, MeasuredIntensities& to) const override {
     if (!row_[row]) return;
     const GasRow& gas = *row_[row];
-    add_change(gas.source, gas.omitted.source, to.source);
-    add_change(gas.apparent, gas.omitted.apparent, to.apparent);
-    add_change(gas.contrast, gas.omitted.contrast, to.contrast);
+    add_gas_change(gas.source, gas.omitted.source, to.source);
+    add_gas_change(gas.apparent, gas.omitted.apparent, to.apparent);
+    add_gas_change(gas.contrast, gas.omitted.contrast, to.contrast);
   }
 
   void add_to(std::size_t row, SignatureResult& r) const override {

@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "core/environment/environment.h"
 #include "core/geo/viewpoint.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/sources/condition.h"
 
 namespace irsig {

@@ -19,7 +19,8 @@ class LightComponent {
 
   // Adds the component's values, errors and bounds to a row's intensities.
   virtual void add_to(std::size_t row, MeasuredIntensities& to) const = 0;
-  // Adds what else a row stores of the component: spectra, causes, model errors, ledger, replicates.
+  // Adds what else a row stores of the component: spectra, causes, model errors, ledger,
+  // replicates.
   virtual void add_to(std::size_t row, SignatureResult& to) const = 0;
   // Adds the component's picture of a row to [pixel] radiance x solid angle x range^2, summed over
   // replicates. [W/sr]

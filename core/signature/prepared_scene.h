@@ -6,8 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/materials/material.h"
-#include "core/scene/part_places.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/part_places.h"
+#include "core/scene/trace/target.h"
 #include "core/spectral/solar.h"
 #include "core/spectral/spectral_axis.h"
 #include "core/transport/spectral_basis.h"

@@ -11,8 +11,8 @@
 
 #include "core/environment/sea_glint.h"
 #include "core/materials/material.h"
-#include "core/scene/part_places.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/part_places.h"
+#include "core/scene/trace/target.h"
 #include "core/sources/source_geometry.h"
 #include "core/transport/primary_rays.h"
 

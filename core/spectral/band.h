@@ -61,7 +61,7 @@ struct BandGrid {
 // (relative response: the integral of response x L_b). Closed form for an empty response,
 // quadrature otherwise. 0 for radiance 0. NaN for a radiance that no blackbody has: negative, not
 // finite, or above that at kPlanckTemperatureMaxK; whoever stores the temperature must look
-// (bridge/check_numbers.h).
+// (runner/check_numbers.h).
 [[nodiscard]] double apparent_temperature_k(const Band& band, const BandGrid& grid,
                                             double radiance_w_m2_sr);
 

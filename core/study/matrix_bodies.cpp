@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/scene/generate/generate_mesh.h"
 
 namespace irsig {
 namespace {

@@ -14,13 +14,19 @@ double SunSine::of(double unix_s) const {
 }
 
 std::vector<double> SunSine::crossings(double from, double to, double level) const {
+  // A bound on the rate of the sine: the Earth's rotation, and one percent for the sun's own motion
+  // and parallax. A leap second moves the sine by less than the slack.
+  constexpr double kFastestPerS = 7.4e-5, kSlack = 1e-4;
   std::vector<double> out;
   constexpr int kSamples = 24;
-  double a = from, at_a = of(a) - level;
+  const auto sample = [&](int i) { return i == 0 ? from : from + (to - from) * i / kSamples; };
+  double at_a = of(from) - level, seen_at = from;
   for (int i = 1; i <= kSamples; ++i) {
-    const double b = from + (to - from) * i / kSamples, at_b = of(b) - level;
-    if ((at_a > 0) != (at_b > 0)) out.push_back(root(a, b, at_a > 0, level));
-    a = b;
+    // Too early for another sign than that of the last position that was computed.
+    if (kFastestPerS * (sample(i) - seen_at) + kSlack < std::abs(at_a)) continue;
+    const double b = sample(i), at_b = of(b) - level;
+    if ((at_a > 0) != (at_b > 0)) out.push_back(root(sample(i - 1), b, at_a > 0, level));
+    seen_at = b;
     at_a = at_b;
   }
   return out;

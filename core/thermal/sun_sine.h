@@ -13,7 +13,8 @@ class SunSine {
   explicit SunSine(const WeatherPlace& place) : place_(place) {}
 
   [[nodiscard]] double of(double unix_s) const;
-  // Instants in (from, to) at which sine = level: found between 24 samples.
+  // Instants in (from, to) at which sine = level: found between 24 samples, of which only those are
+  // computed before which the sine can have come to the level.
   [[nodiscard]] std::vector<double> crossings(double from, double to, double level) const;
 
   // The time in (from, to) with sine > level, and the integral of sine - level over it. Between

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/transport/ray_batch.h"
 
 namespace irsig {

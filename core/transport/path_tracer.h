@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/materials/material.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/sources/source_geometry.h"
 #include "core/sources/source_layout.h"
 #include "core/sources/source_weights.h"
@@ -76,7 +76,7 @@ struct PathSettings {
   // the pixel; needs a view of one stratum (whole_view) and pictures. 0: samples of the view's
   // strata.
   std::uint32_t pixel_samples = 0;
-  // Of the view's strata this one alone.
+  // The one stratum of the view to be traced; absent: all strata.
   std::optional<std::uint32_t> only_stratum = std::nullopt;
   // True if no ray that leaves the target can meet it again (Target::convex): none is traced.
   bool skip_self_intersection = false;

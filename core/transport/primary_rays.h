@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/base/sobol.h"
 #include "core/geo/viewpoint.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/transport/visible_cells.h"
 
 namespace irsig {

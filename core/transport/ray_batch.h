@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
 
 namespace irsig {
 

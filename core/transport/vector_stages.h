@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene/tracer.h"
+#include "core/scene/trace/tracer.h"
 #include "core/transport/ray_batch.h"
 
 namespace irsig {

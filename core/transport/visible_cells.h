@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 
 namespace irsig {
 

@@ -79,7 +79,7 @@ INSERT INTO effect_reason VALUES
 CREATE TABLE sweep (
   sweep_id INTEGER PRIMARY KEY,
   name TEXT NOT NULL UNIQUE CHECK (name <> ''),
-  sweep_sha256 TEXT NOT NULL UNIQUE CHECK (sweep_sha256 <> ''),  -- of the sweep's canonical encoding (jobs/expand.h)
+  sweep_sha256 TEXT NOT NULL UNIQUE CHECK (sweep_sha256 <> ''),  -- of its encoding (jobs/keys/expand.h)
   viewpoints INTEGER NOT NULL CHECK (viewpoints > 0),            -- number of them, as of conditions and bands
   conditions INTEGER NOT NULL CHECK (conditions > 0),
   bands INTEGER NOT NULL CHECK (bands > 0),
@@ -694,7 +694,8 @@ GROUP BY w.sweep_id;
 
 CREATE VIEW job_view AS
 SELECT w.name AS sweep, j.job_index, k.name AS kind, s.name AS state, j.superseded, j.failures, j.unmet_needs,
-       j.job_key, v.viewpoint_index, v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m, j.condition_index, j.band_index,
+       j.job_key, v.viewpoint_index, v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m, j.condition_index,
+       j.band_index,
        (SELECT fencing_token FROM attempt a WHERE a.job_id = j.job_id AND outcome = 0) AS fencing_token,
        (SELECT worker_id FROM attempt a WHERE a.job_id = j.job_id AND outcome = 0) AS leased_to,
        p.worker_name AS done_by, p.seconds, p.rays, p.worst_relative_error

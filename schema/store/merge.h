@@ -13,7 +13,7 @@ namespace irsig {
 
 struct MergeAsked {
   std::vector<std::string> from;
-  // jobs/check_resolved.h and jobs/expand.h, which the store does not know.
+  // jobs/check_resolved.h and jobs/keys/expand.h, which the store does not know.
   std::function<absl::StatusOr<std::vector<schema::JobSpec>>(const schema::ResolvedSweep&,
                                                              int physics_version)>
       jobs;

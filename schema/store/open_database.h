@@ -44,8 +44,8 @@ void remove_database(const std::string& path);
 // Never creates or changes anything. attaches: database.h.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path,
                                                                          bool attaches = false);
-// The same for a file whose journal is missing (check_has_its_journal): what it holds by itself.
-// Nobody may write to it meanwhile.
+// Like open_for_reading(), for a file whose journal is missing (check_has_its_journal): its own
+// content. No program may write to it meanwhile.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_as_it_is(const std::string& path);
 
 }  // namespace irsig

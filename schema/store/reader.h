@@ -32,15 +32,15 @@ class StoreReader {
   StoreReader(const StoreReader&) = delete;
   StoreReader& operator=(const StoreReader&) = delete;
 
-  // In row order; with a direction: nearest first.
+  // Returns signatures in row order; with a direction: nearest first.
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter);
   // The signature_ids of find(), in its order, for streaming large results.
   absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter);
-  // In the order of the ids. NOT_FOUND: one has been replaced or removed since.
+  // Returns signatures in the order of the ids. NOT_FOUND: one has been replaced or removed since.
   absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids);
-  // In the order in which sweeps were added.
+  // Returns the contents in the order in which sweeps were added.
   absl::StatusOr<std::vector<SweepContents>> contents();
-  // In row order; of a row and its superseded predecessor the newer one.
+  // Returns values in row order; of a row and its superseded predecessor the newer one.
   absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter);
   // Arrays that were not computed are empty.
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id);
@@ -49,10 +49,10 @@ class StoreReader {
   absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles files = SweepFiles::kAll);
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id);
   absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id);
-  // In the order of the grammar; none of a sweep without [uncertainty].
+  // Returns inputs in the order of the grammar; none of a sweep without [uncertainty].
   absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id);
   absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id);
-  // In the order of sweeps, rows, profiles, points and numbers of reflections.
+  // Returns rows in the order of sweeps, rows, profiles, points and numbers of reflections.
   absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter);
   absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep);
   absl::StatusOr<std::vector<SweepProgress>> progress();
@@ -60,10 +60,10 @@ class StoreReader {
   absl::StatusOr<std::optional<StoredPrediction>> prediction(const std::string& sweep_sha256);
   // The costs of the sweep's done jobs, in the order of its jobs.
   absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep);
-  // In the order of sweeps, heat runs, times and parts.
+  // Returns temperatures in the order of sweeps, heat runs, times and parts.
   absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
       const TemperatureFilter& filter);
-  // In the order of the sweep's heat runs.
+  // Returns the heat jobs in the order of the sweep's heat runs.
   absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep);
   // Counts the stored rows of a sweep, without superseded ones.
   absl::StatusOr<StoredOutcome> outcome(const std::string& sweep);

@@ -38,8 +38,8 @@ class StoreWriter {
   StoreWriter& operator=(const StoreWriter&) = delete;
 
   absl::Status begin();
-  // The same, but commit() returns before the disk has it: if the machine dies (not the process),
-  // the transaction may not have been; later ones are lost with it, or none.
+  // Like begin(), but commit() returns before the disk has the transaction: if the machine dies
+  // (not the process), the transaction may be lost, and with it all later ones, or none.
   absl::Status begin_unsynced();
   absl::Status commit();
   void rollback();
@@ -97,8 +97,8 @@ class StoreWriter {
   absl::StatusOr<std::uint64_t> results_aside();
   // A done job waits again: another result than the stored one turned out to be right.
   absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key);
-  // The same for every job that this worker has computed, and what needs one of them; how many.
-  // What is stored of them stays until it is replaced.
+  // Reopens every job that this worker has computed, and the jobs that need one of them; returns
+  // their number. Their stored results stay until they are replaced.
   absl::StatusOr<std::uint64_t> reopen_all_of(const std::string& worker_name);
   // The tokens of all current leases.
   absl::StatusOr<std::vector<std::uint64_t>> running_tokens();
@@ -125,8 +125,8 @@ class StoreWriter {
   // The physics version that the keys of a sweep were made with; 0: not known.
   absl::Status set_physics_version(const std::string& sweep_sha256, std::uint32_t version);
   absl::StatusOr<std::uint32_t> physics_version(const std::string& sweep_sha256);
-  // Of this sweep's jobs against those of others, from the next lease on; new ones have 0.
-  // NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
+  // Sets the priority of this sweep's jobs against those of others, from the next lease on; new
+  // sweeps have 0. NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
   absl::Status set_priority(const std::string& sweep_sha256, int priority);
   absl::StatusOr<std::vector<SweepProgress>> progress();
   // The determinism class that this database's unfinished sweeps are bound to; empty: not bound

@@ -21,8 +21,8 @@ SKIPPED_FOLDERS = {".git", "build", "out", "__pycache__"}
 TEXT = {".c", ".cc", ".cmake", ".cpp", ".css", ".csv", ".h", ".html", ".inc", ".js", ".json", ".md", ".proto", ".py", ".service",
         ".sh", ".sql", ".supp", ".svg", ".toml", ".txt", ""}
 
-# Names that a term of the field has replaced: old name -> the name to use. Files of the tree that read what older versions
-# have written may name them (FORMER_NAMES_IN).
+# Names that a term of the field has replaced: old name -> the name to use. Pages on former versions may name them
+# (FORMER_NAMES_IN).
 FORMER_NAMES = {
     "AirBeforeGas": "ForegroundAir", "BehindNodes": "BackgroundDirections", "EstimatorKnobs": "EstimatorOptions",
     "GasOnRays": "RayMedium", "GasSurvey": "ColumnCollector", "LightAround": "IncidentRadiance",
@@ -37,7 +37,7 @@ FORMER_NAMES = {
     "vdb_apart": "vdb_subprocess",
 }
 FORMER_NAME = re.compile(rf"\b({'|'.join(FORMER_NAMES)})\b")
-FORMER_NAMES_IN = ("schema/sql/migrations/", "schema/store/", "docs/decisions/", "tests/")
+FORMER_NAMES_IN = ("schema/README.md", "docs/decisions/", "tests/")
 
 # A comment that opens so is no sentence: its subject or its verb is missing.
 FRAGMENT = re.compile(r"(Of|What|Whether|The same)\b")
@@ -52,8 +52,8 @@ ENDING = r"(?:bib|cmake|cpp|css|csv|h|html|inc|js|json|md|png|proto|py|service|s
 PATH = re.compile(rf"(?<![\w./$}}*-])((?:[\w.-]+/)+[\w.-]+\.{ENDING})(?![\w/*])")
 CODED_PATH = re.compile(rf"`((?:[\w.-]+/)+[\w.-]+\.{ENDING})`")
 CODED_FILES = re.compile(r"`((?:[\w.-]+/)+[\w-]+\.\*)`")  # a header and its source: `core/base/table.*`
-# Made by a command, by the build, or a pattern for names.
-GENERATED = re.compile(r"NAME|NNNN|^pictures/|\.pb\.h$")
+# Made by a command or by the build, or a pattern for names.
+GENERATED = re.compile(r"NAME|^pictures/|\.pb\.h$")
 COMMENTS = {".h": "//", ".cpp": "//", ".proto": "//", ".py": "#", ".sh": "#", ".cmake": "#", ".txt": "#", ".sql": "--",
             ".toml": "#"}
 

@@ -14,7 +14,7 @@ import check_unity
 import check_words
 
 LAYERS = """core_base |  | core/base/base.h core/base/base.cpp
-core_scene | core_base | core/scene/scene.h core/scene/tracer.cpp
+core_scene | core_base | core/scene/scene.h core/scene/trace/tracer.cpp
 schema_messages |  | schema/job.pb.h
 schema_service | schema_messages | schema/farm.grpc.pb.h
 worker | core_scene schema_service | worker/job.cpp
@@ -24,7 +24,7 @@ GOOD = {
     "core/base/base.h": "#pragma once\n",
     "core/base/base.cpp": '#include "core/base/base.h"\n#include <vector>\n#include "absl/status/status.h"\n',
     "core/scene/scene.h": "",
-    "core/scene/tracer.cpp": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
+    "core/scene/trace/tracer.cpp": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
     "worker/job.cpp": '#include "core/base/base.h"\n#include "schema/job.pb.h"\n#include "schema/farm.grpc.pb.h"\n',
     "cli/main.cpp": "#include <CLI/CLI.hpp>\n",
     "tests/unit/base_test.cpp": '#include "core/base/base.h"\n#include <sqlite3.h>\n',
@@ -110,6 +110,23 @@ class Layers(TreeTest):
                 self.assertEqual(len(findings), 1)
                 self.assertIn(f"core/base/base.h:1: {header} may be included in ", findings[0])
 
+    def test_judges_are_for_the_self_test_alone(self):
+        layers = (LAYERS.replace("irsig | worker | cli/main.cpp", "irsig | worker verify_cases | cli/main.cpp cli/selftest.cpp")
+                  + "verify_cases | core_scene | verify/cases/case.h verify/cases/case.cpp\n")
+        good = {"verify/cases/case.h": "", "verify/cases/case.cpp": '#include "verify/cases/case.h"\n',
+                "cli/selftest.cpp": '#include "verify/cases/case.h"\n', "tests/unit/base_test.cpp": '#include "verify/cases/case.h"\n'}
+        self.assertEqual(self.layers(good, layers), [])
+        self.expect("cli/main.cpp:1: verify/cases/case.h may be included in verify/, cli/selftest.cpp, tests/ only",
+                    {**good, "cli/main.cpp": '#include "verify/cases/case.h"\n'}, layers)
+        self.expect("worker: may not depend on verify_cases: verify/ is for verify/, cli/selftest.cpp, tests/ only", good,
+                    layers.replace("core_scene schema_service", "core_scene schema_service verify_cases"))
+
+    def test_the_coordinator_reaches_no_physics(self):
+        layers = LAYERS.replace("irsig | worker", "coordinator | jobs | \njobs | core_base | \nirsig | worker")
+        self.assertEqual(self.layers({}, layers), [])
+        self.expect("coordinator: may not reach core_scene: of core only core_accuracy, core_base, core_effects", {},
+                    layers.replace("jobs | core_base", "jobs | core_scene"))
+
     def test_one_name_for_two_types(self):
         first = {"core/base/base.h": "namespace irsig {\nstruct Row {\n"}
         for text in ("class Row {\n", "enum class Row { kA };\n", "struct Row final : Base {\n", "struct Row : std::any {\n"):
@@ -148,7 +165,7 @@ class Words(TreeTest):
         self.assertEqual(self.words({"core/base/base.cpp": "double target_missed;\n"}),
                          ["core/base/base.cpp:1: target_missed is a former name; use accuracy_not_reached"])
         self.assertEqual(self.words({"core/base/base.cpp": "double target_missed_by;\n",
-                                     "schema/sql/migrations/0001_create.sql": "target_missed\n"}), [])
+                                     "schema/README.md": "target_missed\n"}), [])
 
     def test_fragments(self):
         for text in ("// Of a row: its error.\n", "struct A {\n  double a;  // What it is, in W.\n};\n",
@@ -207,8 +224,8 @@ class Sentences(TreeTest):
 class Loaded(unittest.TestCase):
     def test_image_library_is_found(self):
         line = "\tlibOpenImageIO.so.2.4 => /lib/x86_64-linux-gnu/libOpenImageIO.so.2.4 (0x00007f)\n"
-        self.assertEqual(check_loaded.worker_only(line), ["libOpenImageIO.so"])
-        self.assertEqual(check_loaded.worker_only("\tlibsqlite3.so.0 => /lib/libsqlite3.so.0 (0x0)\n"), [])
+        self.assertEqual(check_loaded.apart(line), ["libOpenImageIO.so"])
+        self.assertEqual(check_loaded.apart("\tlibsqlite3.so.0 => /lib/libsqlite3.so.0 (0x0)\n"), [])
 
 
 class Libm(unittest.TestCase):

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/constants.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "core/signature/simulator.h"
 #include "core/transport/path_tracer.h"
 

@@ -15,7 +15,7 @@
 
 #include "coordinator/client/child_process.h"
 #include "coordinator/client/farm_client.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "bridge/job_runner.h"
 #include "core/image/image.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/load_sweep.h"
+#include "runner/job_runner.h"
 
 namespace irsig {
 namespace {

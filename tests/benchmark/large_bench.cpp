@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "bridge/job_runner.h"
 #include "core/image/image.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/shard.h"
 #include "planning/load_sweep.h"
+#include "runner/job_runner.h"
 #include "schema/store/reader.h"
 #include "schema/store/writer.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene/reference_tracer.h"
+#include "core/scene/trace/reference_tracer.h"
 
 namespace irsig {
 

@@ -4,7 +4,7 @@
 //   ray_facet_bench [triangles, 200000] [rays of each kind, 100000]
 // The paper's tests and Embree's alone work on coordinates as far from the origin as the file has
 // them, ours on the re-centred import of a text file with such coordinates. Every answer is judged
-// by exact arithmetic (core/scene/hit_judge.h) on the frigate at the origin.
+// by exact arithmetic (verify/watertight/hit_judge.h) on the frigate at the origin.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -12,9 +12,10 @@
 #include <limits>
 #include <random>
 
-#include "core/scene/hit_judge.h"
-#include "core/scene/watertight_check.h"
+#include "core/scene/generate/generate_mesh.h"
 #include "tests/benchmark/paper_ray_facet.h"
+#include "verify/watertight/hit_judge.h"
+#include "verify/watertight/watertight_check.h"
 
 namespace irsig {
 namespace {

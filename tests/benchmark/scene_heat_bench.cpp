@@ -10,6 +10,7 @@
 #include <ctime>
 #include <vector>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "core/thermal/scene/exchange_factors.h"
 #include "core/thermal/scene/scene_heat.h"
 #include "core/thermal/scene/sun_visibility.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/signature/simulator.h"
-#include "core/stability/small_bright_sources.h"
+#include "verify/cases/small_bright_sources.h"
 
 namespace {
 

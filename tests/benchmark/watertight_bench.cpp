@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "core/scene/watertight_check.h"
+#include "verify/watertight/watertight_check.h"
 
 namespace irsig {
 namespace {

@@ -13,10 +13,10 @@
 #include <sstream>
 #include <string>
 
-#include "bridge/job_runner.h"
 #include "core/base/work_counts.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "planning/load_sweep.h"
+#include "runner/job_runner.h"
 #include "tests/cost/allocations.h"
 
 namespace irsig {

@@ -16,6 +16,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/farm_server.h"
+#include "jobs/check_resolved.h"
 #include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 
@@ -351,7 +352,8 @@ TEST_F(FarmKillTest, AStoppedWorkerLosesItsJobAndItsLateResultIsKnownAgain) {
                                    {0.2, 1, 5},
                                    seconds,
                                    seconds,
-                                   [](const absl::Status& status) { ADD_FAILURE() << status; }});
+                                   [](const absl::Status& status) { ADD_FAILURE() << status; },
+                                     check_resolved});
   ASSERT_TRUE(server.ok()) << server.status();
   ASSERT_TRUE(submit(address, frigate_sweep(1), {}, 1).ok());
   auto slow = ChildProcess::start({IRSIG_SYNTHETIC_WORKER, "--coordinator", address.text, "--name",

@@ -9,14 +9,14 @@
 #include <sstream>
 #include <thread>
 
-#include "bridge/heat_outputs.h"
-#include "bridge/job_runner.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "core/geo/sun.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/sweep_file.h"
 #include "planning/export_temperatures.h"
+#include "runner/heat_outputs.h"
+#include "runner/job_runner.h"
 #include "schema/store/reader.h"
 #include "tests/unit/sweep_text.h"
 

@@ -18,7 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/child_process.h"
 #include "coordinator/client/farm_client.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 

@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/farm.h"
+#include "jobs/check_resolved.h"
 #include "schema/store/examine.h"
 #include "schema/store/slice.h"
 #include "schema/store/reader.h"
@@ -21,7 +22,7 @@
 #include "tests/fuzz/mutator.h"
 #include "tests/fuzz/turns.h"
 #include "tests/unit/test_folder.h"
-#include "view/export.h"
+#include "view/export/export.h"
 
 namespace irsig {
 namespace {
@@ -43,7 +44,7 @@ class DatabaseFile : public testing::Test {
     auto store = StoreWriter::open(path);
     ASSERT_TRUE(store.ok()) << store.status();
     const schema::ResolvedSweep sweep = heated_frigate_sweep(24);
-    const auto made = make_submission(sweep, 1, {});
+    const auto made = make_submission(check_resolved, sweep, 1, {});
     ASSERT_TRUE(made.ok()) << made.status();
     ASSERT_TRUE((*store)->begin().ok());
     ASSERT_TRUE((*store)->add_sweep(made->sweep, made->sweep_sha256, made->jobs, {}).ok());

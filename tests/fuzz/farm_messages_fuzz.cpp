@@ -12,6 +12,7 @@
 #include "coordinator/commit_loop.h"
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
+#include "jobs/check_resolved.h"
 #include "jobs/size_bounds.h"
 #include "schema/store/check_plausible.h"
 #include "schema/wire_size.h"
@@ -54,7 +55,7 @@ class FarmMessages : public testing::Test {
     if (!status.ok()) return status;
     schema::ResolvedSweep sweep;
     if (!sweep.ParseFromString(bytes)) return absl::InvalidArgumentError("damaged");
-    auto made = make_submission(std::move(sweep), 1, {});
+    auto made = make_submission(check_resolved, std::move(sweep), 1, {});
     if (!made.ok()) return made.status();
     EXPECT_TRUE(store_->begin().ok());
     status = store_->add_sweep(made->sweep, made->sweep_sha256, made->jobs, made->assets).status();
@@ -92,7 +93,7 @@ TEST_F(FarmMessages, EverySubmissionIsStoredOrRefused) {
 
 TEST_F(FarmMessages, EveryResultIsStoredOrRefused) {
   const schema::ResolvedSweep sweep = heated_frigate_sweep(2);
-  const auto made = make_submission(sweep, 1, {});
+  const auto made = make_submission(check_resolved, sweep, 1, {});
   ASSERT_TRUE(made.ok()) << made.status();
   ASSERT_TRUE(store_->begin().ok());
   ASSERT_TRUE(store_->add_sweep(made->sweep, made->sweep_sha256, made->jobs, {}).ok());
@@ -147,7 +148,7 @@ class Babel {
     registration_.set_build_id("b");
     registration_.set_physics_version(1);
     registration_.set_host("h");
-    const auto made = make_submission(sweep_, 1, {});
+    const auto made = make_submission(check_resolved, sweep_, 1, {});
     EXPECT_TRUE(made.ok()) << made.status();
     if (!made.ok()) return;
     sha256_ = made->sweep_sha256;
@@ -297,7 +298,7 @@ class Babel {
   fuzz::MessageMutator fields_;
   double now_s_ = 0;
   Farm farm_{store_, FarmRules{.audit_fraction = 0}, [this] { return now_s_; },
-             [this] { return 1e9 + now_s_; }, "c"};
+             [this] { return 1e9 + now_s_; }, "c", check_resolved};
   schema::RegisterRequest registration_;
   std::map<std::string, std::uint64_t> held_;  // worker id -> token
   std::string sha256_, honest_id_, worker_id_;

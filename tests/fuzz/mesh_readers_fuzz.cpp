@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/scene/import_reply.h"
+#include "core/scene/import/import_reply.h"
 #include "core/scene/mesh.h"
 #include "tests/fuzz/mesh_mutants.h"
 #include "tests/fuzz/readers.h"

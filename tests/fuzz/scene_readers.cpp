@@ -7,10 +7,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
-#include "jobs/expand.h"
 #include "jobs/goniometer_file.h"
+#include "jobs/keys/expand.h"
 #include "jobs/sweep_file.h"
 #include "tests/fuzz/mesh_mutants.h"
 #include "tests/fuzz/readers.h"

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "jobs/expand.h"  // sha256_hex
+#include "jobs/keys/expand.h"  // sha256_hex
 #include "tests/fuzz/mutator.h"
 #include "tests/fuzz/turns.h"
 #include "tests/unit/test_folder.h"

@@ -21,15 +21,15 @@
 #include <map>
 #include <optional>
 
-#include "bridge/job_runner.h"
 #include "core/base/problems.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/vdb_subprocess.h"
 #include "jobs/check_resolved.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/temperature_files.h"
 #include "planning/load_sweep.h"
+#include "runner/job_runner.h"
 #include "tests/fuzz/mutator.h"
 #include "tests/fuzz/readers.h"
 #include "tests/fuzz/sweep_grammar.h"

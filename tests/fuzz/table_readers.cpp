@@ -11,7 +11,7 @@
 #include "jobs/response_file.h"
 #include "tests/fuzz/readers.h"
 #include "tests/unit/test_folder.h"
-#include "view/row_weights.h"
+#include "view/query/row_weights.h"
 
 namespace irsig::fuzz {
 namespace {

@@ -16,7 +16,7 @@
 #include <string>
 
 #include "convex_bodies.h"
-#include "view/interpolate_rows.h"
+#include "view/query/interpolate_rows.h"
 
 namespace irsig {
 namespace {

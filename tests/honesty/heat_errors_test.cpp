@@ -18,11 +18,11 @@
 #include <unordered_map>
 #include <vector>
 
-#include "bridge/heat_weather.h"
 #include "core/base/constants.h"
 #include "core/geo/sun.h"
 #include "core/thermal/convection.h"
 #include "core/thermal/scene/scene_heat.h"
+#include "runner/heat_weather.h"
 #include "tests/honesty/random.h"
 #include "tests/physics/cvode_wall.h"
 #include "tests/physics/heat_scene.h"

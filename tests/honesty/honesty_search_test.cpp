@@ -1,9 +1,9 @@
 // Rationale: no stored number may be further from the truth than its error explains, in any scene
 // that a sweep file can state; and what judges that must be able to say no. Expected: |value -
 // truth| within Student's bound (31 degrees of freedom, 0.0005 / values judged) of both errors; not
-// more than a twentieth of the scenes undecided. Source: core/stability/reference_view.h;
+// more than a twentieth of the scenes undecided. Source: verify/reference/reference_view.h;
 // docs/evidence/stability.md.
-#include "planning/honesty_search.h"
+#include "verify/search/honesty_search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -142,7 +142,7 @@ TEST(HonestySearch, DoesNotDependOnThreads) {
   options.first = 7;
   options.last = 9;
   options.invariances = 1;
-  options.most_reference_rays = 200'000;
+  options.most_reference_rays = 20'000;
   const SearchSummary one = search(options, nullptr);
   options.threads = 3;
   const SearchSummary three = search(options, nullptr);

@@ -1,13 +1,13 @@
-#include "planning/random_scene.h"
+#include "verify/search/random_scene.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "bridge/job_runner.h"
 #include "jobs/sweep_file.h"
-#include "planning/honesty_search.h"
+#include "runner/job_runner.h"
+#include "verify/search/honesty_search.h"
 
 namespace irsig {
 namespace {

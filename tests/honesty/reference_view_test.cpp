@@ -3,7 +3,8 @@
 // Expected: within Student's bound of 31 degrees of freedom for 30 values, of its own standard
 // error and 1e-6 (coordinates and quadratures). Source: Planck, Kirchhoff, Lambert; configuration
 // factor of a rectangle [howell2010, B-4].
-#include "core/stability/reference_view.h"
+#include "core/scene/generate/generate_mesh.h"
+#include "verify/reference/reference_view.h"
 
 #include <gtest/gtest.h>
 
@@ -16,9 +17,9 @@
 #include "core/base/constants.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
-#include "core/stability/bodies.h"
-#include "core/stability/hard_materials.h"
-#include "core/stability/reference_brdf.h"
+#include "verify/cases/bodies.h"
+#include "verify/cases/hard_materials.h"
+#include "verify/reference/reference_brdf.h"
 
 namespace irsig {
 namespace {

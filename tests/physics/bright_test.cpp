@@ -13,9 +13,9 @@
 #include "core/accuracy/replicates.h"
 #include "core/base/sobol.h"
 #include "core/spectral/planck.h"
-#include "core/stability/small_bright_sources.h"
 #include "core/transport/visible_cells.h"
 #include "tests/physics/scene_fixture.h"
+#include "verify/cases/small_bright_sources.h"
 
 namespace irsig {
 namespace {

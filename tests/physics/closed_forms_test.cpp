@@ -24,14 +24,14 @@ constexpr std::uint64_t kRows = 45;
 constexpr double kRange =
     1e6;  // a face 1 m nearer than the reference point is 2e-6 brighter: the far field
 
-struct Row {
+struct FormRow {
   double azimuth_deg, elevation_deg, intensity_w_sr;
 };
 
 // Emission only, emissivity 0.8 at 400 K.
-void expect_rows(const Mesh& mesh, const std::string& name, const std::vector<Row>& rows) {
+void expect_rows(const Mesh& mesh, const std::string& name, const std::vector<FormRow>& rows) {
   const auto simulator = simulator_of(scene_of(mesh, grey(0.8), lwir()));
-  for (const Row& row : rows) {
+  for (const FormRow& row : rows) {
     const auto r = only_row(*simulator,
                             request(*simulator, row.azimuth_deg, row.elevation_deg, kRange, {400}));
     expect_within_t(r.intensity_w_sr, row.intensity_w_sr, kRows,
@@ -103,7 +103,7 @@ TEST(ClosedForms, SphereInFrontOfDisk) {
   scene.material.push_back({"disk", Lambert{{{0, 0.7}}}});
   scene.part = {{"sphere", {"sphere"}, 0, false, true}, {"disk", {"disk_*"}, 1, false, false}};
   const auto simulator = simulator_of(scene);
-  for (const Row row : {Row{10, 0, 371.3104700206522},
+  for (const FormRow row : {FormRow{10, 0, 371.3104700206522},
                         {20, 0, 362.7160182858358},
                         {40, 0, 344.3408571805333},
                         {50, 0, 327.322201903723},

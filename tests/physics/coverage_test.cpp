@@ -1,9 +1,10 @@
 // Rationale: every number is stored with a standard error; a 95 % interval made from it must hold
 // the truth 95 times in a hundred, with the pilot that chooses the number of samples on, as in use.
-// Expected: over 400 independent runs of each scene the intervals (Student's t, 31 degrees of
-// freedom) cover the truth 360 to 394 times; with z the normal score of each t, |mean z| < 3.29 /
-// 20 and the mean of z^2 in [0.784, 1.249]: each limit is kept by a right estimator with a
-// probability of 0.999 or more. Seeds are fixed.
+// Expected: over 120 independent runs of each scene the intervals (Student's t, 31 degrees of
+// freedom) cover the truth 105 times or more; with z the normal score of each t, |mean z| < 3.29 /
+// sqrt(120) and the mean of z^2 in [0.628, 1.481]. Long form, over 400 runs: 360 to 394 times,
+// 3.29 / 20, [0.784, 1.249]. Each limit is kept by a right estimator with a probability of 0.999 or
+// more. Seeds are fixed.
 // Source: binomial and chi-square limits; the truths are closed forms, stated with each scene.
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
+#include "tests/long_form.h"
 #include "tests/physics/scene_fixture.h"
 
 namespace irsig {
@@ -18,7 +20,14 @@ namespace {
 
 using namespace fixture;
 constexpr double kPi = std::numbers::pi;
-constexpr int kRuns = 400;
+
+struct Limits {
+  int runs, covered_least, covered_most;
+  double squares_least, squares_most;  // of the mean of z^2
+};
+Limits limits() {
+  return long_form() ? Limits{400, 360, 394, 0.784, 1.249} : Limits{120, 105, 120, 0.628, 1.481};
+}
 
 // P(T < t) of Student's distribution with 31 degrees of freedom, by quadrature from 0.
 double student_cdf(double t) {
@@ -49,9 +58,11 @@ void expect_coverage(const std::string& name, const Simulator& simulator, ViewRe
                      double relative_error, double truth) {
   r.accuracy.samples_per_replicate = 0;
   r.accuracy.relative_error = relative_error;
+  const Limits limit = limits();
+  const int runs = limit.runs;
   int covered = 0, reached = 0;
   double sum = 0, squares = 0, samples = 0;
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < runs; ++run) {
     r.seed = 1000 + static_cast<std::uint64_t>(run);
     const auto view = simulator.simulate(r);
     ASSERT_TRUE(view.ok()) << view.status();
@@ -62,20 +73,20 @@ void expect_coverage(const std::string& name, const Simulator& simulator, ViewRe
     reached += s.stop_reason == StopReason::kTargetReached ? 1 : 0;
     sum += z;
     squares += z * z;
-    samples += static_cast<double>(view->samples_per_replicate) / kRuns;
+    samples += static_cast<double>(view->samples_per_replicate) / runs;
   }
   std::printf(
       "%-28s covered %d of %d, mean z %6.3f, mean z^2 %.3f, target reached %d, %.0f samples\n",
-      name.c_str(), covered, kRuns, sum / kRuns, squares / kRuns, reached, samples);
-  EXPECT_GE(covered, 360) << name;
-  EXPECT_LE(covered, 394) << name;
-  EXPECT_LT(std::abs(sum / kRuns), 3.29 / 20) << name;
-  EXPECT_GT(squares / kRuns, 0.784) << name;
-  EXPECT_LT(squares / kRuns, 1.249) << name;
+      name.c_str(), covered, runs, sum / runs, squares / runs, reached, samples);
+  EXPECT_GE(covered, limit.covered_least) << name;
+  EXPECT_LE(covered, limit.covered_most) << name;
+  EXPECT_LT(std::abs(sum / runs), 3.29 / std::sqrt(runs)) << name;
+  EXPECT_GT(squares / runs, limit.squares_least) << name;
+  EXPECT_LT(squares / runs, limit.squares_most) << name;
   // The pilot aims at 0.8 of what was asked for. (Without reflections the truncation bound is
   // large.)
   if (r.max_reflections > 0) {
-    EXPECT_GE(reached, kRuns / 2) << name;
+    EXPECT_GE(reached, runs / 2) << name;
   }
 }
 

@@ -14,7 +14,7 @@
 #include <limits>
 #include <set>
 
-#include "core/scene/mesh_lint.h"
+#include "core/scene/check/mesh_lint.h"
 #include "core/scene/mesh_measure.h"
 #include "core/study/matrix_bodies.h"
 

@@ -10,7 +10,7 @@
 
 #include "core/goniometer/coverage_trend.h"
 #include "core/goniometer/goniometer_tables.h"
-#include "core/scene/generate_particles.h"
+#include "core/scene/generate/generate_particles.h"
 
 namespace irsig {
 namespace {

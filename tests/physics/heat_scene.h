@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/target.h"
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/trace/target.h"
 
 // Scenes of a few bodies for tests of exchange and heat.
 namespace irsig {

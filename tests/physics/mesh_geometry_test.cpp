@@ -20,6 +20,8 @@
 #include <numbers>
 #include <random>
 
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "core/signature/simulator.h"
 #include "core/sources/source_geometry.h"
 

@@ -96,8 +96,8 @@ Lit lit_by_glitter(bool roofed, double elevation_deg, double wind_m_s) {
       environments, plan.effects});
   MeasuredView measured(simulator->scene(), r, plan, view, {{0}, {0}}, 5);
   run_view(measured, 1u << 13, 1, RunKind::kStored);
-  const RowEstimate& e = measured.row[0].estimate;
-  return {e.cause[static_cast<std::size_t>(Cause::kSeaReflected)], e.apparent, e.part[0]};
+  const RowEstimate& lit = measured.row[0].estimate;
+  return {lit.cause[static_cast<std::size_t>(Cause::kSeaReflected)], lit.apparent, lit.part[0]};
 }
 
 TEST(SeaGlint, LightsAPlate) {

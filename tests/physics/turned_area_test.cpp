@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 
 namespace irsig {
 namespace {

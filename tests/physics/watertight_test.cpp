@@ -5,7 +5,7 @@
 //   stopped by what is not there, wherever the file's coordinates lie. An answer counts as right if
 //   it is the exact one for the ray, or for the ray moved sideways by at most 2^-20 of the mesh's
 //   radius (15 um on a ship's 15 m), about the rounding of float32 coordinates seen from two radii.
-// Source: exact arithmetic on the same coordinates (core/scene/exact_facet.h), itself tested
+// Source: exact arithmetic on the same coordinates (core/scene/trace/exact_facet.h), itself tested
 // against
 //   whole numbers in tests/unit/exact_facet_test.cpp.
 #include <gtest/gtest.h>
@@ -17,8 +17,9 @@
 #include <limits>
 #include <random>
 
-#include "core/scene/target.h"
-#include "core/scene/watertight_check.h"
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/trace/target.h"
+#include "verify/watertight/watertight_check.h"
 
 namespace irsig {
 namespace {

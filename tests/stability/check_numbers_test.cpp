@@ -1,4 +1,4 @@
-#include "bridge/check_numbers.h"
+#include "runner/check_numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

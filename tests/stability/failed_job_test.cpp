@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridge/job_runner.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
+#include "runner/job_runner.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

@@ -1,8 +1,8 @@
 // Rationale: the cases on which radiometric codes break must hold on every machine and after every
 // change.
 // Expected: the worst error of each case within its bound. Both are stated with the case.
-// Source: core/stability, docs/evidence/stability.md.
-#include "core/stability/hard_case.h"
+// Source: verify/cases, docs/evidence/stability.md.
+#include "verify/cases/hard_case.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/stability/selftest.h"
+#include "verify/cases/selftest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/stability/groups.h"
+#include "verify/cases/groups.h"
 
 namespace irsig {
 namespace {

@@ -2,7 +2,7 @@
 // adds to their errors must cover it, and must not be all of them.
 // Expected: between the table's elevations what whole lines of sight say: within the spread, and to
 // a few thousandths. Source: Environment, asked for the very line.
-#include "view/arriving_reflected.h"
+#include "view/moved/arriving_reflected.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Responses on stored spectra: what bins that they cut are said to be off by.
-#include "view/band_sum.h"
+#include "view/query/band_sum.h"
 
 #include <gtest/gtest.h>
 

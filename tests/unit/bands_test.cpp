@@ -3,7 +3,7 @@
 // whole band and in half of it, of one target and of two. Source: a contrast of 1 W/(sr um) from 3
 // to 5 um at 1 km, seen with a noise of 1e-6 W/m2, has a signal-to-noise ratio of the window's
 // width.
-#include "view/bands.h"
+#include "view/bands/bands.h"
 
 #include <gmock/gmock.h>
 

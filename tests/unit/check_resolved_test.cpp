@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "absl/strings/str_cat.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

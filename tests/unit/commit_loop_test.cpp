@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "jobs/check_resolved.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {
@@ -22,7 +23,7 @@ TEST(CommitLoopFaults, AFailedRequestTakesNothingAlong) {
   ASSERT_NE(mkdtemp(folder.data()), nullptr);
   auto store = StoreWriter::open(folder + "/a.sigdb").value();
   Farm farm(
-      *store, FarmRules{}, [] { return 0.0; }, [] { return 1e9; }, "c");
+      *store, FarmRules{}, [] { return 0.0; }, [] { return 1e9; }, "c", check_resolved);
   CommitLoop loop;
   bool broken = false;
   const auto ask = [&](CommitLoop::Work work) {
@@ -32,7 +33,7 @@ TEST(CommitLoopFaults, AFailedRequestTakesNothingAlong) {
               [done](const absl::Status& s) { done->set_value(s); });
     return answer;
   };
-  const auto submission = make_submission(frigate_sweep(3), 1, {});
+  const auto submission = make_submission(check_resolved, frigate_sweep(3), 1, {});
   ASSERT_TRUE(submission.ok());
   auto submitted = ask([&](Farm& f) { return f.submit(*submission).status(); });
   auto thrown = ask([](Farm&) -> absl::Status { throw std::runtime_error("lost its way"); });

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "sweep_text.h"
 
 namespace irsig {

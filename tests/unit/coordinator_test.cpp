@@ -20,7 +20,8 @@
 #include "coordinator/client/progress_text.h"
 #include "coordinator/client/time_budget.h"
 #include "coordinator/farm_server.h"
-#include "jobs/expand.h"
+#include "jobs/check_resolved.h"
+#include "jobs/keys/expand.h"
 #include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 
@@ -160,7 +161,8 @@ class ServerTest : public testing::Test {
                               {0.1, 2, 5},
                               seconds,
                               seconds,
-                              [](const absl::Status& status) { ADD_FAILURE() << status; }});
+                              [](const absl::Status& status) { ADD_FAILURE() << status; },
+                                     check_resolved});
   }
   [[nodiscard]] std::string socket() const { return "unix:" + folder_ + "/farm"; }
 

@@ -1,5 +1,6 @@
 // Facets cut until no edge is longer than asked.
 #include "core/scene/cut_edges.h"
+#include "core/scene/generate/generate_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

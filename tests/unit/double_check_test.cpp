@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/unit/farm_fixture.h"
 #include "schema/store/reader.h"
 

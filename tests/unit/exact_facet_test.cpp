@@ -1,4 +1,4 @@
-#include "core/scene/exact_facet.h"
+#include "core/scene/trace/exact_facet.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/scene/reference_tracer.h"
+#include "core/scene/trace/reference_tracer.h"
 
 namespace irsig {
 namespace {

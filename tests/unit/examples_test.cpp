@@ -7,10 +7,11 @@
 #include <map>
 #include <set>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
 #include "jobs/detector_file.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

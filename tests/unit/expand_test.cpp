@@ -1,5 +1,5 @@
 // Jobs: their order, how they are cut, and what their keys depend on.
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

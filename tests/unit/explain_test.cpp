@@ -1,5 +1,5 @@
 // What `irsig explain` and the ledger of `irsig plan` say.
-#include "view/explain.h"
+#include "view/report/explain.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "tests/unit/fake_database.h"
-#include "view/effect_ledger.h"
-#include "view/temperatures.h"
+#include "view/report/effect_ledger.h"
+#include "view/report/temperatures.h"
 
 namespace irsig {
 namespace {

@@ -1,5 +1,5 @@
 // Exported files: read back with other software (xarray on netCDF4), and never left half-written.
-#include "view/export.h"
+#include "view/export/export.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -12,8 +12,8 @@
 #include <sstream>
 
 #include "fake_database.h"
-#include "view/atomic_file.h"
-#include "view/query_table.h"
+#include "view/base/atomic_file.h"
+#include "view/query/query_table.h"
 
 namespace irsig {
 namespace {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "coordinator/farm.h"
+#include "jobs/check_resolved.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {
@@ -42,7 +43,8 @@ class FarmTest : public testing::Test {
     ASSERT_TRUE(store_->release_all().ok());
     ASSERT_TRUE(store_->commit().ok());
     farm_ = std::make_unique<Farm>(
-        *store_, rules_, [this] { return now_s_; }, [this] { return unix_s_; }, coordinator_id);
+        *store_, rules_, [this] { return now_s_; }, [this] { return unix_s_; }, coordinator_id,
+        check_resolved);
   }
 
   template <class Ask>
@@ -55,7 +57,7 @@ class FarmTest : public testing::Test {
 
   void submit(std::uint32_t viewpoints) {
     sweep_ = frigate_sweep(viewpoints);
-    auto submission = make_submission(sweep_, 1, {});
+    auto submission = make_submission(check_resolved, sweep_, 1, {});
     ASSERT_TRUE(submission.ok());
     const auto reply = ask([&] { return farm_->submit(*submission); });
     ASSERT_TRUE(reply.ok()) << reply.status();

@@ -269,7 +269,7 @@ class FarmWalk : public FarmTest {
   void SetUp() override {
     FarmTest::SetUp();
     sweep_ = frigate_sweep(2);
-    auto submission = make_submission(sweep_, 1, {});
+    auto submission = make_submission(check_resolved, sweep_, 1, {});
     ASSERT_TRUE(submission.ok());
     submission_ = *std::move(submission);
     ASSERT_EQ(submission_.jobs.size(), 2U);
@@ -297,7 +297,7 @@ class FarmWalk : public FarmTest {
   void new_farm() {
     farm_ = std::make_unique<Farm>(
         *store_, rules_, [this] { return now_s_; }, [] { return 1.7e9; },
-        "start " + std::to_string(++starts_));
+        "start " + std::to_string(++starts_), check_resolved);
   }
 
   void make(const Step& step) {

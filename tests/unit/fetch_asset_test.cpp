@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "coordinator/client/channel.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {

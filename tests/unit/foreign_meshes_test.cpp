@@ -9,7 +9,7 @@
 
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
-#include "core/scene/model_file.h"
+#include "core/scene/import/model_file.h"
 #include "tests/unit/float32_files.h"
 #include "tests/unit/test_folder.h"
 

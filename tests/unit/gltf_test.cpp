@@ -9,11 +9,12 @@
 #include <fstream>
 
 #include "core/base/user_file.h"
-#include "core/scene/import_formats.h"
-#include "core/scene/import_json.h"
+#include "core/scene/import/import_formats.h"
+#include "core/scene/import/import_json.h"
+#include "core/scene/import/import_mesh.h"
+#include "core/scene/import/model_file.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
-#include "core/scene/model_file.h"
 #include "tests/unit/float32_files.h"
 #include "tests/unit/test_folder.h"
 

@@ -1,5 +1,5 @@
 // The weather of a heat run at the knots of its computation.
-#include "bridge/heat_weather.h"
+#include "runner/heat_weather.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "view/plot_hemisphere.h"
+#include "view/plot/plot_hemisphere.h"
 
 namespace irsig {
 namespace {

@@ -18,7 +18,8 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/fetch_asset.h"
 #include "coordinator/farm_server.h"
-#include "jobs/expand.h"
+#include "jobs/check_resolved.h"
+#include "jobs/keys/expand.h"
 #include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fault/synthetic_pictures.h"
@@ -55,7 +56,8 @@ class HostileClient : public testing::Test {
                                      {1, 60, 5},
                                      now_s,
                                      now_s,
-                                     [](const absl::Status& status) { ADD_FAILURE() << status; }});
+                                     [](const absl::Status& status) { ADD_FAILURE() << status; },
+                                     check_resolved});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     farm_ = schema::Farm::NewStub(connect(address_));

@@ -1,5 +1,6 @@
 // glTF is read in a process of its own: whatever that does, this one goes on.
-#include "core/scene/import_subprocess.h"
+#include "core/scene/import/import_mesh.h"
+#include "core/scene/import/import_subprocess.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@
 #include <limits>
 #include <thread>
 
-#include "core/scene/import_reply.h"
+#include "core/scene/import/import_reply.h"
 #include "core/scene/mesh.h"
 #include "tests/unit/float32_files.h"
 #include "tests/unit/test_folder.h"

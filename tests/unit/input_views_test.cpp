@@ -2,7 +2,7 @@
 // it must be that of the physics, and nothing of it may leak into the row itself. Expected: closed
 // forms of a grey plate in a vacuum; sweeps whose inputs were changed by hand; walls whose balance
 // is known. Source: planck_integrals (tests/physics/planck_test.cpp), arithmetic here.
-#include "bridge/input_views.h"
+#include "runner/input_views.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,10 +13,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "bridge/heat_outputs.h"
-#include "bridge/job_runner.h"
 #include "core/spectral/planck_quadrature.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
+#include "runner/heat_outputs.h"
+#include "runner/job_runner.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "bridge/heat_field.h"
-#include "bridge/heat_weather.h"
-#include "bridge/inputs/moved_sweep.h"
 #include "core/geo/sun.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
+#include "messages/inputs/moved_sweep.h"
+#include "runner/heat_field.h"
+#include "runner/heat_weather.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

@@ -3,7 +3,7 @@
 // true difference in at least 68 % of the directions and of two sigma in at least 90 %, for fields
 // that are smooth, that have the kinks of a silhouette, and that are noisy. Source: the fields are
 // closed forms, the truth is their value.
-#include "view/interpolate.h"
+#include "view/rows/interpolate.h"
 
 #include <gmock/gmock.h>
 
@@ -14,7 +14,7 @@
 
 #include "core/geo/viewpoint.h"
 #include "fake_database.h"
-#include "view/interpolate_rows.h"
+#include "view/query/interpolate_rows.h"
 
 namespace irsig {
 namespace {

@@ -1,16 +1,16 @@
-#include "bridge/job_runner.h"
+#include "runner/job_runner.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "bridge/heat_outputs.h"
-#include "bridge/spec_to_request.h"
-#include "bridge/sweep_temperatures.h"
 #include "core/geo/sun.h"
-#include "core/scene/tracer.h"
-#include "jobs/expand.h"
+#include "core/scene/trace/tracer.h"
+#include "jobs/keys/expand.h"
+#include "runner/heat_outputs.h"
+#include "runner/spec_to_request.h"
+#include "runner/sweep_temperatures.h"
 #include "tests/unit/heated_sweep.h"
 #include "tests/unit/sweep_text.h"
 

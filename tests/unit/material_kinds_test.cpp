@@ -8,13 +8,13 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/job_runner.h"
-#include "bridge/material_from_message.h"
 #include "core/materials/optical/material_library.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "jobs/library_material.h"
 #include "jobs/material_files.h"
 #include "jobs/sweep_materials.h"
+#include "messages/scene/material_from_message.h"
+#include "runner/job_runner.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

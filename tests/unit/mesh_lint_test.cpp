@@ -1,4 +1,5 @@
-#include "core/scene/mesh_lint.h"
+#include "core/scene/check/mesh_lint.h"
+#include "core/scene/generate/generate_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

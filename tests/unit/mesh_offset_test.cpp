@@ -6,9 +6,11 @@
 #include <charconv>
 #include <cmath>
 
-#include "core/scene/hit_judge.h"
-#include "core/scene/watertight_check.h"
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/import/import_mesh.h"
 #include "tests/unit/float32_files.h"
+#include "verify/watertight/hit_judge.h"
+#include "verify/watertight/watertight_check.h"
 
 namespace irsig {
 namespace {

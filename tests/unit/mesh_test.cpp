@@ -1,3 +1,5 @@
+#include "core/scene/generate/generate_mesh.h"
+#include "core/scene/import/import_mesh.h"
 #include "core/scene/mesh.h"
 
 #include <gmock/gmock.h>
@@ -11,7 +13,7 @@
 #include <tuple>
 
 #include "core/scene/mesh_measure.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "tests/unit/float32_files.h"
 
 namespace irsig {

@@ -1,5 +1,5 @@
 // The mesh of a sweep and the same facets in the coordinates of its file.
-#include "bridge/model_mesh.h"
+#include "runner/model_mesh.h"
 
 #include <gtest/gtest.h>
 

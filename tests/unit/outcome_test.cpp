@@ -1,5 +1,5 @@
 // What a sweep asked for and did not get, in words.
-#include "view/outcome.h"
+#include "view/report/outcome.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

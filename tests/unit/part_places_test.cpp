@@ -1,5 +1,5 @@
 // Whether vertices of a part lie above a plane: the tree says what a look at each of them says.
-#include "core/scene/part_places.h"
+#include "core/scene/trace/part_places.h"
 
 #include <gtest/gtest.h>
 

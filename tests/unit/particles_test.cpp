@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <numbers>
 
-#include "core/scene/generate_particles.h"
+#include "core/scene/generate/generate_particles.h"
+#include "core/scene/generate/settle_spheres.h"
 #include "core/scene/mesh_measure.h"
-#include "core/scene/settle_spheres.h"
 
 namespace irsig {
 namespace {

@@ -1,5 +1,5 @@
 // Panels of curves: where a value lands on the page, and that gaps stay gaps.
-#include "view/plot_curves.h"
+#include "view/plot/plot_curves.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "fake_database.h"
-#include "view/hours.h"
+#include "view/report/hours.h"
 
 namespace irsig {
 namespace {

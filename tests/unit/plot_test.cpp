@@ -1,5 +1,5 @@
 // Plots show what was asked for, and refuse what one picture cannot show.
-#include "view/plot.h"
+#include "view/plot/plot.h"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "view/profile.h"
+#include "view/report/profile.h"
 
 namespace irsig {
 namespace {

@@ -285,7 +285,7 @@ TEST_F(FarmTest, OutOfMemoryEverywhereIsSaidAtOnce) {
 // Given up, and then somebody's spool has it: with what was given up because of it.
 TEST_F(FarmTest, AResultOfAQuarantinedJobIsTaken) {
   sweep_ = heated_frigate_sweep(2);
-  const auto submission = make_submission(sweep_, 1, {});
+  const auto submission = make_submission(check_resolved, sweep_, 1, {});
   ASSERT_TRUE(submission.ok());
   ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
   const auto a = worker("a"), b = worker("b");
@@ -456,7 +456,7 @@ TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreNotWanted) {
 
 TEST_F(FarmTest, JobsOfTheHighestPriorityComeFirst) {
   const auto add = [&](const char* name, std::optional<int> priority) {
-    auto submission = make_submission(frigate_sweep(2, name), 1, {});
+    auto submission = make_submission(check_resolved, frigate_sweep(2, name), 1, {});
     ASSERT_TRUE(submission.ok());
     submission->priority = priority;
     ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
@@ -494,11 +494,11 @@ TEST_F(FarmTest, JobsOfTheHighestPriorityComeFirst) {
 // A sweep whose jobs wait for others has nothing to give: the next one goes on meanwhile.
 TEST_F(FarmTest, WhatWaitsForOtherJobsHoldsNothingUp) {
   sweep_ = heated_frigate_sweep(1, "heated");
-  auto heated = make_submission(sweep_, 1, {});
+  auto heated = make_submission(check_resolved, sweep_, 1, {});
   ASSERT_TRUE(heated.ok());
   heated->priority = 1;
   ASSERT_TRUE(ask([&] { return farm_->submit(*heated); }).ok());
-  const auto views = make_submission(frigate_sweep(1, "views"), 1, {});
+  const auto views = make_submission(check_resolved, frigate_sweep(1, "views"), 1, {});
   ASSERT_TRUE(views.ok());
   ASSERT_TRUE(ask([&] { return farm_->submit(*views); }).ok());
   for (int heat = 0; heat < sweep_.heat_size(); ++heat)
@@ -512,7 +512,7 @@ TEST_F(FarmTest, TemperaturesAreComputedOnceForAllSweepsThatShareThem) {
   std::vector<std::string> computed;
   for (const char* name : {"pilot 1", "pilot 2"}) {
     sweep_ = heated_frigate_sweep(2, name);
-    const auto submission = make_submission(sweep_, 1, {});
+    const auto submission = make_submission(check_resolved, sweep_, 1, {});
     ASSERT_TRUE(submission.ok());
     ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
     for (;;) {

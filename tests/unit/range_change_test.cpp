@@ -5,7 +5,7 @@
 // for a sphere (closed form) and is attained by a disk nearest to the sensor. Reflected sky whose
 // directions differ: within the stated bound.
 // Source: closed forms written out here.
-#include "view/range_change.h"
+#include "view/moved/range_change.h"
 
 #include <gmock/gmock.h>
 
@@ -13,9 +13,10 @@
 
 #include "core/environment/air.h"
 #include "fake_database.h"
-#include "view/moved_row.h"
-#include "view/sight_line.h"
-#include "view/silhouette.h"
+#include "view/moved/moved_row.h"
+#include "view/moved/sight_line.h"
+#include "view/moved/silhouette.h"
+#include "view/query/query.h"
 
 namespace irsig {
 namespace {

@@ -3,7 +3,7 @@
 // proposed, and what the field really is there, interpolation states about the error that was asked
 // for and is as good as it states; they lie where the field is rough; a field that is known needs
 // none. Source: the fields are closed forms.
-#include "view/refine.h"
+#include "view/query/refine.h"
 
 #include <gmock/gmock.h>
 

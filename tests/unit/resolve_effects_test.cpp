@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

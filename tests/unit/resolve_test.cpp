@@ -6,7 +6,7 @@
 
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

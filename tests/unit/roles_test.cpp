@@ -17,6 +17,7 @@
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/farm_server.h"
+#include "jobs/check_resolved.h"
 #include "schema/farm.grpc.pb.h"
 #include "spdlog/sinks/ostream_sink.h"
 #include "spdlog/spdlog.h"
@@ -76,6 +77,7 @@ class Roles : public testing::Test {
          .clock = unix_now_s,
          .unix_clock = [this] { return unix_now_s() + later_s_; },
          .on_failure = [](const absl::Status& status) { ADD_FAILURE() << status; },
+         .check_sweep = check_resolved,
          .tls_crl = ca() + "/crl.pem"});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -264,7 +266,8 @@ TEST_F(Roles, ACoordinatorIsNoUserAndAUserNoCoordinator) {
                                    .rules = {1, 60, 5},
                                    .clock = unix_now_s,
                                    .unix_clock = unix_now_s,
-                                   .on_failure = nullptr});
+                                   .on_failure = nullptr,
+                                   .check_sweep = check_resolved});
   ASSERT_TRUE(server.ok()) << server.status();
   const absl::Status refused = farm_status(address((*server)->address(), "user"), 3).status();
   EXPECT_THAT(std::string(refused.message()), HasSubstr("not accepted"));

@@ -12,11 +12,11 @@
 #include "serve/question.h"
 #include "serve/target.h"
 #include "tests/unit/fake_database.h"
-#include "view/compare.h"
-#include "view/error_budget.h"
-#include "view/interpolate_rows.h"
-#include "view/png.h"
-#include "view/polar_cut.h"
+#include "view/draw/png.h"
+#include "view/query/interpolate_rows.h"
+#include "view/report/compare.h"
+#include "view/report/error_budget.h"
+#include "view/report/polar_cut.h"
 
 namespace irsig {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "jobs/check_resolved.h"
-#include "jobs/expand.h"
+#include "jobs/keys/expand.h"
 #include "schema/shard.h"
 #include "tests/unit/sweep_text.h"
 

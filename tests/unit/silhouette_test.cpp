@@ -3,14 +3,14 @@
 // horizon, in closed form. What lies under the waterline or turns away does not count. Parts: the
 // one in front hides the other.
 // Source: closed forms written out here; the plate's solid angle by its four corners.
-#include "view/silhouette.h"
+#include "view/moved/silhouette.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "view/shape_change.h"
+#include "view/moved/shape_change.h"
 
 namespace irsig {
 namespace {

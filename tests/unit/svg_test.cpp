@@ -1,13 +1,13 @@
 // The drawing primitives: what they write is well-formed, and round numbers are round.
-#include "view/svg.h"
+#include "view/draw/svg.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "view/axis.h"
-#include "view/contour.h"
+#include "view/draw/axis.h"
+#include "view/draw/contour.h"
 
 namespace irsig {
 namespace {

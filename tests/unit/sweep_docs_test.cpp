@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "core/effects/effects.h"
 #include "tests/unit/sweep_text.h"
 
@@ -171,8 +172,10 @@ TEST(SweepDocs, TheSmallestFileResolvesAndTheOtherBlocksParse) {
 }
 
 TEST(SweepDocs, NameEveryEffectThatCanBeLeftOutAndNoOther) {
-  const std::string page =
-      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md");
+  // The lines that continue an item of a list are indented.
+  const std::string page = absl::StrReplaceAll(
+      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md"),
+      {{"\n  ", " "}});
   for (std::size_t i = 0; i < kEffectCount; ++i) {
     const EffectInfo& effect = info_of(static_cast<Effect>(i));
     const auto text = [](std::string_view view) { return std::string(view); };

@@ -1,5 +1,5 @@
 // From a resolved sweep with the embedded atmosphere to what the core computes with.
-#include "bridge/environment/sweep_environment.h"
+#include "messages/environment/sweep_environment.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

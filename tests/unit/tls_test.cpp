@@ -16,6 +16,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/handshake.h"
 #include "coordinator/farm_server.h"
+#include "jobs/check_resolved.h"
 #include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 #include "worker/lease_loop.h"
@@ -93,7 +94,8 @@ class Tls : public testing::Test {
                                      {1, 60, 5},
                                      tls_now_s,
                                      tls_now_s,
-                                     [](const absl::Status& status) { ADD_FAILURE() << status; }});
+                                     [](const absl::Status& status) { ADD_FAILURE() << status; },
+                                     check_resolved});
     EXPECT_TRUE(server.ok()) << server.status();
     return server.ok() ? *std::move(server) : nullptr;
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/scene/generate/generate_mesh.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
 

@@ -1,5 +1,5 @@
 // The pictures and the page of an accuracy study.
-#include "view/work_precision_plot.h"
+#include "view/study_tables/work_precision_plot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,14 +1,14 @@
 // irsig-import: reads one glTF file, for a process that must not run out of memory with it.
 //
-// usage: irsig-import NAME BYTES < file > reply     (core/scene/import_subprocess.h starts it)
+// usage: irsig-import NAME BYTES < file > reply     (core/scene/import/import_subprocess.h starts it)
 #include <charconv>
 #include <cstdio>
 #include <string>
 #include <system_error>
 
 #include "core/base/answer_subprocess.h"
-#include "core/scene/import_formats.h"
-#include "core/scene/import_reply.h"
+#include "core/scene/import/import_formats.h"
+#include "core/scene/import/import_reply.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 // In its place.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 #include "core/thermal/day_schedule.h"
 #include "core/thermal/heat_solver.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene/target.h"
+#include "core/scene/trace/target.h"
 
 namespace irsig {
 

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/signature/profile.h"
+#include "schema/result.pb.h"
+#include "schema/sweep.pb.h"
+
+namespace irsig {
+
+[[nodiscard]] ProfileSpec profile_from_message(const schema::Profile& profile);
+
+// Values as they are; the names and numbers of the profile are left to the caller.
+void profile_row_to_proto(const ProfileRow& row, const ProfileSpec& spec, std::uint64_t samples,
+                          schema::ProfileRow& out);
+
+}  // namespace irsig

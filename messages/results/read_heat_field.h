@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// Reads a heat job's output for so many facets. INVALID_ARGUMENT: the bytes are no output, or that
+// of another mesh.
+[[nodiscard]] absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes,
+                                                                std::size_t facets);
+
+}  // namespace irsig

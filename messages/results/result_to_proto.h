@@ -1,0 +1,18 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/signature/simulator.h"
+#include "messages/results/thumbnail_encoder.h"
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// Core -> messages: scalars and spectra as they are, pictures encoded as PNG and EXR. Provenance is
+// left to the caller. FAILED_PRECONDITION when the view has pictures and `encoder` is null.
+[[nodiscard]] absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
+                                                                const Simulator& simulator,
+                                                                const schema::ResolvedSweep& sweep,
+                                                                const ThumbnailEncoder* encoder);
+
+}  // namespace irsig

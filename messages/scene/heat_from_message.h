@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/thermal/scene/scene_heat.h"
+#include "core/thermal/weather_course.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// Conversions of a heat run: walls, weather, the surface below and the sky.
+
+// path: of the build-up in the sweep file, for errors.
+[[nodiscard]] absl::StatusOr<WallBuildUp> wall_from_message(const schema::BuildUp& message,
+                                                            const std::string& path);
+
+[[nodiscard]] WeatherCourse course_from_message(const schema::WeatherCourse& message);
+
+// INVALID_ARGUMENT: surroundings without a sea or ground.
+[[nodiscard]] absl::StatusOr<GroundBoundary> ground_from_message(const schema::Sweep& sweep,
+                                                                 const schema::Surroundings& s);
+
+// solar_albedo: of the ground.
+[[nodiscard]] absl::StatusOr<SkyAerosol> sky_from_message(const schema::HeatRun& heat,
+                                                          double solar_albedo);
+
+}  // namespace irsig

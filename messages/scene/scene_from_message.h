@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/scene/trace/target.h"
+#include "core/spectral/band.h"
+#include "schema/sweep.pb.h"
+
+namespace irsig {
+
+// [part], with their materials by number.
+[[nodiscard]] absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& sweep);
+
+[[nodiscard]] std::vector<Band> bands_from_sweep(const schema::Sweep& sweep);
+
+}  // namespace irsig

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+
+#include "absl/status/statusor.h"
+#include "schema/assets.h"
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// The temperatures of ResolvedSweep.heat[run]: of each facet of the sweep's mesh whose part states
+// none (HeatRun.part_temperature_k is 0), at each time wanted, with their errors; and of these
+// parts, by area. A function of what the job's key covers (jobs/keys/expand.h) and of nothing else.
+// INVALID_ARGUMENT: what the sweep's author can mend, by the key's path.
+[[nodiscard]] absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& sweep,
+                                                                 const Assets& assets,
+                                                                 std::size_t run);
+
+}  // namespace irsig

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/signature/simulator.h"
+#include "messages/inputs/moved_sweep.h"
+#include "runner/spec_to_request.h"
+#include "schema/assets.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// The uncertain inputs of one sweep: what its views are asked for with each of them moved, and what
+// comes of it. What it makes of an input it keeps from view to view: an environment where the air
+// is another, a prepared scene where materials are.
+class InputViews {
+ public:
+  // scene: its own; kept only if materials are to be moved. heat: what its heat jobs have left.
+  static absl::StatusOr<InputViews> make(const schema::ResolvedSweep& sweep, const SceneSpec& scene,
+                                         const Simulator& simulator,
+                                         const std::shared_ptr<const Environment>& environment,
+                                         const SweepTemperatures& temperatures,
+                                         const HeatOutputs& heat);
+
+  // Returns the moved views of one job, in the order of the moves.
+  [[nodiscard]] absl::StatusOr<std::vector<MovedView>> views(const schema::ViewJob& job) const;
+
+  // Effects that the moves can strengthen or weaken: no plan of a view leaves them out.
+  [[nodiscard]] const std::vector<Effect>& moved_effects() const { return moved_effects_; }
+
+  // Writes the changes by the moves as contributions of the inputs to each row and their sum.
+  // change: [move][row]
+  void write(std::span<const std::vector<RowChange>> change, schema::ViewJobResult& result) const;
+
+ private:
+  struct Move {
+    std::size_t input;
+    double move;
+    schema::ResolvedSweep sweep;
+    std::shared_ptr<const Environment> environment;
+    SweepTemperatures temperatures;
+    std::shared_ptr<const PreparedScene> scene;  // null: the sweep's
+  };
+  std::vector<UncertainInput> input_;
+  std::vector<Move> move_;
+  std::vector<Effect> moved_effects_;
+};
+
+// Returns the number of environments of a sweep's size that its moved inputs keep in memory.
+[[nodiscard]] int moved_environments(const schema::ResolvedSweep& sweep);
+
+}  // namespace irsig

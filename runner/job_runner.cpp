@@ -1,0 +1,272 @@
+#include "runner/job_runner.h"
+
+#include <gnu/libc-version.h>
+
+#include <algorithm>
+#include <ctime>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/arithmetic_fingerprint.h"
+#include "core/base/status_macros.h"
+#include "core/scene/check/mesh_lint.h"
+#include "core/signature/in_sight.h"
+#include "core/signature/simulator.h"
+#include "messages/environment/weather_from_message.h"
+#include "messages/results/result_to_proto.h"
+#include "runner/check_numbers.h"
+#include "runner/heat_field.h"
+#include "runner/input_views.h"
+#include "runner/model_warnings.h"
+#include "runner/profile_rows.h"
+#include "runner/spec_to_request.h"
+
+namespace irsig {
+namespace {
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Of what the heat jobs leave: a temperature and its error, of each facet at each time.
+std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t facets) {
+  std::size_t times = 0;
+  for (const schema::HeatRun& run : sweep.heat())
+    times += static_cast<std::size_t>(run.time_utc_size());
+  return 2 * sizeof(float) * facets * times;
+}
+
+class CoreJobRunner final : public JobRunner {
+ public:
+  CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
+                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
+                SweepPlumes plumes, Assets assets, std::size_t field_bytes,
+                std::optional<ThumbnailEncoder> encoder, std::vector<Problem> warnings,
+                std::optional<InputViews> inputs)
+      : sweep_(std::move(sweep)),
+        simulator_(std::move(simulator)),
+        environment_(std::move(environment)),
+        temperatures_(std::move(temperatures)),
+        plumes_(std::move(plumes)),
+        assets_(std::move(assets)),
+        field_bytes_(field_bytes),
+        encoder_(std::move(encoder)),
+        warnings_(std::move(warnings)),
+        inputs_(std::move(inputs)) {}
+
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
+    const double start_s = cpu_seconds();
+    ASSIGN_OR_RETURN(auto result, compute(job));
+    result.set_job_key(job.job_key());
+    result.set_seconds(cpu_seconds() - start_s);
+    result.set_physics_version(static_cast<std::uint32_t>(physics_version()));
+    result.set_determinism_class(determinism_class());
+    result.set_build_id(build_id());
+    return result;
+  }
+
+  [[nodiscard]] std::vector<Problem> warnings() const override { return warnings_; }
+
+  [[nodiscard]] JobMemory memory() const override {
+    return job_memory(sweep_, *simulator_, environment_.get(),
+                      temperatures_.emitters ? temperatures_.emitters->part.size()
+                                             : temperatures_.awaited_emitters,
+                      field_bytes_, bytes_of(plumes_));
+  }
+
+  [[nodiscard]] std::size_t heat_bytes() const override {
+    return bytes_left_by_heat(sweep_, simulator_->target().facet.size());
+  }
+
+ private:
+  absl::StatusOr<schema::JobResult> compute(const schema::JobSpec& job) const {
+    switch (job.kind_case()) {
+      case schema::JobSpec::kView:
+        return compute_view(job.view());
+      case schema::JobSpec::kHeat:
+        return compute_heat_job(job.heat());
+      case schema::JobSpec::KIND_NOT_SET:
+        break;
+    }
+    return absl::InvalidArgumentError("the job is of a kind that this worker does not know");
+  }
+
+  absl::StatusOr<schema::JobResult> compute_heat_job(const schema::HeatJob& job) const {
+    if (job.heat() >= static_cast<std::uint32_t>(sweep_.heat_size()))
+      return absl::InvalidArgumentError(
+          absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
+    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep_, assets_, job.heat()));
+    schema::JobResult result;
+    *result.mutable_heat() = std::move(computed);
+    result.set_seed_hex(absl::StrFormat("%016x", sweep_.sweep().seed()));
+    return result;
+  }
+
+  absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) const {
+    ASSIGN_OR_RETURN(auto request,
+                     request_from_job(sweep_, job, environment_, temperatures_, plumes_));
+    for (const auto& [what, asked] :
+         {std::pair{"condition", &request.selected_condition}, {"band", &request.selected_band}})
+      if (asked->empty())
+        return absl::InvalidArgumentError(absl::StrCat("a job asks for no ", what));
+    request.accepted_backface_fraction = accepted_backface_fraction();
+    if (request.thumbnail_px > 0 && !encoder_)
+      return absl::FailedPreconditionError(
+          "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
+    if (inputs_) request.effects.kept = inputs_->moved_effects();
+    ASSIGN_OR_RETURN(auto planned, simulator_->prepare(request));
+    const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
+    if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
+      planned.plan.samples_per_replicate = accuracy.samples_per_replicate();
+    std::vector<MovedView> moved;
+    if (inputs_) {
+      ASSIGN_OR_RETURN(moved, inputs_->views(job));
+    }
+    ASSIGN_OR_RETURN(const auto measured, simulator_->measure(request, planned, moved));
+    const ViewResult& view = measured.view;
+    RETURN_IF_ERROR(check_temperatures_seen(view));
+    RETURN_IF_ERROR(check_numbers(view));
+    RETURN_IF_ERROR(check_back_faces(view));
+    ASSIGN_OR_RETURN(auto result,
+                     result_to_proto(view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr));
+    if (inputs_) inputs_->write(measured.change, *result.mutable_view());
+    RETURN_IF_ERROR(add_profile_rows(sweep_, *simulator_, request, result));
+    return result;
+  }
+
+  // A facet without a temperature matters to views that see it, and to no other.
+  [[nodiscard]] absl::Status check_temperatures_seen(const ViewResult& view) const {
+    if (!view.unknown_seen) return absl::OkStatus();
+    const std::vector<std::uint32_t>& emitter = temperatures_.emitters->of_facet;
+    const std::size_t facet = static_cast<std::size_t>(
+        std::find(emitter.begin(), emitter.end(), view.unknown_seen->emitter) - emitter.begin());
+    return unknown_temperature(sweep_, simulator_->target(), facet,
+                               sweep_.condition(static_cast<int>(view.unknown_seen->condition)),
+                               temperatures_.unknown);
+  }
+
+  [[nodiscard]] double accepted_backface_fraction() const {
+    const schema::Model& model = sweep_.sweep().model();
+    return model.has_accepted_backface_fraction() ? model.accepted_backface_fraction()
+                                                  : kAcceptedBackfaceShare;
+  }
+
+  // A target that is seen from behind is mostly a mesh inside out, or a sheet that was meant to
+  // have two sides: its intensity would be what is left of it.
+  [[nodiscard]] absl::Status check_back_faces(const ViewResult& view) const {
+    const double accepted = accepted_backface_fraction();
+    const double share = view.row.front().backface_fraction;
+    if (share <= accepted) return absl::OkStatus();
+    return absl::FailedPreconditionError(absl::StrCat(
+        absl::SixDigits(100 * share),
+        " % of the silhouette are one-sided facets seen from behind, which send nothing (",
+        view.silhouette_backface_hits, " of ", view.silhouette_backface_hits + view.target_paths,
+        " primary hits); expected at most ", absl::SixDigits(100 * accepted),
+        " %: set two_sided = true for parts that are sheets, mend facets that are inside out with "
+        "`irsig model check FILE --repair OUT.obj`, or accept it with "
+        "model.accepted_backface_fraction"));
+  }
+
+  schema::ResolvedSweep sweep_;
+  std::unique_ptr<Simulator> simulator_;
+  std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
+  SweepTemperatures temperatures_;
+  SweepPlumes plumes_;
+  Assets assets_;            // of a sweep with heat runs
+  std::size_t field_bytes_;  // of the files of temperatures
+  std::optional<ThumbnailEncoder> encoder_;
+  std::vector<Problem> warnings_;
+  std::optional<InputViews> inputs_;  // of a sweep with uncertain ones
+};
+
+// There the sensor's place is rounded to 1e-7 of the target; at 1e12 the intensity of a disk was
+// 2e-4 too small, at 1e15 2 to 6 % (tests/physics/far_view_test.cpp).
+constexpr double kMostRangeInSizes = 1e9;
+
+// Before any view is computed: every viewpoint sees something of the target.
+absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& target,
+                            const Environment* environment) {
+  std::vector<ConditionSpec> conditions;
+  for (const schema::Condition& c : sweep.condition()) {
+    const std::string& kind = c.surroundings().kind();
+    ConditionSpec& condition = conditions.emplace_back();
+    condition.surroundings.kind = kind == "sea"      ? SurroundingsKind::kSea
+                                  : kind == "ground" ? SurroundingsKind::kGround
+                                                     : SurroundingsKind::kNone;
+    condition.above_surface_m = above_surface_m(sweep, c);
+  }
+  for (const schema::Viewpoint& v : sweep.viewpoint())
+    if (const absl::Status status =
+            check_in_sight(target, conditions, environment,
+                           {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()});
+        !status.ok())
+      return absl::InvalidArgumentError(absl::StrCat("viewpoints: ", status.message()));
+  return absl::OkStatus();
+}
+
+std::string cpu_vendor() {
+  if (__builtin_cpu_is("amd")) return "amd";
+  if (__builtin_cpu_is("intel")) return "intel";
+  return "other";
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    std::optional<ThumbnailEncoder> encoder) {
+  if (!heat.empty() && awaits_temperatures(sweep, heat))
+    return absl::InternalError(absl::StrCat("the results of ", heat.size(), " heat jobs for the ",
+                                            sweep.heat_size(), " that the sweep has"));
+  ASSIGN_OR_RETURN(auto scene, scene_from_sweep(sweep, assets, heat));
+  RETURN_IF_ERROR(check_above_surface(sweep, scene.mesh));
+  RETURN_IF_ERROR(check_offset(sweep, scene.mesh));
+  ASSIGN_OR_RETURN(auto simulator, Simulator::create(scene));
+  RETURN_IF_ERROR(check_energy(sweep.sweep(), simulator->materials()));
+  const Target& target = simulator->target();
+  for (const schema::Viewpoint& v : sweep.viewpoint()) {
+    RETURN_IF_ERROR(check_outside(target, {.aspect_azimuth_deg = v.aspect_azimuth_deg(),
+                                           .aspect_elevation_deg = v.aspect_elevation_deg(),
+                                           .range_m = v.range_m()}));
+    if (v.range_m() > kMostRangeInSizes * target.radius_m)
+      return keyed_problem(
+          "viewpoints.range_m",
+          absl::StrCat("a sensor at ", v.range_m(), " m is more than ", kMostRangeInSizes,
+                       " times as far away as the target's radius, ", target.radius_m,
+                       " m: double precision no longer tells its sides apart"));
+  }
+  auto environment = environment_from_sweep(sweep, simulator->band_grids());
+  if (absl::IsOutOfRange(environment.status()))
+    return problem_status(problems_of(environment.status()));
+  if (!environment.ok()) return environment.status();
+  RETURN_IF_ERROR(check_in_sight(sweep, target, environment->get()));
+  ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, assets));
+  std::optional<InputViews> inputs;
+  if (sweep.sweep().has_uncertainty() && !scene.temperatures.awaited) {
+    ASSIGN_OR_RETURN(
+        inputs, InputViews::make(sweep, scene, *simulator, *environment, scene.temperatures, heat));
+  }
+  return std::make_unique<CoreJobRunner>(
+      sweep, std::move(simulator), *std::move(environment), scene.temperatures, std::move(plumes),
+      sweep.heat_size() > 0 ? assets : Assets(),
+      bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
+          bytes_left_by_heat(sweep, scene.mesh.triangle.size()),
+      std::move(encoder), model_warnings(sweep, scene), std::move(inputs));
+}
+
+std::string build_id() { return IRSIG_BUILD_ID; }
+
+std::string determinism_class() {
+  static const std::uint32_t narrow = arithmetic_fingerprint(false),
+                             wide = arithmetic_fingerprint(true);
+  const TracerIsa isa = widest_isa();
+  return absl::StrCat(build_id(), "/", cpu_vendor(), "/", isa_name(isa), "/glibc-",
+                      gnu_get_libc_version(), "/arithmetic-",
+                      absl::Hex(isa == TracerIsa::kAvx512 ? wide : narrow, absl::kZeroPad8));
+}
+
+int physics_version() { return kPhysicsVersion; }
+
+}  // namespace irsig

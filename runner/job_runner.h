@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/problems.h"
+#include "messages/results/thumbnail_encoder.h"
+#include "runner/job_memory.h"
+#include "schema/assets.h"
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// The largest share of the silhouette that may be facets seen from behind, unless the sweep accepts
+// more (model.accepted_backface_fraction). 1 %: the accuracy that is the default for an intensity.
+inline constexpr double kAcceptedBackfaceShare = 0.01;
+
+// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. Immutable but for
+// caches of what does not depend on the job: run() may be called from several threads.
+class JobRunner {
+ public:
+  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT, of
+  // problems with their keys ("part[2].name: no group of the model matches \"funel\"").
+  // heat: what the sweep's heat jobs have left, in their order. Without it the scene can be tried,
+  // and the heat jobs of a sweep can be run; run() refuses its views with FAILED_PRECONDITION.
+  // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
+  // run() refuses the others with FAILED_PRECONDITION.
+  static absl::StatusOr<std::unique_ptr<JobRunner>> create(
+      const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+      std::optional<ThumbnailEncoder> encoder = {});
+  virtual ~JobRunner() = default;
+
+  // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
+  // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
+  [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(
+      const schema::JobSpec& job) const = 0;
+  // Warnings for people (model_warnings.h).
+  [[nodiscard]] virtual std::vector<Problem> warnings() const { return {}; }
+  // Memory of a worker with this runner; nothing for runners that compute nothing.
+  [[nodiscard]] virtual JobMemory memory() const { return {}; }
+  // Size of the outputs of the sweep's heat jobs, all together. [bytes]
+  [[nodiscard]] virtual std::size_t heat_bytes() const { return 0; }
+};
+
+// build id, CPU vendor, the ray tracer's instruction set, libc, and a fingerprint of what libm and
+// the processor's approximate reciprocals really return here (libm chooses its code by the
+// processor, with or without fused multiply-add): results are bit-equal within one class.
+[[nodiscard]] std::string determinism_class();
+[[nodiscard]] std::string build_id();
+[[nodiscard]] int physics_version();
+
+}  // namespace irsig

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/fields/temperature_field.h"
+#include "core/scene/mesh.h"
+#include "core/scene/trace/target.h"
+#include "core/sources/emission.h"
+#include "schema/assets.h"
+
+namespace irsig {
+
+// The temperatures of a sweep's facets, where they have their own.
+struct SweepTemperatures {
+  // Jobs compute some of them, and what these left is not given: no view can be asked for. Then
+  // there are no emitters, and this many at most will be.
+  bool awaited = false;
+  std::size_t awaited_emitters = 0;
+  std::shared_ptr<const Emitters> emitters;  // null: each part has one temperature
+  // [condition]; then also, of each part whose facets have their own: the hottest one, its error
+  // included, and their mean. Else 0.                                                      [K]
+  std::vector<std::shared_ptr<const EmitterTemperatures>> condition;
+  std::vector<std::vector<double>> part_k, part_mean_k;
+  // [condition] What was computed of facets that nobody can say the temperature of, as text, by
+  // facet: "286 K +- 295 K"; empty: no ray from outside reaches it, nor any facet of its part.
+  std::vector<std::map<std::size_t, std::string>> unknown;
+};
+
+// Why a view that sees such a facet fails: which it is, where, and what there is of it.
+[[nodiscard]] absl::Status unknown_temperature(
+    const schema::ResolvedSweep& sweep, const Target& target, std::size_t facet,
+    const schema::Condition& condition,
+    const std::vector<std::map<std::size_t, std::string>>& unknown);
+
+// Returns true if jobs compute some of the sweep's temperatures and `heat` does not have their
+// outputs.
+[[nodiscard]] bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
+
+// The sweep's facets in its model's file's own coordinates; of a generated one, in those of the OBJ
+// that `irsig model` writes: x forward, y to port, z up.
+[[nodiscard]] absl::StatusOr<FieldMesh> field_mesh(const schema::ResolvedSweep& sweep,
+                                                   const Assets& assets);
+
+// [condition][facet] of a sweep, NaN where its part's temperature is stated; empty: all are.
+// heat: of its heat runs; part_of_facet: of `mesh`, the sweep's. INVALID_ARGUMENT: what is wrong
+// with a file; a facet of a part without temperature, or with an error that leaves nothing of it;
+// an instant beyond the file's, or one that no heat run was asked for. FAILED_PRECONDITION:
+// computed temperatures are not known. A computed temperature that is no number, or has an error
+// that leaves nothing of it, is the mean of its part's with an infinite error: it matters to those
+// who see the facet.
+[[nodiscard]] absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet,
+    std::vector<std::map<std::size_t, std::string>>* unknown = nullptr);
+
+// Returns true if a part is 30 K or more above the coldest part in any condition, facets by their
+// mean: the default of Part.hot (jobs/resolve_sweep.cpp, where all temperatures are stated). The
+// hottest facet does not count: every part of a hull in the sun has warm facets, and all parts
+// would be hot.
+[[nodiscard]] bool is_hot(const schema::ResolvedSweep& sweep, const SweepTemperatures& temperatures,
+                          std::size_t part);
+
+[[nodiscard]] absl::StatusOr<SweepTemperatures> temperatures_from_sweep(
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    const Mesh& mesh, const std::vector<PartSpec>& parts);
+
+}  // namespace irsig

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/accuracy/spectral_modes.h"
+#include "view/query/band_sum.h"
+#include "view/query/row_weights.h"
+
+namespace irsig {
+
+// Population of a search for the best band: rows of one band, weighted. (docs/reference/bands.md)
+
+// Contrast of one target at a sensor, on the band's stored wavelengths, and its errors.
+struct TargetContrast {
+  std::vector<double> value;  // at the aperture: the target less its background. [W/(sr um)]
+  SpectralSet modes;          // of its errors, and what they leave over
+  std::vector<double> rest;
+  double bias_bound_w_sr, undersampling_stderr_w_sr;  // of the whole band
+  double model_error_w_sr;                     // one sigma, with that of uncertain inputs
+};
+
+// One row of the population.
+struct BandCase {
+  double weight;      // of all rows together: 1; above 0
+  std::size_t view;   // rows of one view share their paths
+  std::size_t place;  // the same row at another range has the same
+  std::string season, time_utc;
+  double aspect_azimuth_deg, aspect_elevation_deg, range_m;
+  TargetContrast target;
+  std::optional<TargetContrast> against;  // of another target in the same place; independent paths
+  std::vector<double> background_w_m2_sr_um;
+};
+struct BandPopulation {
+  std::vector<double> lambda_um;
+  ResponseTable own_response;  // of the stored band; empty: 1
+  std::vector<BandCase> row;
+  std::size_t without_modes = 0;
+};
+
+// Weight of each row: all alike, or each aspect as the solid angle of the directions that are
+// nearest to it (between the lowest and the highest viewpoint).
+enum class AspectWeight { kRows, kSolidAngle };
+
+// Rows of one band, as run_query gives them. against: rows of another target at the same places,
+// empty: none. Weights of one's own: of aspects instead of those of `weight`; of conditions, as
+// shares of their aspect (kRows: of all). Rows of weight 0 are left out. INVALID_ARGUMENT: no rows,
+// several bands, interpolated rows, rows that have no partner or no weight, other wavelengths.
+[[nodiscard]] absl::StatusOr<BandPopulation> band_population(
+    StoreReader& reader, std::span<const QueryRow> rows, StoreReader* other,
+    std::span<const QueryRow> against, AspectWeight weight,
+    std::span<const RowWeights> own_weights = {});
+
+}  // namespace irsig

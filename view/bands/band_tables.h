@@ -1,0 +1,60 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "view/bands/bands.h"
+
+namespace irsig {
+
+// "mean SNR", "share with SNR >= 5": of axes and titles.
+[[nodiscard]] std::string merit_name(const MeritOf& merit);
+
+// Writes the compared windows, one line each, in a format of table.h.
+[[nodiscard]] absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
+                                        std::string_view format, std::ostream& out);
+
+// Every window: lambda_min_um,lambda_max_um,merit and, of the mean, its samples' standard error;
+// with a pairing that of its best pair and the limits of the other window.
+[[nodiscard]] absl::Status write_map(const BandSearch& search, const MeritOf& merit,
+                                     const BandSearch::Found& found, std::string_view format,
+                                     std::ostream& out);
+// Returns the map as colours over both limits, the best marked; a complete SVG document.
+[[nodiscard]] std::string plot_map_of_windows(const BandSearch& search, const MeritOf& merit,
+                                              const BandSearch::Found& found,
+                                              const std::string& title);
+
+// The merit of those that were compared at each range of the population.
+[[nodiscard]] absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
+                                        const WindowChoice& choice, std::string_view format,
+                                        std::ostream& out);
+// Plots the ranges as curves of the first few candidates.
+[[nodiscard]] std::string plot_ranges(const BandSearch& search, const MeritOf& merit,
+                                      const WindowChoice& choice, const std::string& title);
+
+// Writes the detection range of each row and each compared candidate: season, time_utc, aspect,
+// weight, detection_range_m (nothing: below the nearest or beyond the farthest range, as `reach`
+// says).
+[[nodiscard]] absl::Status write_detection(const BandSearch& search, const WindowChoice& choice,
+                                           double threshold, std::string_view format,
+                                           std::ostream& out);
+// Up to which range these shares of the population are seen, of the first one. For people.
+[[nodiscard]] std::string note_on_detection(const BandSearch& search, const WindowChoice& choice,
+                                            double threshold);
+
+// "3.9 to 4.1 um", "3.9 to 4.1 and 4.5 to 4.8 um", a filter's name.
+[[nodiscard]] std::string title_of(const BandSearch& search, const Candidate& candidate);
+
+// A response as `irsig query --response` takes it.
+[[nodiscard]] std::string response_csv(const ResponseTable& response);
+
+// Returns notes for people: the windows that cannot be told apart, and the line of the sweep file
+// that asks for enough samples to tell them apart.
+[[nodiscard]] std::vector<std::string> notes_on(const WindowChoice& choice,
+                                                const BandPopulation& population,
+                                                const schema::Accuracy& accuracy);
+
+}  // namespace irsig

@@ -1,0 +1,206 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/detector/detector.h"
+#include "view/bands/band_population.h"
+#include "view/bands/merit.h"
+
+namespace irsig {
+
+// Finds the part of a stored band in which a detector sees a target best, or the two best parts.
+// (docs/reference/bands.md)
+
+// A passband of a detector: a window between two of the search's edges, or a filter.
+struct Passband {
+  std::size_t first = 0, last = 0;
+  bool operator==(const Passband&) const = default;
+};
+
+// Ways of pairing passbands. With S the signal of a row (of a target, or of the target less the
+// other one), V the variance of the noise, 1 and 2 the two passbands:
+//
+//   kNone        s = |S| / sqrt(V)
+//   kDifference  s = |S1 - g S2| / sqrt(V1 + g^2 V2),  g = sqrt(<B1^2> / <B2^2>): the gain with
+//                which both see as much of the population's backgrounds B, which then cancel
+//   kRatio       s = |angle between a and b| / sqrt(1 / |a|^2 + 1 / |b|^2),  a = (S1 / sqrt(V1),
+//                S2 / sqrt(V2)) of the target, b of the other: where both ratios S1 / S2 differ
+//                little, their difference over its noise; no ratio of a signal that may be 0
+enum class Pairing { kNone, kDifference, kRatio };
+
+struct Candidate {
+  Passband one;
+  std::optional<Passband> other{};
+  double gain = 0;  // of a difference
+  double merit = 0;
+};
+
+[[nodiscard]] inline bool better(const Candidate& a, const Candidate& b) {
+  return a.merit > b.merit;
+}
+
+struct CandidateMerit {
+  Candidate of;
+  // One sigma of the merit: of the samples; with bounds and unseen light; with models and inputs.
+  // With what errors add to it on average: |S| of a small S is as large as its error.
+  double samples_stderr, numerical_error, total_error;
+  // Probability of being the best of those compared, and of being at least as good as the first:
+  // of numerical errors, and of all.
+  double best_numerical, best, as_good_numerical, as_good;
+  // The merit that these errors alone would have, of no contrast at all.
+  double errors_alone = 0;
+  // True if the merit is at least three times errors_alone (a range: that of errors three times as
+  // large); if not, the contrast is unknown.
+  bool known = true;
+  // Factor on the samples that would tell the candidate from the first (at two sigma); 0: it is
+  // told from the first, or is the first; infinite: no number of samples, since bounds and models
+  // remain.
+  double samples_to_tell = 0;
+  // A range beyond those that it is taken from: its errors are infinite; of the first, what follows
+  // from comparing with it is NaN.
+  bool extrapolated = false;
+};
+struct WindowChoice {
+  std::vector<CandidateMerit> candidate;  // compared with each other, the best first
+};
+
+struct NamedFilter {
+  std::string name;
+  ResponseTable transmittance;  // times the detector's response
+};
+
+class BandSearch {
+ public:
+  // An empty response is 1 over the whole band. INVALID_ARGUMENT: a response outside the stored
+  // band, a filter that lets nothing through, a ratio without another target, a difference of a
+  // population without background.
+  static absl::StatusOr<BandSearch> make(BandPopulation population, const Detector& detector,
+                                         Pairing pairing = Pairing::kNone,
+                                         std::span<const NamedFilter> filters = {});
+
+  // INVALID_ARGUMENT: a merit that this population has not, a range of rows at one range alone.
+  [[nodiscard]] absl::Status check(const MeritOf& merit) const;
+
+  // Limits of windows: those of the stored bins, and of the band.
+  [[nodiscard]] std::span<const double> edges_um() const {
+    return std::span(limit_um_).first(edges_);
+  }
+  [[nodiscard]] double step_um() const { return step_um_; }
+  [[nodiscard]] Passband filter(std::size_t index) const { return {0, edges_ + index}; }
+
+  [[nodiscard]] double lambda_min_um(Passband p) const;
+  [[nodiscard]] double lambda_max_um(Passband p) const;
+  // Name of a filter; empty: a window.
+  [[nodiscard]] std::string_view name(Passband p) const;
+  // The detector's response within a passband.
+  [[nodiscard]] ResponseTable response(Passband p) const;
+
+  // Returns the candidate with its gain and merit.
+  [[nodiscard]] Candidate candidate(const MeritOf& merit, Passband one,
+                                    std::optional<Passband> other = {}) const;
+
+  // Every window between two edges that is at least so wide; with a pairing every two of them that
+  // do not overlap. Where these are too many, edges are taken at a stride, and the best are moved
+  // edge by edge as long as that makes them better.
+  struct Found {
+    std::vector<Candidate> best;  // at most `most`, the best first
+    std::vector<Candidate> map;   // of each window the best that it is part of
+    std::size_t judged = 0, stride = 1;
+  };
+  [[nodiscard]] Found search(const MeritOf& merit, double least_width_um, std::size_t most) const;
+
+  [[nodiscard]] std::vector<double> snr(const Candidate& c) const;  // [row]
+  // Merit of the rows at one of the population's ranges alone.
+  [[nodiscard]] double merit_at(const MeritOf& merit, const Candidate& c, double range_m) const;
+  // The standard error that samples leave of the mean's merit, to first order. One passband only.
+  [[nodiscard]] double mean_stderr(Passband p) const;
+  // Fraction of the first passband's background that a difference leaves: rms over rows.
+  [[nodiscard]] double background_left(const Candidate& c) const;
+
+  // Candidates compared by drawing their errors:
+  // samples   by mode, the same draw for all rows of a view (they share its paths);
+  // bounds    uniform within them, models and inputs normal: one draw for all rows, spread over
+  //           wavelengths as |contrast| is, half of the variance level and half a slope. Of two
+  //           targets bounds err in opposite ways, models each for itself.
+  [[nodiscard]] WindowChoice compare(const MeritOf& merit,
+                                     std::span<const Candidate> candidates) const;
+
+  // The range at which a row's s falls to the threshold, between the ranges of the population, on a
+  // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere.
+  struct Detection {
+    std::size_t row;  // the first of its place
+    double weight;    // of all rows of the place
+    double range_m;
+  };
+  [[nodiscard]] std::vector<Detection> detection(const Candidate& c, double threshold) const;
+  // Returns true if a merit that is a range lies beyond the ranges from which it is taken.
+  [[nodiscard]] bool extrapolated(const MeritOf& merit, const Candidate& c) const;
+
+  [[nodiscard]] const BandPopulation& population() const { return population_; }
+  [[nodiscard]] Pairing pairing() const { return pairing_; }
+
+ private:
+  // Integrals of a target's rows from the band's first edge to each edge, and of each filter: the
+  // integral over a passband is [last] - [first]. All per R^2.
+  using ByLimit = std::vector<std::vector<double>>;  // [limit][row]
+  struct Cumulated {
+    ByLimit signal, rest, shape, slope;
+    std::vector<std::vector<std::vector<double>>> mode;  // [row][mode][limit]
+    std::vector<double> whole_shape;                     // [row], of all windows
+  };
+  struct Errors {  // of the signals of both targets in both passbands
+    std::array<double, 2> target{}, against{};
+    Errors operator*(double factor) const {
+      return {{target[0] * factor, target[1] * factor}, {against[0] * factor, against[1] * factor}};
+    }
+  };
+  static double of(const ByLimit& by_limit, Passband p, std::size_t row) {
+    return by_limit[p.last][row] - by_limit[p.first][row];
+  }
+  // One row at all its ranges, the nearest first.
+  struct Place {
+    std::size_t first_row;
+    double weight;
+    std::vector<std::pair<double, std::size_t>> row;  // range, row
+  };
+  // Beyond its ranges s goes on along the last line, or the first, but at least as 1 / R^2.
+  [[nodiscard]] static double range_reached(const Place& place, double threshold,
+                                            std::span<const double> snr);
+  [[nodiscard]] double merit_of_rows(const MeritOf& merit, std::span<const double> snr) const;
+  // signals: 1, or 0 of the errors alone.
+  [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error,
+                              double signals = 1) const;
+  struct Draws;
+  [[nodiscard]] std::size_t most_modes() const;  // of a row
+  [[nodiscard]] std::vector<Draws> draw_errors(const MeritOf& merit,
+                                               std::span<const Candidate> candidates) const;
+  [[nodiscard]] double gain(Passband one, Passband other) const;
+  void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
+                    Found& out) const;
+  void climb(const MeritOf& merit, double least_width_um, std::size_t most, Found& out) const;
+
+  BandPopulation population_;
+  std::vector<double> weight_;  // [row]
+  std::vector<Place> place_;
+  DetectorIntegrals detector_;
+  Detector whole_;
+  Pairing pairing_ = Pairing::kNone;
+  std::vector<NamedFilter> filter_;
+  std::vector<double> limit_um_;  // edges
+  std::size_t edges_ = 0;
+  double step_um_ = 0,
+         ratio_ = 1;  // the most that the detector's signal has of the band's response
+  Cumulated target_, against_;
+  ByLimit photons_, background_;
+  std::vector<std::vector<double>> gram_;  // [limit][limit] <B B>
+};
+
+}  // namespace irsig

@@ -1,0 +1,68 @@
+#include "view/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace irsig {
+namespace {
+
+absl::Status failed(const std::string& path, int error) {
+  const std::string text = fmt::format("cannot write {}: {}", path, std::strerror(error));
+  // A folder that is not there or is not ours is the user's to mend; a full disk is not.
+  if (error == ENOENT || error == EACCES || error == EPERM || error == ENOTDIR || error == EISDIR ||
+      error == EROFS || error == ENAMETOOLONG || error == ELOOP)
+    return absl::InvalidArgumentError(text);
+  return absl::UnavailableError(text);
+}
+
+// Hours of computing are not replaced by a table.
+bool is_database(const std::string& path) {
+  constexpr std::string_view kMagic = "SQLite format 3";
+  std::string head(kMagic.size(), '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return file && head == kMagic;
+}
+
+}  // namespace
+
+absl::Status replace_file(const std::string& path,
+                          const std::function<absl::Status(const std::string&)>& write) {
+  std::error_code unknown;  // then opening says why
+  if (std::filesystem::is_directory(path, unknown)) return failed(path, EISDIR);
+  if (is_database(path))
+    return absl::InvalidArgumentError(
+        fmt::format("cannot write {}: it is a database, expected another name", path));
+  const std::string beside = fmt::format("{}.{}.partial", path, ::getpid());
+  const int fd = ::open(beside.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) return failed(path, errno);
+  ::close(fd);
+  absl::Status status = write(beside);
+  if (status.ok() && std::rename(beside.c_str(), path.c_str()) != 0) status = failed(path, errno);
+  if (!status.ok()) std::remove(beside.c_str());
+  return status;
+}
+
+absl::Status replace_file(const std::string& path, std::string_view bytes) {
+  return replace_file(path, [&](const std::string& beside) -> absl::Status {
+    errno = 0;
+    std::ofstream file(beside, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) return write_failure(path);
+    return absl::OkStatus();
+  });
+}
+
+absl::Status write_failure(const std::string& path) {
+  return failed(path, errno != 0 ? errno : EIO);
+}
+
+}  // namespace irsig

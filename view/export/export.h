@@ -1,0 +1,61 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "schema/store/reader.h"
+#include "view/query/query.h"
+
+namespace irsig {
+
+// Form of spectra in a table.
+enum class TableSpectra {
+  kNone,  // a line for each signature, in-band
+  kLong,  // a line for each wavelength
+  kWide   // a line for each signature, and a column for each wavelength of the quantity's spectrum
+};
+
+struct ExportAsked {
+  Query query;
+  TableSpectra spectra = TableSpectra::kNone;  // of csv
+  ExtentOf extent_of = {};                     // where rows are moved: query.range_m
+};
+
+// Writes what a query selects to a file, completely or not at all. Memory does not grow with the
+// number of rows but for netcdf (4 kB a row, and its spectrum if it is moved).
+//   csv      the columns of `irsig query --format csv --causes`, one line per signature; or with
+//            spectra. Of several sweeps, too
+//   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day (time, if
+//            there is one season, or one has several dates), band, part, and bin (of the band's
+//            wavelengths, which are lambda_um(band, bin)), and range_m if rows are moved to other
+//            ranges; scalars, causes, parts, spectra with the bins' limits, response and weights;
+//            instant, sun, weather and warnings by condition. Of several sweeps each is a group.
+//            What is not there (yet) is NaN.
+//   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
+//            one band's wavelengths, a spectrum and its name for each signature
+//   tsf      STK's target signature file: the source spectra of one sweep, season, band and range,
+//            by time and direction
+// NOT_FOUND: nothing matches.
+[[nodiscard]] absl::Status export_file(StoreReader& reader, const ExportAsked& asked,
+                                       std::string_view format, const std::string& path);
+
+// Writes the CSV of export_file() to a stream.
+[[nodiscard]] absl::Status export_csv(StoreReader& reader, const ExportAsked& asked,
+                                      std::ostream& out);
+
+// The netCDF writer: rows that are not interpolated, not empty.
+[[nodiscard]] absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
+                                        const std::string& path);
+
+// Writes an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.
+[[nodiscard]] absl::Status write_envi(StoreReader& reader, QueryRows& rows,
+                                      SignatureQuantity quantity, const std::string& path);
+// Writes a target signature file. INVALID_ARGUMENT: rows of more than one sweep, season, band or
+// range, or two of one time and direction.
+[[nodiscard]] absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& path);
+// Returns "ship.hdr" for "ship.sli".
+[[nodiscard]] std::string envi_header_of(const std::string& path);
+
+}  // namespace irsig

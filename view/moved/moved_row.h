@@ -1,0 +1,27 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "schema/result.pb.h"
+#include "schema/store/rows.h"
+#include "view/moved/arriving_reflected.h"
+#include "view/moved/shape_change.h"
+#include "view/moved/sight_line.h"
+
+namespace irsig {
+
+struct MovedRow {
+  StoredSignature signature;
+  schema::Spectrum spectrum;
+  double range_bound_w_sr;  // part of apparent_numerical_error_w_sr: all that moving added to it
+};
+
+// Returns a stored row as it would be seen from another range: the formula and the errors of
+// range_change.h. from, to: the row's lines of sight at both ranges; spread: of these
+// (arriving_reflected.h); shape: what perspective changes.
+[[nodiscard]] absl::StatusOr<MovedRow> moved_row(const StoredSignature& row,
+                                                 const schema::Spectrum& spectrum,
+                                                 const SightLine& from, const SightLine& to,
+                                                 const ReflectedSpread& spread,
+                                                 const ShapeChange& shape);
+
+}  // namespace irsig

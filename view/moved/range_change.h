@@ -1,0 +1,76 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geo/frames.h"
+#include "view/rows/query_row.h"
+
+namespace irsig {
+
+// Returns the extent of a target from its vertices in the body frame, whose origin is the reference
+// point.
+[[nodiscard]] TargetExtent target_extent(std::span<const Vec<Body>> vertex);
+
+// The largest relative change of what a target subtends when its sensor moves from one range to
+// another on the same line: of a point that lies z towards the sensor, range^2 x solid angle goes
+// as (1 - z / range)^-2, with |z| <= reach.                            [1]
+[[nodiscard]] double perspective_bound(double from_range_m, double to_range_m, double reach_m);
+
+// Computes rows as they would be seen from another range on the same aspect, without tracing. The
+// environment of the stored sweep is evaluated anew at both ranges, and the mesh of the target is
+// projected from both (silhouette.h):
+//
+//   I(R) = t [s I(R0) + sum over causes c of I_c (a_c(R) - s a_c(R0))] + A (g P(R) - t s P(R0))
+//   C(R) = t [s C(R0) + the same sum] - A (g B(R) - t s B(R0))
+//
+// a_c: the fraction of a cause that arrives; P: the path's radiance; A: the stored projected area;
+// s = transmittance(R) / transmittance(R0); g, t: the ratios of the silhouette's area and of the
+// target's light (shape_change.h). B is the mean radiance behind the silhouette as each range sees
+// it: the fraction of the silhouette before each direction times what arrives from there, so that a
+// farther sensor at the same aspect sees more sea behind a ship. A row at its own range keeps its
+// values and its errors.
+//
+// Standard errors are upper bounds: the causes' errors are taken as fully correlated. The numerical
+// error also gets: for unevenly bright parts, how much their facets change against each other, and
+// parts that come into view (shape_change.h); fractions of the silhouette, by half as many rows;
+// the background between its directions; for reflected sky and sea, how far the directions differ
+// in what of them arrives, and by how much that may be off between elevations
+// (arriving_reflected.h); what the formula without s misses at the stored range, as far as the
+// transmittance changes. Without the mesh (TargetExtent::shape is null) the perspective bound
+// replaces g and t, and the whole silhouette may stand before sky or sea if the horizon is within
+// the target's reach. Not covered: lobes narrower than the target is seen from either range.
+//
+// INVALID_ARGUMENT: a range that is not positive, below 20 target lengths (asked for or stored) or
+// beyond 1e9 m, a line of sight that the environment does not have (environment.h);
+// FAILED_PRECONDITION: a row that an older irsig or an earlier version of the sweep left, whose air
+// is not known; a target of which the Earth hides a part (elevations below the horizontal), or
+// which shows more than twice the area from one range than from the other.
+//
+// The air of a sweep's band is made once, for all rows: what many rows are moved with, some at a
+// time.
+class RangeChanger {
+ public:
+  // extent_of: needed as soon as a row is moved.
+  RangeChanger(StoreReader& reader, std::vector<double> ranges_m, ExtentOf extent_of);
+  ~RangeChanger();
+  RangeChanger(const RangeChanger&) = delete;
+  RangeChanger& operator=(const RangeChanger&) = delete;
+
+  // Each row at each of the ranges, in the order of rows, then of ranges.
+  [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> moved(const std::vector<QueryRow>& rows);
+
+ private:
+  struct Air;
+  absl::StatusOr<Air*> air_of(const StoredSignature& any);
+  StoreReader& reader_;
+  std::vector<double> ranges_m_;
+  ExtentOf extent_of_;
+  std::map<std::pair<std::string, std::string>, std::unique_ptr<Air>> air_;  // sweep, band
+};
+
+}  // namespace irsig

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include "view/moved/silhouette.h"
+
+namespace irsig {
+
+// Effect of perspective on a target that is seen from another range on the same aspect.
+struct ShapeChange {
+  double area_ratio = 1;    // of the silhouette
+  double target_ratio = 1;  // of the light that leaves the target for the sensor
+  // Relative bounds on both.
+  double area_bound = 0, target_bound = 0;
+};
+
+// Light of each part of one stored row. In-band numbers.
+struct PartLight {
+  double intensity_w_sr;
+  // The radiance of a blackbody at the part's stated temperature [W/(m2 sr)]; NaN: none is stated.
+  double blackbody_w_m2_sr;
+  // Fraction of its light that may be spread unevenly over it: 0 for black surfaces of one
+  // temperature.
+  double uneven;
+};
+
+// One viewpoint at two ranges: all that does not depend on the row.
+class ShapeAtRanges {
+ public:
+  ShapeAtRanges(const TargetShape& shape, const Viewpoint& from, double to_range_m, bool waterline,
+                const Silhouette& before, const Silhouette& after);
+
+  // Each part keeps its own radiance, so that its light goes as its visible area:
+  //
+  //   ratio = g + sum over parts p of (L_p - L) (A_p(R) - g A_p(R0)) / I(R0),  g = A(R) / A(R0)
+  //
+  // with L the mean radiance. Bounds: the light of a part that lies unevenly, times how much its
+  // facets change against each other; parts that the stored viewpoint does not see; cells of the
+  // raster that finds A_p.
+  [[nodiscard]] ShapeChange of(const std::vector<PartLight>& part) const;
+
+ private:
+  double before_m2_, after_m2_, ratio_, area_bound_;
+  std::vector<double> change_;          // [part] facet_changes
+  PartAreas before_part_, after_part_;  // empty: one part
+};
+
+}  // namespace irsig

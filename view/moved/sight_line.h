@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/environment/environment.h"
+#include "core/spectral/band.h"
+#include "view/moved/silhouette.h"
+
+namespace irsig {
+
+// Factors on a signature's parts by cause on their way to the sensor, for one line of sight, one
+// condition and one band, on the band's stored wavelengths.
+struct SightLine {
+  // Causes in the order of the stored spectra: emitted, sun, sky, sea and parts reflected.
+  static constexpr std::size_t kCauses = 5;
+  static constexpr std::array<std::size_t, 2> kReflected = {2, 3};  // from around: sky, sea
+  using Values = std::vector<double>;                               // [stored wavelength]
+
+  // Integrals over each bin. With the weights of a bin's mean: means; with those of the in-band
+  // integral: what the bin adds to it, so that sums over bins are in-band.
+  struct Integrals {
+    std::array<Values, kCauses> arriving;  // share of each cause's radiance that arrives
+    Values width, transmittance, path_radiance;
+    // Mean radiance from behind the silhouette, as it arrives, and bounds on it: of the fractions
+    // of the silhouette before each direction, and between the directions.
+    Values behind, background_fraction_bound, background_between_bound;
+    Values model_error_transmittance, model_error_path_radiance;  // empty: none
+  };
+  Integrals bin, band;
+
+  // Share of the mean radiance of each direction of sky and sea that arrives,
+  // [side][direction x bin]; negative: no radiance comes from there.
+  std::array<Values, 2> directions;
+};
+
+// environment: on the band's nodes. nodes: to which environment.around refers. Reflected sky and
+// sea arrive as the mean over the solid angle of their side does: which directions a target mirrors
+// is no longer known.
+// before: the fractions of the silhouette before each node of environment.background_apparent.
+[[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
+                                   const BandGrid& grid, const Silhouette::Fractions& before);
+
+}  // namespace irsig

@@ -1,0 +1,481 @@
+#include "view/pictures/export_thumbnails.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_split.h"
+#include "core/base/status_macros.h"
+#include "schema/store/check_picture.h"
+#include "view/base/atomic_file.h"
+#include "view/base/progress.h"
+#include "view/base/table.h"
+
+namespace irsig {
+namespace {
+
+namespace fs = std::filesystem;
+using S = StoredSignature;
+
+// As many as one call of the painter gets: what is computed again after an end in between. Images
+// of 20 kB: 40 MB.
+constexpr std::size_t kAtOnce = 2000;
+
+struct Scale {
+  enum class Kind { kCommon, kOwn, kStated } kind = Kind::kCommon;
+  double black_w_m2_sr = 0, white_w_m2_sr = 0;
+};
+
+absl::StatusOr<Scale> parse_scale(const std::string& text) {
+  if (text == "common") return Scale{};
+  if (text == "own") return Scale{Scale::Kind::kOwn};
+  const std::vector<std::string> ends = absl::StrSplit(text, ',');
+  Scale out{Scale::Kind::kStated};
+  if (ends.size() == 2 && absl::SimpleAtod(ends[0], &out.black_w_m2_sr) &&
+      absl::SimpleAtod(ends[1], &out.white_w_m2_sr) && out.black_w_m2_sr < out.white_w_m2_sr &&
+      std::isfinite(out.black_w_m2_sr) && std::isfinite(out.white_w_m2_sr))
+    return out;
+  return absl::InvalidArgumentError(fmt::format(
+      "thumbnail scale {}: expected common, own, or BLACK,WHITE in W/(m2 sr) as 0,12.5", text));
+}
+
+using SweepBand = std::pair<std::string, std::string>;
+
+// How far an earlier call has come: a text of lines.
+struct Journal {
+  std::string asked;                  // of the question and of the rows
+  std::size_t seen = 0, painted = 0;  // rows
+  std::uint64_t labels_bytes = 0, images = 0;
+  std::map<SweepBand, double> hottest;  // of the rows seen
+
+  [[nodiscard]] std::string text() const {
+    std::string out = fmt::format("{}\n{} {} {} {} {}\n", asked, seen, painted, labels_bytes,
+                                  images, hottest.size());
+    for (const auto& [of, value] : hottest)
+      out += fmt::format("{}\n{}\n{:.17g}\n", of.first, of.second, value);
+    return out;
+  }
+  static std::optional<Journal> read(const std::string& path) {
+    std::ifstream file(path);
+    Journal out;
+    std::size_t scales = 0;
+    std::string line;
+    const auto rest = [&] { std::getline(file, line); };
+    if (!std::getline(file, out.asked)) return std::nullopt;
+    file >> out.seen >> out.painted >> out.labels_bytes >> out.images >> scales;
+    rest();
+    for (std::size_t i = 0; i < scales && file; ++i) {
+      SweepBand of;
+      std::getline(file, of.first);
+      std::getline(file, of.second);
+      file >> out.hottest[of];
+      rest();
+    }
+    if (!file) return std::nullopt;
+    return out;
+  }
+};
+
+absl::Status cannot(const std::string& path, const std::error_code& error) {
+  const std::string text = fmt::format("cannot make {}: {}", path, error.message());
+  return error == std::errc::no_space_on_device ? absl::ResourceExhaustedError(text)
+                                                : absl::InvalidArgumentError(text);
+}
+
+// One call at a time works in a folder.
+class FolderLock {
+ public:
+  static absl::StatusOr<std::unique_ptr<FolderLock>> take(const std::string& folder) {
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return cannot(folder, std::error_code(errno, std::generic_category()));
+    std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+      return absl::FailedPreconditionError(
+          fmt::format("{}: another irsig is writing this folder", folder));
+    return lock;
+  }
+  ~FolderLock() { ::close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
+  int descriptor_;
+};
+
+struct Image {
+  StoredSignature signature;
+  schema::Thumbnail thumbnail;
+};
+
+class ThumbnailFolder {
+ public:
+  ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, Scale scale,
+                  std::string folder, const ReadPictures& read)
+      : reader_(reader),
+        asked_(asked),
+        scale_(scale),
+        folder_(std::move(folder)),
+        partial_(folder_ + ".partial"),
+        read_(read) {}
+
+  absl::StatusOr<std::uint64_t> write() {
+    ASSIGN_OR_RETURN(const auto filter, filter_of(asked_.query));
+    ASSIGN_OR_RETURN(auto ids, reader_.find_ids(filter));
+    if (ids.empty()) {
+      RETURN_IF_ERROR(explain_nothing(reader_, filter));
+      return absl::NotFoundError("nothing to export: no signature matches the filters");
+    }
+    ids_ = std::move(ids);
+    RETURN_IF_ERROR(find_parts());
+    ASSIGN_OR_RETURN(const auto lock, begin());
+    absl::Status done = find_scale();
+    if (done.ok()) done = paint_all();
+    if (!done.ok()) {
+      if (never_) remove_partial();
+      return done;
+    }
+    std::error_code error;
+    if (journal_.images == 0) {
+      remove_partial();
+      return absl::NotFoundError(
+          "none of the signatures was computed with an image (output.thumbnail_px = 0)");
+    }
+    fs::remove(journal_path(), error);
+    fs::rename(partial_, folder_, error);
+    if (error) return cannot(folder_, error);
+    return journal_.images;
+  }
+
+ private:
+  [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
+  [[nodiscard]] std::string labels_path() const { return partial_ + "/labels.csv"; }
+
+  // Of a row whose picture cannot be: the same call would end there again, and another is refused.
+  absl::Status never(absl::Status why) {
+    never_ = true;
+    return why;
+  }
+
+  // What this wrote; a folder that holds more stays.
+  void remove_partial() const {
+    std::error_code error;
+    fs::remove_all(partial_ + "/images", error);
+    for (const std::string& path : {labels_path(), journal_path(), partial_})
+      fs::remove(path, error);
+  }
+
+  // In the order of sweeps and of their lists.
+  absl::Status find_parts() {
+    ASSIGN_OR_RETURN(const auto sweeps, reader_.contents());
+    for (const SweepContents& of : sweeps) {
+      if (!asked_.query.sweep.empty() && of.name != asked_.query.sweep) continue;
+      ASSIGN_OR_RETURN(const auto sweep, reader_.sweep(of.name));
+      for (const schema::Part& part : sweep.resolved.sweep().part())
+        if (std::find(parts_.begin(), parts_.end(), part.name()) == parts_.end())
+          parts_.push_back(part.name());
+      place_[of.name] = place_.size();
+      most_px_[of.name] = most_px_of(sweep.resolved.sweep());
+    }
+    return absl::OkStatus();
+  }
+
+  // Anew, or where an earlier call ended.
+  absl::StatusOr<std::unique_ptr<FolderLock>> begin() {
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(folder_, error)))
+      return absl::InvalidArgumentError(
+          fmt::format("{}: exists already, expected the name of a new folder", folder_));
+    fs::create_directory(partial_, error);
+    if (error) return cannot(partial_, error);
+    auto lock = FolderLock::take(partial_);
+    if (!lock.ok()) return lock;
+    fs::create_directory(partial_ + "/images", error);
+    if (error) return cannot(partial_ + "/images", error);
+    ASSIGN_OR_RETURN(const auto progress, reader_.progress());
+    std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+    const auto add = [&](std::uint64_t value) {
+      for (int byte = 0; byte < 8; ++byte, value >>= 8)
+        hash = (hash ^ (value & 255)) * 1099511628211u;
+    };
+    for (const std::int64_t id : ids_) add(static_cast<std::uint64_t>(id));
+    for (const SweepProgress& p : progress)
+      for (const char c : p.sweep_sha256) add(static_cast<unsigned char>(c));
+    journal_.asked = fmt::format("{} scale {}{}{}, {} rows {:016x}", asked_.said, asked_.scale,
+                                 asked_.exr ? " exr" : "", asked_.background ? " background" : "",
+                                 ids_.size(), hash);
+    if (!fs::exists(journal_path(), error)) {
+      fs::remove(labels_path(), error);
+      return lock;
+    }
+    auto earlier = Journal::read(journal_path());
+    if (!earlier || earlier->asked != journal_.asked)
+      return absl::InvalidArgumentError(fmt::format(
+          "{} is of another export: expected the same question again, or that it is removed",
+          partial_));
+    journal_ = *std::move(earlier);
+    fs::resize_file(labels_path(), journal_.labels_bytes, error);
+    if (error && journal_.labels_bytes > 0) return cannot(labels_path(), error);
+    return lock;
+  }
+
+  // Rows from..to that have an image.
+  absl::StatusOr<std::vector<Image>> images(std::size_t from, std::size_t to) {
+    ASSIGN_OR_RETURN(auto rows, reader_.read({ids_.data() + from, to - from}));
+    std::vector<Image> out;
+    for (StoredSignature& s : rows) {
+      ASSIGN_OR_RETURN(auto thumbnail, reader_.thumbnail(s.signature_id));
+      if (thumbnail.has_value()) out.push_back({std::move(s), *std::move(thumbnail)});
+    }
+    return out;
+  }
+
+  // Of the silhouette.
+  static double area_px(const Image& image) {
+    const double pixel_m = image.thumbnail.pixel_rad() * image.signature.range_m;
+    return image.signature.projected_area_m2 / (pixel_m * pixel_m);
+  }
+
+  absl::StatusOr<PictureTask> picture(const Image& image) {
+    const StoredSignature& s = image.signature;
+    const auto most_px = most_px_.find(s.sweep);
+    PictureTask out{.exr = image.thumbnail.exr(),
+                    .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels
+                                                                         : most_px->second};
+    if (!asked_.background) return out;
+    if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
+      return never(absl::FailedPreconditionError(fmt::format(
+          "row {} was computed without contrast, background and path: run the sweep again",
+          s.row)));
+    if (!std::isnan(s.plume_w_sr))
+      return never(absl::InvalidArgumentError(
+          fmt::format("row {} has hot gas, which lets part of the background through: its picture "
+                      "cannot be put before it",
+                      s.row)));
+    // So that the target's pixels add up to its apparent intensity.
+    const double arrives_w_sr =
+        s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
+    out.seen = PictureTask::Seen{
+        s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
+        s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, area_px(image)};
+    return out;
+  }
+
+  // Of the images' rows.
+  absl::StatusOr<std::vector<PictureAnswer>> painted(const std::vector<Image>& images,
+                                                     const std::vector<PictureTask>& pictures) {
+    ASSIGN_OR_RETURN(auto facts, read_(pictures));
+    if (facts.size() != pictures.size())
+      return absl::InternalError(
+          fmt::format("{} of {} images were painted", facts.size(), pictures.size()));
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if (facts[i].damage.empty()) continue;
+      const StoredSignature& s = images[i].signature;
+      return never(absl::DataLossError(fmt::format(
+          "the stored image of row {}{} ({}.png) is damaged: {}", s.row,
+          place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), facts[i].damage)));
+    }
+    return facts;
+  }
+
+  // Of all rows, before the first is painted.
+  absl::Status find_scale() {
+    if (scale_.kind != Scale::Kind::kCommon) return absl::OkStatus();
+    LoopProgress progress("images compared", ids_.size());
+    progress.step(journal_.seen);
+    while (journal_.seen < ids_.size()) {
+      const std::size_t to = std::min(ids_.size(), journal_.seen + kAtOnce);
+      ASSIGN_OR_RETURN(auto some, images(journal_.seen, to));
+      std::vector<PictureTask> pictures;
+      for (const Image& image : some) {
+        ASSIGN_OR_RETURN(auto one, picture(image));
+        pictures.push_back(std::move(one));
+      }
+      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const StoredSignature& s = some[i].signature;
+        double& hottest = journal_.hottest[{s.sweep, s.band}];
+        hottest = std::max(hottest, static_cast<double>(facts[i].hottest_w_m2_sr));
+      }
+      progress.step(to - journal_.seen);
+      journal_.seen = to;
+      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
+    }
+    return absl::OkStatus();
+  }
+
+  [[nodiscard]] std::string name_of(const StoredSignature& s) const {
+    return place_.size() > 1 ? fmt::format("images/{}-{:07}", place_.at(s.sweep) + 1, s.row)
+                             : fmt::format("images/{:07}", s.row);
+  }
+
+  absl::Status paint_all() {
+    LoopProgress progress("images written", ids_.size());
+    progress.step(journal_.painted);
+    while (journal_.painted < ids_.size()) {
+      const std::size_t to = std::min(ids_.size(), journal_.painted + kAtOnce);
+      ASSIGN_OR_RETURN(auto some, images(journal_.painted, to));
+      RETURN_IF_ERROR(paint_some(some));
+      progress.step(to - journal_.painted);
+      journal_.painted = to;
+      journal_.images += some.size();
+      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status paint_some(const std::vector<Image>& some) {
+    std::vector<PictureTask> pictures;
+    for (const Image& image : some) {
+      ASSIGN_OR_RETURN(auto one, picture(image));
+      const StoredSignature& s = image.signature;
+      if (asked_.exr)
+        RETURN_IF_ERROR(plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr()));
+      one.black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
+      one.white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
+                                                 ? journal_.hottest[{s.sweep, s.band}]
+                                                 : scale_.white_w_m2_sr);
+      pictures.push_back(std::move(one));
+    }
+    if (scale_.kind == Scale::Kind::kOwn) {
+      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
+      for (std::size_t i = 0; i < pictures.size(); ++i)
+        pictures[i].white_w_m2_sr = facts[i].hottest_w_m2_sr;
+    }
+    for (PictureTask& picture : pictures) picture.paint = true;
+    ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
+    for (std::size_t i = 0; i < some.size(); ++i)
+      RETURN_IF_ERROR(
+          plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", facts[i].png));
+    std::ostringstream lines;
+    RETURN_IF_ERROR(write_labels(some, pictures, facts, lines));
+    return append_labels(lines.str());
+  }
+
+  // In the folder that nobody reads yet.
+  static absl::Status plain_file(const std::string& path, const std::string& bytes) {
+    errno = 0;
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file << bytes;
+    file.close();
+    return file ? absl::OkStatus() : write_failure(path);
+  }
+
+  absl::Status append_labels(const std::string& table) {
+    // Every table has its heading; the file has the first's.
+    const std::size_t from = journal_.labels_bytes == 0 ? 0 : table.find('\n') + 1;
+    errno = 0;
+    std::ofstream file(labels_path(), std::ios::binary | std::ios::app);
+    file.write(table.data() + from, static_cast<std::streamsize>(table.size() - from));
+    file.close();
+    if (!file) return write_failure(labels_path());
+    journal_.labels_bytes += table.size() - from;
+    return absl::OkStatus();
+  }
+
+  absl::Status write_labels(const std::vector<Image>& some,
+                            const std::vector<PictureTask>& pictures,
+                            const std::vector<PictureAnswer>& facts, std::ostream& out) {
+    struct Number {
+      const char* name;
+      double S::*member;
+    };
+    static constexpr Number kAspect[] = {{"aspect_azimuth_deg", &S::aspect_azimuth_deg},
+                                         {"aspect_elevation_deg", &S::aspect_elevation_deg},
+                                         {"range_m", &S::range_m},
+                                         {"sun_azimuth_deg", &S::sun_azimuth_deg},
+                                         {"sun_zenith_deg", &S::sun_zenith_deg}};
+    static constexpr Number kValues[] = {
+        {"intensity_w_sr", &S::intensity_w_sr},
+        {"numerical_error_w_sr", &S::numerical_error_w_sr},
+        {"apparent_intensity_w_sr", &S::apparent_intensity_w_sr},
+        {"apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr},
+        {"contrast_intensity_w_sr", &S::contrast_intensity_w_sr},
+        {"contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr},
+        {"background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr},
+        {"projected_area_m2", &S::projected_area_m2}};
+    std::vector<Column> heads;
+    const auto head = [&](std::string name) { heads.push_back({std::move(name)}); };
+    for (const char* name : {"image", "sweep", "row", "season", "time_utc", "band"}) head(name);
+    for (const Number& n : kAspect) head(n.name);
+    for (const char* name :
+         {"width_px", "height_px", "pixel_rad", "black_w_m2_sr", "white_w_m2_sr", "target_area_px",
+          "target_px", "box_left_px", "box_top_px", "box_width_px", "box_height_px"})
+      head(name);
+    for (const Number& n : kValues) head(n.name);
+    for (const std::string& part : parts_) {
+      head(part + ":part_intensity_w_sr");
+      head(part + ":part_intensity_stderr_w_sr");
+    }
+    ASSIGN_OR_RETURN(auto table, make_table_writer("csv", heads, out));
+    const auto known = [](double v) { return std::isnan(v) ? Cell() : Cell(v); };
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const S& s = some[i].signature;
+      const schema::Thumbnail& t = some[i].thumbnail;
+      const PictureAnswer& f = facts[i];
+      std::vector<Cell> line{name_of(s) + ".png", s.sweep, s.row, s.season, s.time_utc, s.band};
+      for (const Number& n : kAspect) line.push_back(known(s.*n.member));
+      for (const std::uint32_t n : {t.width_px(), t.height_px()})
+        line.emplace_back(std::uint64_t{n});
+      const PictureTask& task = pictures[i];
+      for (const double v : {t.pixel_rad(), static_cast<double>(task.black_w_m2_sr),
+                             static_cast<double>(task.white_w_m2_sr), area_px(some[i])})
+        line.emplace_back(v);
+      for (const std::uint32_t n :
+           {f.shown_px, f.left_px, f.top_px, f.box_width_px, f.box_height_px})
+        line.emplace_back(std::uint64_t{n});
+      for (const Number& n : kValues) line.push_back(known(s.*n.member));
+      ASSIGN_OR_RETURN(const auto parts, reader_.parts(s.signature_id));
+      for (const std::string& name : parts_) {
+        const auto part = std::find_if(parts.begin(), parts.end(),
+                                       [&](const StoredPart& p) { return p.part == name; });
+        const bool there = part != parts.end();
+        line.push_back(there ? Cell(part->intensity_w_sr) : Cell());
+        line.push_back(there ? Cell(part->intensity_stderr_w_sr) : Cell());
+      }
+      table->row(line);
+    }
+    return table->finish();
+  }
+
+  StoreReader& reader_;
+  const ThumbnailsAsked& asked_;
+  const Scale scale_;
+  const std::string folder_, partial_;
+  const ReadPictures& read_;
+  std::vector<std::int64_t> ids_;
+  std::vector<std::string> parts_;
+  std::map<std::string, std::size_t> place_;      // of sweeps
+  std::map<std::string, std::uint32_t> most_px_;  // of their images
+  Journal journal_;
+  bool never_ = false;  // whether going on would end where this call does
+};
+
+}  // namespace
+
+absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const ThumbnailsAsked& asked,
+                                                const std::string& folder,
+                                                const ReadPictures& read) {
+  if (asked.query.interpolate)
+    return absl::InvalidArgumentError("thumbnails: images are not interpolated, use nearest");
+  if (!asked.query.range_m.empty())
+    return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
+  ASSIGN_OR_RETURN(const auto scale, parse_scale(asked.scale));
+  std::string path = folder;
+  while (path.size() > 1 && path.ends_with('/')) path.pop_back();
+  return ThumbnailFolder(reader, asked, scale, path, read).write();
+}
+
+}  // namespace irsig

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "view/pictures/thumbnail.h"
+#include "view/query/query.h"
+
+namespace irsig {
+
+struct ThumbnailsAsked {
+  Query query;
+  // "common": from 0 to the hottest pixel of all of them in the same sweep and band; "own": each
+  // to its own; or "BLACK,WHITE" [W/(m2 sr)].
+  std::string scale = "common";
+  bool exr = false;         // beside each picture, as stored
+  bool background = false;  // pictures as the sensor has them, before the row's background
+  std::string said;         // the question, for who resumes
+};
+
+// A folder of the stored images of all rows that a query selects: labels.csv, one line for each
+// (the columns are in docs/reference/export.md), and images/ with its pictures. The folder appears
+// when it is complete. Until then it is FOLDER.partial, which the same call goes on with after an
+// end of any kind; INVALID_ARGUMENT if that one is of another question, or the folder is there.
+// Rows without an image are left out. NOT_FOUND: none has one. What going on cannot mend leaves no
+// folder: DATA_LOSS, an image is damaged; INVALID_ARGUMENT and FAILED_PRECONDITION, rows that
+// cannot be put before a background. The number of images.
+[[nodiscard]] absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader,
+                                                              const ThumbnailsAsked& asked,
+                                                              const std::string& folder,
+                                                              const ReadPictures& read);
+
+}  // namespace irsig

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/image/apart/picture_subprocess.h"
+#include "view/query/query.h"
+
+namespace irsig {
+
+// Answers of each, in their order. Given by who has a program that reads EXR.
+using ReadPictures =
+    std::function<absl::StatusOr<std::vector<PictureAnswer>>(const std::vector<PictureTask>&)>;
+
+// The longest side that an image of a sweep may have: what it asked for, or, where an older irsig
+// did not store that, what any sweep may ask for.
+[[nodiscard]] std::uint32_t most_px_of(const schema::Sweep& sweep);
+// Returns the limit for a row; for a row of an earlier version of its sweep, the limit of any
+// sweep.
+[[nodiscard]] absl::StatusOr<std::uint32_t> most_px_of(StoreReader& reader,
+                                                       const StoredSignature& row);
+
+// The stored image of the only row. INVALID_ARGUMENT: no row, an interpolated one, or several (they
+// are listed); NOT_FOUND: stored without image.
+[[nodiscard]] absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
+                                                                 const std::vector<QueryRow>& rows);
+
+// Writes the stored image of the only row to a file; its ending (.png or .exr) says which.
+// INVALID_ARGUMENT: another ending; those of stored_thumbnail. DATA_LOSS: the image is damaged.
+//   scale  of a .png: "" (the image as stored: 0 to its own hottest pixel), "common" (0 to the
+//          hottest pixel of all images of its sweep and band) or "BLACK,WHITE" in W/(m2 sr); needs
+//          `read`
+[[nodiscard]] absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& rows,
+                                           const std::string& path, const std::string& scale = "",
+                                           const ReadPictures& read = {});
+
+}  // namespace irsig

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "view/query/query.h"
+
+namespace irsig {
+
+// The signatures of the same sweep, season, time, band and range, seen from one aspect.
+struct SignatureField {
+  std::vector<StoredSignature> signature;  // one for each direction
+  SphereSamples samples;                   // of one quantity, in the same order
+};
+
+// Signatures sorted into fields, in order of appearance. Of viewpoints that share a direction (the
+// zenith of a grid) the first one stands for all.
+[[nodiscard]] std::vector<SignatureField> fields_of(
+    const std::vector<StoredSignature>& signatures,
+    SignatureQuantity quantity = SignatureQuantity::kIntensity);
+
+// One row for each field, at an aspect.
+[[nodiscard]] absl::StatusOr<std::vector<QueryRow>> interpolate_rows(
+    const std::vector<StoredSignature>& signatures, SignatureFilter::Direction aspect);
+
+[[nodiscard]] FieldKind kind_of(SignatureQuantity quantity);
+
+// A quantity at a fit: never negative where no sample is (what is cut off is added to the error),
+// unless the field is signed.
+[[nodiscard]] SphereEstimate estimate_of(FieldKind kind, const SphereFit& fit,
+                                         const std::vector<double>& value,
+                                         const std::vector<double>& value_stderr);
+
+}  // namespace irsig

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/reader.h"
+#include "view/rows/query_row.h"
+#include "view/rows/signature_quantity.h"
+
+namespace irsig {
+
+// A user's query of a database; an empty string means "any".
+struct Query {
+  // {}: so that a designated initializer may name some of the fields.
+  std::string sweep{}, season{}, band{};
+  std::string time{};                                  // RFC 3339 with any offset
+  std::optional<SignatureFilter::Direction> aspect{};  // with exactly one of the next three
+  std::uint32_t nearest = 0;
+  std::optional<double> within_deg{};
+  bool interpolate = false;
+  std::optional<std::uint64_t> row{};
+  // The quantity of the query: max_relative_error, people's tables and plots refer to it.
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;
+  std::optional<double> max_relative_error{};  // of the numerical error, interpolation included
+  std::optional<double> at_range_m{};          // viewpoints of this range alone
+  std::vector<double> range_m{};               // as seen from each of these: range_change.h
+};
+
+// Returns the filter of a query that neither interpolates nor moves rows. INVALID_ARGUMENT: as
+// below.
+[[nodiscard]] absl::StatusOr<SignatureFilter> filter_of(const Query& query);
+
+// Why a filter selects nothing: NOT_FOUND, if a name, range or row is unknown.
+[[nodiscard]] absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& filter);
+
+// Errors: INVALID_ARGUMENT for contradictory or malformed questions, NOT_FOUND for a sweep, season,
+// band or row that does not exist (the message lists the known ones), OUT_OF_RANGE for an aspect
+// that the viewpoints do not cover; those of at_range. No match: no rows.
+//   extent_of  needed for query.range_m alone; of a row at several ranges they follow each other
+[[nodiscard]] absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader,
+                                                              const Query& query,
+                                                              const ExtentOf& extent_of = {});
+
+// At most so many of the rows, as if drawn at random; the same ones each time.
+struct SomeRows {
+  std::vector<QueryRow> rows;  // each at all of query.range_m
+  std::size_t matching;        // stored rows
+};
+[[nodiscard]] absl::StatusOr<SomeRows> run_query_of_some(StoreReader& reader, const Query& query,
+                                                         std::size_t at_most,
+                                                         const ExtentOf& extent_of = {});
+
+class RangeChanger;
+
+// The rows of a query in batches, for streaming large results: memory does not grow with their
+// number. (Interpolated rows come all at once.) The reader outlives it.
+class QueryRows {
+ public:
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<QueryRows>> open(
+      StoreReader& reader, const Query& query, const ExtentOf& extent_of = {});
+  virtual ~QueryRows() = default;
+
+  // Number of stored rows that are read, each as many times as there are ranges; some of them may
+  // be left out because of their error.
+  [[nodiscard]] virtual std::size_t count() const = 0;
+  // Returns the next rows; empty if there are no more. ABORTED: rows were replaced meanwhile.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<QueryRow>> next() = 0;
+};
+
+// Returns notes for a person: warnings of the rows' conditions, rows that an older irsig stored
+// without contrast and background.
+[[nodiscard]] std::vector<std::string> notes_on(const std::vector<QueryRow>& rows);
+
+// Returns a note if the nearest viewpoints are far from the requested aspect, or if the viewpoints
+// of an interpolation are all above or all below it; empty: neither.
+[[nodiscard]] std::string far_note(const std::vector<QueryRow>& rows, const Query& query);
+
+struct RowSpectrum {
+  schema::Spectrum spectrum;
+  std::vector<double>
+      spectral_interpolation_error_w_sr_um;  // of the source spectrum; empty: not interpolated
+};
+struct RowPart {
+  StoredPart part;
+  double interpolation_error_w_sr;  // 0: not interpolated
+};
+
+// The spectrum and the parts of a row; of an interpolated one with the row's own weights, so that
+// they add up to it.
+[[nodiscard]] absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row);
+[[nodiscard]] absl::StatusOr<std::vector<RowPart>> parts_of(StoreReader& reader,
+                                                            const QueryRow& row);
+
+}  // namespace irsig

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <ostream>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "view/base/table.h"
+#include "view/query/band_sum.h"
+#include "view/query/query.h"
+
+namespace irsig {
+
+struct QueryContent {
+  bool spectrum = false;  // one line per wavelength
+  bool wide = false;      // one column per wavelength of the quantity's spectrum; not with these
+  bool parts = false;     // one line per part; not together with spectrum
+  bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;  // what people are shown
+};
+
+// Values of a spectrum and what the csv format calls them.
+struct SpectralColumn {
+  const char* name;
+  const google::protobuf::RepeatedField<float>& (schema::Spectrum::*values)() const;
+};
+// The source intensity by cause, each followed by its standard error.
+[[nodiscard]] std::span<const SpectralColumn> spectral_causes();
+
+// Into the order of a column's values; rows without one come last. INVALID_ARGUMENT: no such
+// column.
+[[nodiscard]] absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column,
+                                     bool descending);
+
+// Rows on their way into a table, of which there may be many.
+class RowTable {
+ public:
+  // first: some of the rows; which columns there are, and those for people, go by them.
+  // INVALID_ARGUMENT: contents that do not go together.
+  [[nodiscard]] static absl::StatusOr<RowTable> make(StoreReader& reader,
+                                                     const std::vector<QueryRow>& first,
+                                                     const QueryContent& content,
+                                                     std::string_view format, std::ostream& out);
+  RowTable(RowTable&&) noexcept;
+  RowTable& operator=(RowTable&&) noexcept;
+  ~RowTable();
+  [[nodiscard]] absl::Status write(const QueryRow& row);
+  [[nodiscard]] absl::Status finish();
+
+ private:
+  struct Parts;
+  explicit RowTable(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+// Writes rows in a format of table.h. The columns start with those that scripts rely on (docs:
+// `irsig query --help`).
+[[nodiscard]] absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
+                                      const QueryContent& content, std::string_view format,
+                                      std::ostream& out);
+
+// Rows under a response of the user's own, one line each. sum: [row]
+[[nodiscard]] absl::Status write_in_band(const std::vector<QueryRow>& rows,
+                                         const std::vector<InBand>& sum, SignatureQuantity quantity,
+                                         std::string_view format, std::ostream& out);
+
+}  // namespace irsig

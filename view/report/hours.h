@@ -1,0 +1,67 @@
+#pragma once
+
+#include <optional>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/reader.h"
+#include "view/query/query.h"
+
+namespace irsig {
+
+// A place on the axis of hours. A season whose times span more than 24 h has several days, each
+// named by its date.
+struct HourOfDay {
+  std::string day;  // "winter", "winter 2025-01-29"
+  double hour;  // since the midnight of the season's middle time; below 0 or above 24: beyond it
+};
+
+struct HourlyValue {
+  HourOfDay at;
+  QueryRow row;
+};
+struct HourlyTemperature {
+  HourOfDay at;
+  StoredTemperature part;
+};
+
+// Conditions behind a wall by a build-up's schedule.
+struct HourlyInside {
+  HourOfDay at;
+  std::string season, build_up;
+  double unix_s;
+  double value;    // K, or W/m2 into the wall
+  bool heat_flux;  // which of them
+};
+
+// Stored and computed values of one viewpoint of a sweep through the hours of its days.
+struct Hours {
+  std::string sweep;
+  SignatureQuantity quantity;
+  // Local mean solar time minus UTC: longitude / 15 deg; nullopt: the sweep has no place, hours are
+  // of UTC.
+  std::optional<double> solar_offset_h;
+  std::vector<HourlyValue> value;              // by day, band and hour
+  std::vector<HourlyTemperature> temperature;  // computed ones, by day, part and hour
+  // Conditions behind the walls of these parts, from a day's first of these hours to its last, by
+  // day, build-up and hour: at both ends and where the schedule bends; where it jumps, twice.
+  std::vector<HourlyInside> inside = {};
+};
+
+// Errors: those of run_query; NOT_FOUND: nothing matches; INVALID_ARGUMENT: several viewpoints or
+// sweeps, no day with two times; FAILED_PRECONDITION: query.quantity was not stored.
+[[nodiscard]] absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query);
+
+// A panel for each day's temperatures (mean of a part's facets, from the coldest to the hottest,
+// and scheduled ones behind walls), where there are any, one for its scheduled heat into walls, and
+// one for each band's values (+-2 numerical errors), one curve per day. A complete SVG document.
+[[nodiscard]] std::string plot_hours(const Hours& hours);
+
+// Writes the numbers of plot_hours(), one line each, in a format of table.h.
+[[nodiscard]] absl::Status write_hours(const Hours& hours, std::string_view format,
+                                       std::ostream& out);
+
+}  // namespace irsig

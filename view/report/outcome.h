@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/job.pb.h"
+#include "schema/store/reader.h"
+#include "view/query/query.h"
+
+namespace irsig {
+
+// Returns the requested accuracy of a sweep and the stop reasons of its rows: "1051 of 1146 rows
+// reach 0.2 %, 95 only the floor of 0.05 K (floor_reached)". Empty where every row reaches the
+// relative error, or none was asked for.
+[[nodiscard]] std::string stopped_text(const StoredOutcome& outcome,
+                                       const schema::Accuracy& accuracy);
+
+// A warning of views that were seen from behind in part, with the remedy. Empty: none.
+[[nodiscard]] std::string backface_text(const StoredOutcome& outcome);
+
+// Returns the origin of a slice, one line: "sliced from a.sigdb: 12 of 48 rows, --season winter;
+// sweep <sha256>".
+[[nodiscard]] std::string slice_text(const schema::Slice& slice);
+
+// Returns the number of a query's rows that stopped at their sweep's floor. [K]
+[[nodiscard]] absl::StatusOr<std::vector<std::string>> floor_notes(
+    StoreReader& reader, const std::vector<QueryRow>& rows);
+
+}  // namespace irsig

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geo/frames.h"
+#include "view/rows/convex_bounds.h"
+
+namespace irsig {
+
+// A scalar known at scattered directions on the sphere (all at the same range).
+struct SphereSamples {
+  std::vector<Vec<Body>> direction;  // unit vectors target -> sensor, no two alike
+  std::vector<double> value;
+  std::vector<double> value_stderr;  // one sigma, same unit as value
+};
+
+// Covariance of the field as a function of the chord between two directions: Matern with smoothness
+// 3/2 or 5/2.
+struct SphereKernel {
+  bool twice_differentiable;
+  double length;  // chord on the unit sphere
+};
+
+// Possible variation of a field between its samples.
+enum class FieldKind {
+  kFacets,        // facets of a body add to it, none takes away: intensity, area, a part, a cause
+  kSignedFacets,  // some facets take away: contrast
+  kSmooth,        // no facets: radiance of the background, transmittance
+};
+
+struct SphereEstimate {
+  double value;
+  double value_stderr;         // of the samples, propagated through the weights
+  double interpolation_error;  // one sigma, of both below; 0 at a sample
+  double rough_error;          // what the samples' own scatter shows
+  double hidden_error;         // what facets hide between samples, whatever the scatter is
+};
+
+// Interpolation at one direction, by ordinary kriging on the nearest samples: the weights depend on
+// directions, standard errors and kernel only, so that they can be applied to any quantity known at
+// the same directions (spectra, parts).
+//
+//   value = m + k' C^-1 (v - m 1)                                 [rasmussen2006, eq. 2.25, 2.42]
+//   error = s sqrt(1 - k' C^-1 k + (1 - 1' C^-1 k)^2 / 1' C^-1 1 - w' diag(stderr^2) w / s^2)
+//
+// with C = K + diag(stderr^2) / s^2 and s from the samples' own scatter; the error is multiplied by
+// the rms of the standardized leave-one-out residuals of the 12 nearest samples, or by the largest
+// of the 6 nearest, where that exceeds 1. Of a field that facets make, 0.4 of this error and the
+// bounds of convex_bounds.h, which count as three standard errors, are the stated error; or all of
+// it and the bounds of an even field where the samples contradict a convex body. Samples at equal
+// steps can meet all facets of a regular body alike, and their scatter is then 0.
+//
+// Accuracy: calibrated on closed forms of convex bodies, on rings, grids, Fibonacci and clustered
+// sets (tests/honesty/between_viewpoints_test.cpp; table in docs/evidence/stability.md).
+// Limits: features narrower than the spacing that are not facets of a convex body (glints, gaps)
+// are seen neither by the value nor by its error.
+class SphereFit {
+ public:
+  // The kernel of greatest restricted likelihood (of at most 150 samples, taken evenly). At least 6
+  // samples.
+  static absl::StatusOr<SphereKernel> choose_kernel(const SphereSamples& samples);
+
+  // Interpolates at a direction; without a kernel, with the best one for the samples around
+  // `where`. OUT_OF_RANGE, with the reason, if `where` lies outside the directions that the samples
+  // cover: see `uncovered`.
+  static absl::StatusOr<SphereFit> at(const SphereSamples& samples, Vec<Body> where,
+                                      std::optional<SphereKernel> kernel = std::nullopt);
+
+  // The samples that take part, as indices into SphereSamples, nearest first, and their weights
+  // (their sum is 1).
+  [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
+  [[nodiscard]] const std::vector<double>& weight() const { return weight_; }
+
+  // rough_error^2 is proportional to this, which depends on directions, kernel and standard errors
+  // alone.
+  [[nodiscard]] double variance_factor() const { return variance_factor_; }
+  [[nodiscard]] const SphereKernel& kernel() const { return kernel_; }
+
+  // Value and error of a quantity; both vectors are in the order of used().
+  [[nodiscard]] SphereEstimate estimate(const std::vector<double>& value,
+                                        const std::vector<double>& value_stderr,
+                                        FieldKind kind) const;
+
+ private:
+  // Rms distance of an estimate from what facets leave open, and whether bounds tell so.
+  struct Hidden {
+    double distance;
+    bool is_bounded;
+  };
+  [[nodiscard]] double rough_error(const std::vector<double>& value) const;
+  [[nodiscard]] double distance_of_even_field(const std::vector<double>& value) const;
+  [[nodiscard]] Hidden hidden_at(double estimate, const std::vector<double>& value,
+                                 const std::vector<double>& value_stderr, FieldKind kind) const;
+
+  std::vector<std::size_t> used_;
+  std::vector<double> weight_;
+  std::vector<double> projector_;  // Q = C^-1 - C^-1 1 1' C^-1 / (1' C^-1 1), row-major
+  double variance_factor_ = 0;
+  SphereKernel kernel_{};
+  std::optional<ConvexBounds> bounds_;  // indices into used_
+};
+
+// The value alone, at many directions of one set of samples: one solve for all of them (pictures).
+class SphereSurface {
+ public:
+  static absl::StatusOr<SphereSurface> create(SphereSamples samples);
+  [[nodiscard]] double value(Vec<Body> where) const;
+
+ private:
+  SphereSamples samples_;
+  SphereKernel kernel_{};
+  double trend_ = 0;
+  std::vector<double> coefficient_;
+};
+
+// Why `where` cannot be interpolated from the samples, or an empty string. It can if samples
+// surround it, or if it lies at the edge: within 1.25 spacings of a sample and inside the
+// elevations that are covered (give or take a tenth of the spacing, or of the range of elevations
+// where that is less; none where all samples nearby are 0); and never further than 30 deg
+// from the nearest sample.
+[[nodiscard]] std::string uncovered(const SphereSamples& samples, Vec<Body> where);
+
+}  // namespace irsig

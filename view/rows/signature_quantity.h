@@ -1,0 +1,60 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/accuracy/measured.h"
+#include "schema/result.pb.h"
+#include "schema/store/filters.h"
+#include "schema/store/rows.h"
+
+namespace irsig {
+
+// A quantity of a signature that can be asked for, sorted by and drawn: where its numbers stand.
+struct QuantityColumns {
+  SignatureQuantity quantity;
+  const char* name;   // as asked for: "contrast_intensity"
+  const char* title;  // of a plot: "In-band contrast intensity"
+  const char* unit;   // "W/sr"
+  const char *value_name, *stderr_name, *error_name;
+  double StoredSignature::*value;
+  double StoredSignature::*value_stderr;
+  double StoredSignature::*numerical_error;  // the background radiance has its standard error alone
+  // One sigma that uncertain inputs leave; of the background radiance: none.
+  const char* input_name;
+  double StoredSignature::*input_uncertainty;
+  // The value with its bounds; null for the background radiance.
+  Measured (*measured)(const StoredSignature&);
+
+  using Values = google::protobuf::RepeatedField<float>;
+  const char* spectral_title;
+  const char* spectral_unit;
+  const Values& (schema::Spectrum::*spectral_value)() const;
+  const Values& (schema::Spectrum::*spectral_stderr)() const;
+
+  // Returns true if values below zero are meaningful (a target darker than its background).
+  [[nodiscard]] bool is_signed() const { return quantity == SignatureQuantity::kContrastIntensity; }
+};
+
+[[nodiscard]] const QuantityColumns& columns_of(SignatureQuantity quantity);
+
+// kNotComputed: the sweep states no uncertain inputs, or the quantity has none.
+[[nodiscard]] double input_uncertainty_of(const QuantityColumns& columns,
+                                          const StoredSignature& row);
+
+// intensity, apparent_intensity, contrast_intensity, background_radiance.
+[[nodiscard]] std::vector<std::string> quantity_names();
+// INVALID_ARGUMENT: none of these.
+[[nodiscard]] absl::StatusOr<SignatureQuantity> quantity_named(std::string_view name);
+
+// FAILED_PRECONDITION, saying what to do, if an older irsig stored one of the signatures without
+// this quantity.
+[[nodiscard]] absl::Status check_computed(const std::vector<StoredSignature>& signatures,
+                                          SignatureQuantity quantity);
+[[nodiscard]] absl::Status check_computed(std::span<const StoredValue> values,
+                                          SignatureQuantity quantity);
+
+}  // namespace irsig
