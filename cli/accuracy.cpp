@@ -200,7 +200,7 @@ void add_accuracy(CLI::App& app, int& exit_code) {
   command->add_option("--sweep", given->sweep, "The sweep's name, where a database holds several")
       ->type_name("NAME");
   CLI::Option* out =
-      command->add_option("--out", given->out, "Folder for the page, pictures and numbers")
+      command->add_option("-o,--out", given->out, "Folder for the page, pictures and numbers")
           ->type_name("DIR");
   command->add_option("--season", given->rows.season, "Season (default: the first)")
       ->type_name("NAME");

@@ -36,6 +36,7 @@ void add_ca(CLI::App& app, int& exit_code);
 void add_slice(CLI::App& app, int& exit_code);
 void add_merge(CLI::App& app, int& exit_code);
 void add_query(CLI::App& app, int& exit_code);
+void add_compare(CLI::App& app, int& exit_code);
 void add_bands(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);

@@ -45,7 +45,9 @@ FilterOptions::FilterOptions(CLI::App& command) : command_(&command) {
   add("--band", query_.band, "Name of the band")->type_name("NAME");
   add("--at-range-m", query_.at_range_m, "Only viewpoints at this range, of several")
       ->type_name("R");
-  row_option_ = add("--row", row_, "The one signature with this row number")->type_name("K");
+  row_option_ = add("--row", row_, "The one signature with this row number")
+                    ->type_name("K")
+                    ->check(CLI::PositiveNumber);
   aspect_option_ = add("--aspect", aspect_,
                        "Direction from the target to the sensor: azimuth clockwise from the bow, "
                        "elevation above "

@@ -312,7 +312,7 @@ void add_goniometer(CLI::App& app, int& exit_code) {
   command->add_option("SPEC", options->spec_path, "What is measured: docs/reference/goniometer.md")
       ->required()
       ->type_name("SPEC");
-  command->add_option("--out", options->out, "Folder for tables, pictures and the material")
+  command->add_option("-o,--out", options->out, "Folder for tables, pictures and the material")
       ->required()
       ->type_name("DIR");
   command->add_option("--threads", options->threads, "Default: one for each core")

@@ -125,7 +125,7 @@ void add_init(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"sea", "ground"}))
       ->type_name("KIND");
   command
-      ->add_option("--out", given->out,
+      ->add_option("-o,--out", given->out,
                    "Sweep file to write (the model's name, .toml, here); - is standard output")
       ->type_name("FILE");
   command->add_flag("--force", given->force, "Replace the file if it exists");

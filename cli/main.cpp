@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <exception>
 #include <string>
@@ -25,6 +26,7 @@ constexpr const char* kAbout =
     "  irsig query FILE               the signatures: W/sr with standard error, area, temperature\n"
     "  irsig plot FILE --kind polar --out FILE.svg\n"
     "  irsig serve FILE               the same, and more, in a web browser\n"
+    "  irsig help COMMAND             the options of a command\n"
     "\n"
     "Exit code: 0 done, 2 the input is wrong, 1 anything else failed.";
 
@@ -57,21 +59,33 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
     if (what.starts_with(kOpening)) what.remove_prefix(kOpening.size());
     text = "irsig: " + irsig::printable(what) + ", expected a number without a unit (1 % is 0.01)";
   }
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    const std::string_view what = error.what();
+    const std::size_t twice = what.find(": At Most 1 required but received ");
+    if (twice != what.npos)
+      text = "irsig: " + irsig::printable(what.substr(0, twice)) +
+             " is given more than once, expected one value";
+  }
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     for (const std::string& extra : extras) {
-      const bool option = extra.starts_with("--");
+      // "-band" is an option of which one dash is missing.
+      const bool option = extra.starts_with("--") ||
+                          (extra.size() > 2 && extra[0] == '-' && std::isalpha(extra[1]) != 0);
       const std::vector<std::string> known = names_of(*app, option);
+      const std::string name = option && !extra.starts_with("--") ? "-" + extra : extra;
       if (!known.empty() && (option || !extra.starts_with("-")))
-        text += "\n       " + irsig::printable(extra) + ": " + irsig::suggestion(extra, known);
+        text += "\n       " + irsig::printable(extra) + ": " +
+                (std::ranges::find(known, name) != known.end() && name != extra
+                     ? "did you mean \"" + name + "\"?"
+                     : irsig::suggestion(name, known));
     }
   return text + " (--help lists what there is)\n";
 }
 
 // The first word that names a command, if it names none.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+std::string unknown_command(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* at = &app;
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i];
+  for (const std::string& word : words) {
     if (word == "-h" || word == "--help") continue;  // of a command that there is
     if (word.starts_with("-")) break;
     const std::vector<std::string> known = names_of(*at, false);
@@ -79,12 +93,20 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
     const bool takes_words =
         !at->get_options([](const CLI::Option* o) { return o->get_positional(); }).empty();
     if (known.empty() || takes_words) break;
-    if (std::find(known.begin(), known.end(), argv[i]) == known.end())
-      return "unknown command \"" + irsig::printable(argv[i]) + "\", " +
-             irsig::suggestion(argv[i], known);
-    at = at->get_subcommand(argv[i]);
+    if (std::find(known.begin(), known.end(), word) == known.end())
+      return "unknown command \"" + irsig::printable(word) + "\", " +
+             irsig::suggestion(word, known);
+    at = at->get_subcommand(word);
   }
   return "";
+}
+
+// "help query" as "query --help", and "help" as "--help". `words` are the arguments.
+std::vector<std::string> without_help(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "help") return words;
+  words.erase(words.begin());
+  words.emplace_back("--help");
+  return words;
 }
 
 std::string version() {
@@ -108,6 +130,7 @@ int run_program(int argc, char** argv) {
   irsig::add_plan(app, exit_code);
   irsig::add_report(app, exit_code);
   irsig::add_query(app, exit_code);
+  irsig::add_compare(app, exit_code);
   irsig::add_bands(app, exit_code);
   irsig::add_explain(app, exit_code);
   irsig::add_plot(app, exit_code);
@@ -131,12 +154,15 @@ int run_program(int argc, char** argv) {
   irsig::add_verify_effects(app, exit_code);
   irsig::add_selftest(app, exit_code);
   irsig::add_completion(app, exit_code);
-  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+  app.add_subcommand("help", "This help, or that of a command: irsig help query")->allow_extras();
+  std::vector<std::string> words = without_help({argv + 1, argv + argc});
+  if (const std::string unknown = unknown_command(app, words); !unknown.empty()) {
     irsig::print_note("irsig: {}\n", unknown);
     return 2;
   }
   try {
-    app.parse(argc, argv);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(words);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;  // --help and --version are 0
   } catch (const std::exception& error) {

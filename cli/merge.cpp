@@ -61,7 +61,7 @@ void add_merge(CLI::App& app, int& exit_code) {
   const auto from = std::make_shared<std::vector<std::string>>();
   const auto to = std::make_shared<std::string>();
   command->add_option("DB", *from, "the databases; they stay as they are")->required();
-  command->add_option("--out", *to, "the new database")->required()->type_name("FILE");
+  command->add_option("-o,--out", *to, "the new database")->required()->type_name("FILE");
   command->callback([from, to, &exit_code] { exit_code = report(merge(*from, *to)); });
   command->footer(
       "What two of them have done must be the same in both. What none has done waits:\n"

@@ -86,7 +86,7 @@ OutputOptions::OutputOptions(CLI::App& command, std::vector<std::string> formats
       flags.push_back(flag);
     }
   }
-  out_option_ = command.add_option("--out", out_,
+  out_option_ = command.add_option("-o,--out", out_,
                                    "File to write, replaced when complete; - is standard output");
   out_option_->group(kOutputGroup)->type_name("FILE");
 }

@@ -59,7 +59,7 @@ void add_slice(CLI::App& app, int& exit_code) {
       "Write the chosen signatures, with all that is stored of them, into a database of their own; "
       "print its digest");
   const auto options = std::make_shared<SliceCommand>(*command);
-  command->add_option("--out", options->out, "The new database")->required()->type_name("FILE");
+  command->add_option("-o,--out", options->out, "The new database")->required()->type_name("FILE");
   command->add_flag("--source-digest", options->source_digest,
                     "Keep the digest of DB, too, and print it first; reads all of it");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <numeric>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 
@@ -44,9 +45,13 @@ std::optional<std::string> nearest_name(std::string_view unknown,
   const std::string* nearest = nullptr;
   std::size_t nearest_distance = 0;
   if (unknown.size() <= kLongest) {
+    const std::string lower = absl::AsciiStrToLower(std::string(unknown));
     for (const std::string& name : known) {
       if (name.size() > kLongest) continue;
-      const std::size_t distance = edit_distance(unknown, name);
+      // Another case is one edit at most, so that "QUERY" is near to "query".
+      const std::size_t distance =
+          std::min(edit_distance(unknown, name),
+                   edit_distance(lower, absl::AsciiStrToLower(name)) + (lower == unknown ? 0 : 1));
       if (nearest == nullptr || distance < nearest_distance) {
         nearest = &name;
         nearest_distance = distance;

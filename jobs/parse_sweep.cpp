@@ -1,5 +1,6 @@
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/problems.h"
@@ -98,6 +100,80 @@ std::vector<std::string> homes_of(const std::string& key, const Descriptor& root
   return out;
 }
 
+// The key of a table that has another unit than an unknown key, and the conversion; else empty.
+std::string meant_in_another_unit(std::string_view key, const std::vector<std::string>& keys) {
+  struct Unit {
+    std::string_view typed, kept, example;
+  };
+  static constexpr Unit units[] = {{"_c", "_k", "20 C are 293.15 K"},
+                                   {"_celsius", "_k", "20 C are 293.15 K"},
+                                   {"_degc", "_k", "20 C are 293.15 K"},
+                                   {"_f", "_k", "68 F are 293.15 K"},
+                                   {"_km", "_m", "5 km are 5000 m"},
+                                   {"_mm", "_m", "5 mm are 0.005 m"},
+                                   {"_cm", "_m", "5 cm are 0.05 m"},
+                                   {"_ft", "_m", "1 ft is 0.3048 m"},
+                                   {"_nm", "_um", "4000 nm are 4 um"},
+                                   {"_hpa", "_pa", "1013 hPa are 101300 Pa"},
+                                   {"_mbar", "_pa", "1013 mbar are 101300 Pa"},
+                                   {"_rad", "_deg", "1 rad is 57.2958 deg"},
+                                   {"_kn", "_m_s", "10 kn are 5.144 m/s"},
+                                   {"_kmh", "_m_s", "36 km/h are 10 m/s"},
+                                   {"_km_h", "_m_s", "36 km/h are 10 m/s"}};
+  for (const Unit& unit : units) {
+    if (!key.ends_with(unit.typed)) continue;
+    const std::string kept =
+        std::string(key.substr(0, key.size() - unit.typed.size())) + std::string(unit.kept);
+    if (std::ranges::find(keys, kept) != keys.end())
+      return absl::StrCat("expected \"", kept, "\" (", std::string(unit.example), ")");
+  }
+  return "";
+}
+
+// Keys that the unknown one stands for together: "lambda_min_um" and "lambda_max_um" of
+// "lambda_um".
+std::vector<std::string> parts_of(std::string_view key, const std::vector<std::string>& keys) {
+  std::vector<std::string> out;
+  const std::size_t end = key.rfind('_');
+  if (end == key.npos) return out;
+  for (const std::string& known : keys)
+    if (known.starts_with(key.substr(0, end + 1)) && known.ends_with(key.substr(end)))
+      out.push_back(known);
+  return out;
+}
+
+// What a mistake in the grammar of TOML, in this line, is mostly about.
+std::string hint_of_toml(std::string_view what, std::string_view line) {
+  const auto says = [&](std::string_view words) { return what.find(words) != what.npos; };
+  const std::size_t equals = line.find('=');
+  std::string value(equals == line.npos ? line.substr(line.size()) : line.substr(equals + 1));
+  absl::StripAsciiWhitespace(&value);
+  const bool number =
+      !value.empty() && absl::ascii_isdigit(static_cast<unsigned char>(
+                            value.front() == '-' && value.size() > 1 ? value[1] : value[0]));
+  const std::string word = absl::AsciiStrToLower(value.substr(0, value.find_first_of(" #\t")));
+  if (word == "yes" || word == "no" || word == "on" || word == "off" || word == "true" ||
+      word == "false")
+    return " (a switch is true or false, in lower case and without quotes)";
+  if (says("control characters other than TAB"))
+    return " (the closing quote of this text is missing)";
+  if (says("unknown escape sequence")) return " (names of files are written with /)";
+  if (says("cannot redefine existing table")) return " (several of a kind are [[in two brackets]])";
+  if (says("cannot redefine existing")) return " (each key stands once in its table: delete one)";
+  if (says("saw '%'")) return " (a fraction: 1 % is 0.01)";
+  if (says("saw ';'")) return " (a line ends without a semicolon)";
+  if (says("saw '/'")) return " (a remark begins with #)";
+  if (says("saw ':'")) return " (KEY = VALUE)";
+  if (number && says("saw ','")) return " (numbers have a decimal point: 54.3)";
+  if (says("expected decimal digit, saw '.'") || (value.starts_with(".")))
+    return " (a number begins with a digit: 0.01)";
+  if (number && (says("expected a comment or whitespace") || says("expected digit")))
+    return " (a number stands alone, without its unit)";
+  if (says("saw ','")) return " (numbers have a decimal point: 54.3)";
+  if (says("could not determine value type")) return " (text stands in \"straight quotes\")";
+  return "";
+}
+
 // Walks a TOML table and the message of the same shape together.
 class Filler {
  public:
@@ -134,6 +210,9 @@ class Filler {
   [[nodiscard]] std::string what_was_meant(const std::string& key, const Descriptor& table) const {
     const std::vector<std::string> keys = table_keys(table);
     std::vector<std::string> homes = homes_of(key, *root_);
+    if (std::string unit = meant_in_another_unit(key, keys); !unit.empty()) return unit;
+    if (const auto parts = parts_of(key, keys); parts.size() > 1)
+      return absl::StrCat("expected ", quoted_list(parts));
     if (homes.empty() || nearest_name(key, keys)) return suggestion(key, keys);
     constexpr std::size_t kMost = 4;
     if (homes.size() > kMost) homes.resize(kMost);
@@ -323,13 +402,10 @@ absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& mes
       const toml::parse_error& error) {  // the library's way to say it; goes no further than this
     const toml::source_position at = error.source().begin;
     std::string what = one_line(std::string(error.description()));
-    for (const auto& [saying, meaning] :
-         {std::pair{"saw ','", " (numbers have a decimal point: 54.3)"},
-          std::pair{"could not determine value type", " (text stands in \"straight quotes\")"},
-          std::pair{"cannot redefine existing table",
-                    " (several of a kind are [[in two brackets]])"},
-          std::pair{"unknown escape sequence", " (names of files are written with /)"}})
-      if (what.find(saying) != std::string::npos) what += meaning;
+    std::string_view line = text;
+    for (toml::source_index i = 1; i < at.line && !line.empty(); ++i)
+      line.remove_prefix(std::min(line.find('\n'), line.size() - 1) + 1);
+    what += hint_of_toml(what, line.substr(0, line.find('\n')));
     return placed_problem(absl::StrCat(file.file_name, ":", at.line, ":", at.column), what);
   }
   Findings findings(file);

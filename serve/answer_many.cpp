@@ -133,16 +133,6 @@ absl::StatusOr<schema::Band> band_of(StoreReader& reader, const Selection& selec
       fmt::format("sweep {} has no band {}", selection.sweep, selection.band));
 }
 
-// The limits and the response; the step of the stored spectrum changes no value of the band.
-bool is_same_band(const schema::Band& a, const schema::Band& b) {
-  return a.lambda_min_um() == b.lambda_min_um() && a.lambda_max_um() == b.lambda_max_um() &&
-         std::equal(a.response().begin(), a.response().end(), b.response().begin(),
-                    b.response().end(),
-                    [](const schema::SpectralPoint& p, const schema::SpectralPoint& q) {
-                      return p.lambda_um() == q.lambda_um() && p.value() == q.value();
-                    });
-}
-
 }  // namespace
 
 absl::StatusOr<Comparison> compare_selections(const PageSources& sources, const Question& q) {
@@ -154,12 +144,7 @@ absl::StatusOr<Comparison> compare_selections(const PageSources& sources, const 
     ASSIGN_OR_RETURN(values[i], values_of_selection(*reader, *selection[i], q.quantity));
     ASSIGN_OR_RETURN(band[i], band_of(*reader, *selection[i]));
   }
-  if (!is_same_band(band[0], band[1]))
-    return absl::FailedPreconditionError(fmt::format(
-        "{} ({:g} to {:g} um) and {} ({:g} to {:g} um) are bands of different limits or responses, "
-        "whose values are no difference of one quantity: choose the same band for both",
-        band[0].name(), band[0].lambda_min_um(), band[0].lambda_max_um(), band[1].name(),
-        band[1].lambda_min_um(), band[1].lambda_max_um()));
+  RETURN_IF_ERROR(check_same_band(band[0], band[1]));
   Comparison out = compare(values[0], values[1]);
   if (out.value.empty()) return absl::NotFoundError("the two have no aspect in common");
   return out;

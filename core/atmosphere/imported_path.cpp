@@ -179,6 +179,11 @@ std::string extend_axis(std::vector<double>& wavenumber_cm1, double next) {
 
 absl::StatusOr<ImportedPaths> parse_imported_paths(std::string_view text, std::string_view file) {
   FileErrors errors(file);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    errors.add(1, 1, "this is text in UTF-16, expected UTF-8: save it as UTF-8");
+    return errors.status();
+  }
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   std::string_view first;
   for (const std::string_view line : split_lines(text)) {
     if (line.find_first_not_of(" \t") == std::string_view::npos) continue;

@@ -14,11 +14,10 @@ bool CsvRows::next() {
 
 bool CsvRows::next_with_remarks() {
   while (!text_.empty()) {
-    const std::size_t end = std::min(text_.find('\n'), text_.size());
+    const std::size_t end = std::min(text_.find_first_of("\r\n"), text_.size());
     whole_ = text_.substr(0, end);
-    text_.remove_prefix(std::min(end + 1, text_.size()));
+    text_.remove_prefix(std::min(end + (text_.substr(end, 2) == "\r\n" ? 2 : 1), text_.size()));
     ++line_;
-    if (!whole_.empty() && whole_.back() == '\r') whole_.remove_suffix(1);
     if (whole_.find_first_not_of(" \t") != std::string_view::npos) return true;
   }
   whole_ = {};
@@ -28,9 +27,22 @@ bool CsvRows::next_with_remarks() {
 const std::vector<CsvCell>& CsvRows::cells() {
   cell_.clear();
   for (std::size_t at = 0;;) {
-    const std::size_t end = std::min(whole_.find(',', at), whole_.size());
-    std::size_t first = at, last = end;
-    while (first < last && (whole_[first] == ' ' || whole_[first] == '\t')) ++first;
+    std::size_t first = at;
+    while (first < whole_.size() && (whole_[first] == ' ' || whole_[first] == '\t')) ++first;
+    std::size_t end = std::min(whole_.find(',', at), whole_.size());
+    std::size_t last = end;
+    first = std::min(first, end);
+    // Quotes around a cell and nothing else: others are characters as any.
+    if (first < end && whole_[first] == '"') {
+      const std::size_t closing = whole_.find('"', first + 1);
+      const std::size_t behind = std::min(
+          whole_.find_first_not_of(" \t", std::min(closing, whole_.size() - 1) + 1), whole_.size());
+      if (closing != whole_.npos && (behind == whole_.size() || whole_[behind] == ',')) {
+        ++first;
+        last = closing;
+        end = behind;
+      }
+    }
     while (last > first && (whole_[last - 1] == ' ' || whole_[last - 1] == '\t')) --last;
     cell_.push_back({whole_.substr(first, last - first), line_, first + 1});
     if (end == whole_.size()) return cell_;

@@ -13,8 +13,8 @@ struct CsvCell {
   std::size_t line, column;
 };
 
-// Walks over the lines of a CSV file ("\n" or "\r\n", cells between commas, no quotes). The text
-// must outlive it.
+// Walks over the lines of a CSV file ("\n", "\r\n" or "\r", cells between commas, with or without
+// double quotes around a cell; no quote within one). The text must outlive it.
 class CsvRows {
  public:
   explicit CsvRows(std::string_view text) : text_(text) {}

@@ -51,7 +51,12 @@ struct Opened {
 // name may stand for something else by then. O_NONBLOCK: then even a FIFO opens at once.
 absl::StatusOr<Opened> open_regular(const std::string& path) {
   struct stat file {};
-  if (::stat(path.c_str(), &file) != 0) return of_errno();
+  if (::stat(path.c_str(), &file) != 0) {
+    const absl::Status status = of_errno();
+    if (path.find('\\') == path.npos) return status;
+    return absl::InvalidArgumentError(absl::StrCat(
+        status.message(), ": the name has a backslash, expected \"/\" between folders"));
+  }
   RETURN_IF_ERROR(check_regular(file));
   Descriptor opened(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (opened.number() < 0 || ::fstat(opened.number(), &file) != 0) return of_errno();

@@ -99,9 +99,24 @@ class CourseMaker {
       return absl::SixDigits((si - file_.offset[at(q)]) / file_.factor[at(q)]);
     };
     const WeatherLimit& limit = limit_of(q);
+    const double si = row.value[at(q)];
+    const auto fits = [&](double x) { return x >= limit.least && x <= limit.most; };
+    // A number that another unit makes plausible.
+    const bool named = !file_.any_year;  // columns have names, which say the unit
+    const bool degrees = named && (q == Q::kAir || q == Q::kDewPoint);
+    const bool kelvin = file_.offset[at(q)] == 0;
+    const bool celsius = degrees && kelvin && fits(si + 273.15);
+    const bool in_kelvin = degrees && !kelvin && fits(si - 273.15);
+    const bool hectopascals = named && q == Q::kPressure && fits(100 * si);
+    const bool pascals = named && q == Q::kPressure && fits(si / 100);
     add(row, q,
-        absl::StrCat(in_file(row.value[at(q)]), ": expected ", limit.name, " from ",
-                     in_file(limit.least), " to ", in_file(limit.most)));
+        absl::StrCat(in_file(si), ": expected ", limit.name, " from ", in_file(limit.least), " to ",
+                     in_file(limit.most),
+                     celsius        ? ": is it in degrees Celsius? Then name the column ..._c"
+                     : in_kelvin    ? ": is it in kelvins? Then name the column ..._k"
+                     : hectopascals ? ": is it in hPa? Then name the column pressure_hpa"
+                     : pascals      ? ": is it in Pa? Then name the column pressure_pa"
+                                    : ""));
     return true;
   }
   void add(const Row& row, Q q, const std::string& what) {

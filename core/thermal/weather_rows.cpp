@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -51,6 +52,26 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+// What a file is that is no CSV file of irsig's, and what to do with it.
+std::string other_weather_file(std::string_view head, std::string_view whole) {
+  const std::string whole_line(whole);
+  if (head.starts_with("\xff\xfe") || head.starts_with("\xfe\xff"))
+    return "this is text in UTF-16, expected UTF-8: save it as UTF-8";
+  if (head.substr(0, 1000).find('\0') != head.npos)
+    return "this is a binary file, expected text: save the sheet as CSV";
+  if (absl::StartsWithIgnoreCase(whole_line, "LOCATION,"))
+    return "this is an EPW file, expected a name that ends in .epw";
+  if (absl::StartsWithIgnoreCase(whole_line, "Source,Location ID"))
+    return "this is a CSV file of the NSRDB, whose columns are not read: export EPW or TMY3, or "
+           "write its columns under irsig's names";
+  for (const auto& [separator, name] : {std::pair(';', "semicolons"), std::pair('\t', "tabs")})
+    if (whole_line.front() != '#' && whole_line.find(separator) != whole_line.npos &&
+        whole_line.find(',') == whole_line.npos)
+      return absl::StrCat("the cells are separated by ", name,
+                          ", expected commas, and numbers with decimal points");
+  return "";
+}
+
 class RowReader {
  public:
   RowReader(std::string_view text, const std::string& name) : rows_(text), errors_(name) {
@@ -60,15 +81,22 @@ class RowReader {
   absl::StatusOr<WeatherFile> epw() {
     file_.any_year = true;
     file_.radiation_interval_s = 3600;
-    bool data = false;
+    bool data = false, semicolons = false;
     while (!data && rows_.next_with_remarks()) {
       const auto& cells = rows_.cells();
+      semicolons =
+          semicolons || absl::StartsWithIgnoreCase(std::string(rows_.whole()), "LOCATION;");
       if (is_word(cells, "LOCATION")) read_place(cells, 6, 7, 8, 9);
       data = is_word(cells, "DATA PERIODS");
       if (data && number(cells, 2, "records in an hour", 1, 60).value_or(1) != 1)
         add(cells[2], "expected one record an hour");
     }
-    if (!data)
+    if (!data && semicolons)
+      errors_.add(
+          1, 1,
+          "the cells are separated by semicolons, expected commas, and numbers with decimal "
+          "points");
+    else if (!data)
       errors_.add(1, 1, "there is no line DATA PERIODS, expected an EPW file with its header");
     if (!file_.place && !errors_.any())
       errors_.add(1, 1, "there is no line LOCATION, expected an EPW file with its header");
@@ -151,6 +179,10 @@ class RowReader {
       }
       const auto& cells = rows_.cells();
       if (width == 0) {
+        if (const std::string other = other_weather_file("", rows_.whole()); !other.empty()) {
+          errors_.add(rows_.line(), 1, other);
+          return done();
+        }
         width = cells.size();
         time_at = read_header(cells, interval_s.has_value());
         file_.radiation_interval_s = interval_s.value_or(0);
@@ -246,6 +278,7 @@ class RowReader {
         {"global_horizontal_w_m2", {Q::kGlobalHorizontal}},
         {"sky_w_m2", {Q::kSky}}};
     std::optional<std::size_t> time_at;
+    bool listed = false;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (cells[i].text == "time") {
         if (time_at) add(cells[i], "column \"time\" is there twice");
@@ -254,10 +287,18 @@ class RowReader {
       }
       const auto found = known.find(cells[i].text);
       if (found == known.end()) {
-        add(cells[i], absl::StrCat("unknown column ", quoted(cells[i].text), ", expected time, ",
-                                   absl::StrJoin(known, ", ", [](std::string* out, const auto& k) {
-                                     out->append(k.first);
-                                   })));
+        const std::string lower = absl::AsciiStrToLower(std::string(cells[i].text));
+        std::string wanted = lower == "time" || known.contains(lower)
+                                 ? absl::StrCat(", expected \"", lower, "\" in lower case")
+                                 : "";
+        if (wanted.empty() && !listed) {  // once is enough
+          listed = true;
+          wanted = absl::StrCat(", expected time, ",
+                                absl::StrJoin(known, ", ", [](std::string* out, const auto& k) {
+                                  out->append(k.first);
+                                }));
+        }
+        add(cells[i], absl::StrCat("unknown column ", quoted(cells[i].text), wanted));
         continue;
       }
       for (const auto& [other, form] : column_)
@@ -361,6 +402,8 @@ class RowReader {
 
 absl::StatusOr<WeatherFile> read_weather_file(std::string_view text, const std::string& file_name) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
+  if (const std::string other = other_weather_file(text, "#"); !other.empty())
+    return placed_problem(absl::StrCat(file_name, ":1:1"), other);
   if (absl::EndsWithIgnoreCase(file_name, ".epw")) return RowReader(text, file_name).epw();
   if (!absl::EndsWithIgnoreCase(file_name, ".csv"))
     return placed_problem(absl::StrCat(file_name, ":1:1"),

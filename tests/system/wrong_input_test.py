@@ -65,6 +65,42 @@ SWEEPS = [
     (r"^sun = true", 'sun = "yes"', r"transport.sun is a string, expected true or false"),
     (r"^\[\[season\]\]", '[[part]]\nname = "x"\nmatch = ["hull"]\nmaterial = "generic_grey_paint"\ntemperature_k = 300\n\n[[season]]',
      r'group "hull" of the model already belongs to part "hull"'),
+    # Another unit, in the key.
+    (r"^air_temperature_k = .*", "air_temperature_c = 20", r'unknown key "air_temperature_c" in weather, expected "air_temperature_k" \(20 C are'),
+    (r"^range_m = .*", "range_km = 5", r'unknown key "range_km" in viewpoints, expected "range_m" \(5 km are 5000 m\)'),
+    (r"^wind_speed_m_s = .*", "wind_speed_kn = 10", r'expected "wind_speed_m_s" \(10 kn are 5.144 m/s\)'),
+    (r"^lambda_min_um = 3\nlambda_max_um = 5", 'lambda_um = "3-5um"',
+     r'unknown key "lambda_um" in band\[0\], expected "lambda_m.._um", "lambda_m.._um"'),
+    (r"^heading_deg = .*", "heading_deg = 400", r"heading_deg = 400, expected a number from -360 to 360"),
+    # Case, and the wrong table.
+    (r"^latitude_deg", "Latitude_deg", r'unknown key "Latitude_deg" in place, did you mean "latitude_deg"\?'),
+    (r"^\[place\]", "[PLACE]", r'unknown key "PLACE", did you mean "place"\?'),
+    (r'^kind = "ring"', 'kind = "RING"', r'viewpoints.kind = "RING": did you mean "ring"\?'),
+    (r"^count = 12", "count = 12\nrelative_error = 0.01", r'unknown key "relative_error" in viewpoints, it is a key of .*\[accuracy\]'),
+    (r"^\[\[season\]\]", "[season]", r"season is a table, expected an array of tables: \[\[season\]\]"),
+    # Fractions.
+    (r"^\[place\]", '[[material]]\nname = "grey"\nkind = "lambert"\nemissivity = 90\n\n[place]',
+     r"emissivity = 90, expected a number from 0 to 1 .*is it in percent\? 90 % are 0.9"),
+    (r"^\[place\]", '[[material]]\nname = "grey"\nkind = "lambert"\nemissivity = -0.9\n\n[place]',
+     r"emissivity = -0.9, expected a number from 0 to 1"),
+    # Times and files.
+    (r"^time = .*", "time = [12:00:00]", r'time\[0\] is a time, expected a time of day with its offset from UTC, in quotes'),
+    (r"^date = .*", "date = 2025-02-30", r"expected day between 1 and 28 \(inclusive\), saw 30"),
+    (r"^wind_speed_m_s = .*", "", r"wind_speed_m_s is missing, expected the wind 10 m above the surface"),
+    (r"^file = .*", "file = 'models\\ship.obj'", r'model.file "models\\ship.obj": No such file .*has a backslash, expected "/"'),
+    (r"^file = .*", 'file = "."', r'model.file ".": is a folder, expected a regular file'),
+    # The grammar of TOML.
+    (r'^kind = "ring"', 'kind = "ring', r"wrong\.toml:\d+:\d+: .*\(the closing quote of this text is missing\)"),
+    (r'^kind = "ring"', "kind = ring", r'text stands in "straight quotes"'),
+    (r"^sun = .*", "sun = yes", r"\(a switch is true or false, in lower case and without quotes\)"),
+    (r"^sun = .*", "sun = True", r"\(a switch is true or false, in lower case and without quotes\)"),
+    (r"^range_m = .*", "range_m = 5 km", r"\(a number stands alone, without its unit\)"),
+    (r"^range_m = .*", "range_m = 5000;", r"\(a line ends without a semicolon\)"),
+    (r"^range_m = .*", "range_m = 5000 // far", r"\(a remark begins with #\)"),
+    (r"^range_m = .*", "range_m: 5000", r"expected '=', saw ':' \(KEY = VALUE\)"),
+    (r"^range_m = .*", "range_m = 5000\nrange_m = 6000", r"\(each key stands once in its table: delete one\)"),
+    (r"^relative_error = .*", "relative_error = 1%", r"\(a fraction: 1 % is 0.01\)"),
+    (r"^relative_error = .*", "relative_error = .01", r"\(a number begins with a digit: 0.01\)"),
 ]
 
 # Commands, with what is said.
@@ -120,6 +156,18 @@ COMMANDS = [
     (["model", "box", "--triangles", "12", "--out", "x.stl"], r"does not write .stl files, expected obj"),
     (["material", "show", "gold paint"], r'no material is called "gold paint": expected one of'),
     (["status", "--coordinator", "tcp"], r"expected unix:PATH, or HOST:PORT with TLS"),
+    (["QUERY", "DB"], r'unknown command "QUERY", did you mean "query"\?'),
+    (["help", "qurey"], r'unknown command "qurey", did you mean "query"\?'),
+    (["query", "DB", "--band", "lwir", "--band", "mwir"], r"--band is given more than once, expected one value"),
+    (["query", "DB", "-band", "lwir"], r'-band: did you mean "--band"\?'),
+    (["query", "DB", "--row", "-1"], r"--row: Number less or equal to 0: -1"),
+    (["query", "."], r"\.: is a directory"),
+    (["query", "DB", "-o", "a.xlsx"], r"--out a.xlsx: this command does not write .xlsx files"),
+    (["query", "DB", "--csv", "-o", "nofolder/a.csv"], r"cannot write nofolder/a.csv: No such file"),
+    (["plan", "C:\\ship.toml"], r'C:\\ship.toml: No such file or directory: the name has a backslash, expected "/"'),
+    (["compare", "DB"], r"compare needs what to compare with: a second database, or --b-sweep"),
+    (["compare", "DB", "--band", "mwir", "--b-band", "lwir"],
+     r"mwir \(3 to 5 um\) and lwir \(8 to 12 um\) are bands of different limits or responses.*choose the same band for both"),
     (["completion", "fish"], r"fish not in \{bash,zsh\}"),
 ]
 
@@ -167,6 +215,13 @@ class WrongInput(unittest.TestCase):
                 self.assertRegex(self.irsig(*words, code=2).stderr, said)
         self.assertEqual(before, sorted(p.name for p in self.path.iterdir()), "something was left behind")
         self.assertEqual((self.path / "copy").read_bytes()[:15], b"SQLite format 3")
+
+    def test_help(self):
+        self.assertEqual(self.irsig("help").stdout, self.irsig("--help").stdout)
+        self.assertRegex(self.irsig("help").stdout, r"(?m)^ +help +This help, or that of a command: irsig help query$")
+        self.assertEqual(self.irsig("help", "query").stdout, self.irsig("query", "--help").stdout)
+        self.assertEqual(self.irsig("help", "model", "check").stdout, self.irsig("model", "check", "--help").stdout)
+        self.assertIn("-o,--out FILE", self.irsig("help", "query").stdout)
 
     def test_names_without_end(self):
         for name in ("a" * 100000, ":" * 5000, "1:" * 30000, ":1:1: x", "a\n:1:1: b"):

@@ -33,6 +33,7 @@ struct BoxFile {
   std::string attributes;
   std::string position_type = R"("componentType":5126)";
   std::string accessors, views;
+  int position_accessor = 0, index_accessor = 1;
   std::string buffer;
 
   BoxFile() {
@@ -60,8 +61,9 @@ struct BoxFile {
   [[nodiscard]] std::string json(const std::string& uri = "") const {
     return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0)" + scene + R"(]}],)" + extra +
            R"("nodes":[{)" + node + "}" + nodes + R"(],"meshes":[{)" + mesh +
-           R"("primitives":[{"attributes":{"POSITION":0)" + attributes + R"(},"indices":1)" +
-           primitive + R"(}]}],"accessors":[{"bufferView":0,)" + position_type +
+           R"("primitives":[{"attributes":{"POSITION":)" + std::to_string(position_accessor) +
+           attributes + R"(},"indices":)" + std::to_string(index_accessor) + primitive +
+           R"(}]}],"accessors":[{"bufferView":0,)" + position_type +
            R"(,"count":8,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":36,)" +
            R"("type":"SCALAR"})" + accessors + R"(],"bufferViews":[{"buffer":0,"byteLength":96},)" +
            R"({"buffer":0,"byteOffset":96,"byteLength":72})" + views +
@@ -123,6 +125,13 @@ TEST(Gltf, InstancesAreCopies) {
   file.node = R"("mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":)" +
               std::to_string(at) + R"(,"SCALE":)" + std::to_string(size) + "}}}";
   EXPECT_DOUBLE_EQ(area_of(file), 28 * (1 + 4 + 9));
+  // Five bodies that are moved and nothing else.
+  BoxFile five;
+  const int row = five.add(floats({0, 0, 0, 10, 0, 0, 20, 0, 0, 30, 0, 0, 40, 0, 0}),
+                           R"("componentType":5126,"count":5,"type":"VEC3")");
+  five.node = R"("mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":)" +
+              std::to_string(row) + "}}}";
+  EXPECT_DOUBLE_EQ(area_of(five), 140);
   file.node.replace(file.node.find("TRANSLATION"), 11, "_TRANSLATED");
   EXPECT_DOUBLE_EQ(area_of(file), 28 * (1 + 4 + 9));
   file.node.replace(file.node.find("SCALE"), 5, "_SIZE");
@@ -161,6 +170,9 @@ TEST(Gltf, JointsCarryASkinnedMesh) {
   file.scene = ",1";
   file.extra = R"("skins":[{"joints":[1],"inverseBindMatrices":)" + std::to_string(bound) + "}],";
   EXPECT_DOUBLE_EQ(area_of(file), 9 * 28);  // 6 x 0.5
+  file.nodes =
+      R"(,{"scale":[2,2,2],"name":"joint"})";  // undoes the bind matrix: 28, not 7 x 7 x 28
+  EXPECT_DOUBLE_EQ(area_of(file), 28);
   file.attributes = "";
   EXPECT_THAT(refusal_of(file), HasSubstr("has no JOINTS_0 and WEIGHTS_0"));
 }
@@ -189,6 +201,64 @@ TEST(Gltf, QuantisedPositionsAreNumbersOrFractions) {
     const double scale = normalized ? 1 / 32767.0 : 1;
     EXPECT_NEAR(measure(*mesh).area_m2, 4 * 28 * scale * scale, 1e-12 * scale * scale);
   }
+}
+
+// Positions between normals and texture coordinates, in one view with a stride.
+TEST(Gltf, InterleavedAttributes) {
+  BoxFile file;
+  std::string rows;
+  for (int i = 0; i < 8; ++i) {
+    rows += floats({9, 9});
+    for (int axis = 0; axis < 3; ++axis) append_bytes(BoxFile::corner(i, axis), rows);
+  }
+  file.add(rows, R"("byteOffset":8,"componentType":5126,"count":8,"type":"VEC3")");
+  file.views.insert(file.views.size() - 1, R"(,"byteStride":20)");
+  file.position_accessor = 2;
+  EXPECT_DOUBLE_EQ(area_of(file), 28);
+}
+
+// A sparse accessor without a view begins with zeros; one with a view changes some elements.
+TEST(Gltf, SparseAccessors) {
+  std::string which, all;
+  for (int i = 0; i < 8; ++i) {
+    append_bytes(static_cast<std::uint8_t>(i), which);
+    for (int axis = 0; axis < 3; ++axis) append_bytes(BoxFile::corner(i, axis), all);
+  }
+  const auto with = [&](const std::string& base, const std::string& values) {
+    BoxFile file;
+    const int indices = file.add(which, R"("componentType":5121,"count":8,"type":"SCALAR")");
+    const int value = file.add(values, R"("componentType":5126,"count":8,"type":"VEC3")");
+    file.accessors += R"(,{)" + base + R"("componentType":5126,"count":8,"type":"VEC3","sparse":)" +
+                      R"({"count":8,"indices":{"bufferView":)" + std::to_string(indices) +
+                      R"(,"componentType":5121},"values":{"bufferView":)" + std::to_string(value) +
+                      "}}}";
+    file.position_accessor = 4;
+    return area_of(file);
+  };
+  EXPECT_DOUBLE_EQ(with("", all), 28);
+  std::string twice;
+  for (int i = 0; i < 8; ++i)
+    for (int axis = 0; axis < 3; ++axis) append_bytes(2 * BoxFile::corner(i, axis), twice);
+  EXPECT_DOUBLE_EQ(with(R"("bufferView":0,)", twice), 4 * 28);
+}
+
+TEST(Gltf, StripsFansAndNumbersOfEveryWidth) {
+  // A rectangle of 4 x 2 m: the corners 0 to 3 of the box.
+  for (const auto& [mode, order] :
+       {std::pair{5, std::vector<int>{0, 1, 2, 3}}, std::pair{6, std::vector<int>{0, 1, 3, 2}}})
+    for (const int bytes : {1, 2, 4}) {
+      BoxFile file;
+      std::string numbers;
+      for (const int i : order) {
+        numbers += static_cast<char>(i);
+        numbers.append(static_cast<std::size_t>(bytes - 1), '\0');
+      }
+      const int type = bytes == 1 ? 5121 : bytes == 2 ? 5123 : 5125;
+      file.index_accessor = file.add(
+          numbers, R"("componentType":)" + std::to_string(type) + R"(,"count":4,"type":"SCALAR")");
+      file.primitive = R"(,"mode":)" + std::to_string(mode);
+      EXPECT_DOUBLE_EQ(area_of(file), 8) << mode << " " << bytes;
+    }
 }
 
 TEST(Gltf, HiddenNodesAreNotThere) {
@@ -242,6 +312,9 @@ TEST(Gltf, ErrorsNameTheirPlace) {
   std::string other = glb;
   other[4] = 1;
   EXPECT_THAT(message(other), HasSubstr("this is GLB of version 1, expected version 2"));
+  std::string odd = glb;  // a chunk of JSON whose length is no multiple of 4
+  odd[12] = static_cast<char>(odd[12] - 1);
+  EXPECT_THAT(message(odd), HasSubstr("bytes, and GLB requires a multiple of 4: fill it up"));
   std::string json = BoxFile().json();
   json.replace(json.find("\"2.0\""), 5, "\"1.0\"");
   EXPECT_THAT(message(glb_file(json, BoxFile().buffer)), HasSubstr("this is glTF 1.0"));
@@ -282,9 +355,8 @@ TEST(ModelFile, BuffersBesideAreTakenIn) {
   ASSERT_TRUE(mesh.ok()) << mesh.status();
   EXPECT_DOUBLE_EQ(measure(*mesh).area_m2, 28);
   EXPECT_THAT(std::string(read("box%20buffer.bin").status().message()),
-              HasSubstr("buffers[0].uri \"box%20buffer.bin\": No such file"));
-  for (const char* outside :
-       {"/etc/passwd", "../b.bin", "%2e%2e/b.bin", "http://a/b.bin", "a\\\\b"})
+              HasSubstr("buffers[0].uri \"box%20buffer.bin\": no such file"));
+  for (const char* outside : {"/etc/passwd", "../b.bin", "%2e%2e/b.bin", "http://a/b.bin"})
     EXPECT_THAT(std::string(read(outside).status().message()),
                 HasSubstr("expected a file in the folder of the model"))
         << outside;

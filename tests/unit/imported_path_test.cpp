@@ -397,6 +397,19 @@ TEST(ImportedPath, Csv) {
   EXPECT_EQ(paths->path[0].line, 2u);
 }
 
+// As editors of text save them: fixed columns begin behind a byte order mark.
+TEST(ImportedPath, MarksOfAnEncoding) {
+  for (const std::string& text : {kThermalRun, std::string(kCsv)}) {
+    const auto plain = parse_imported_paths(text, "a"),
+               marked = parse_imported_paths("\xef\xbb\xbf" + text, "a");
+    ASSERT_TRUE(plain.ok()) << plain.status();
+    ASSERT_TRUE(marked.ok()) << marked.status();
+    EXPECT_EQ(marked->path[0].transmittance, plain->path[0].transmittance);
+  }
+  EXPECT_THAT(std::string(parse_imported_paths("\xff\xfe ", "a.tp7").status().message()),
+              HasSubstr("a.tp7:1:1: this is text in UTF-16, expected UTF-8: save it as UTF-8"));
+}
+
 TEST(ImportedPath, CsvWithSeveralPathsPerWavenumber) {
   const std::string text =
       "# observer_height_m: 20\n# target_height_m: 10\n# range_m: 5000\n"

@@ -109,7 +109,7 @@ TEST(ObjImport, ErrorsSayWhere) {
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 5\n"), HasSubstr("a.obj:2:7: vertex 5 does not"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 1/2/3/4\n"), HasSubstr("a.obj:2:7: \"1/2/3/4\""));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 1/x\n"), HasSubstr("a.obj:2:7: \"1/x\""));
-  EXPECT_THAT(refusal("a.obj", "surf 0 1\n"), HasSubstr("a.obj:1:1: \"surf\" is not understood"));
+  EXPECT_THAT(refusal("a.obj", "surf 0 1\n"), HasSubstr("a.obj:1:1: \"surf\" belongs to a free-form"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\n"), HasSubstr("a.obj: the mesh is empty"));
   EXPECT_THAT(refusal("a.obj", ""), HasSubstr("a.obj: the file is empty"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n"), HasSubstr("has an area"));

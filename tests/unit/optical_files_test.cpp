@@ -98,6 +98,25 @@ TEST(OpticalConstantsFile, ReadsCsvInNanometres) {
   EXPECT_EQ((*table)[1].k, 0.1);
 }
 
+// As refractiveindex.info hands its tables out: wavelengths in micrometres.
+TEST(OpticalConstantsFile, ReadsCsvOfRefractiveindexInfo) {
+  for (const char* text : {"wl,n,k\n8,1.1,2\n10,1.2,3\n",
+                           "wl,n\r\n8,1.1\r\n10,1.2\r\n\r\nwl,k\r\n8,2\r\n10,3\r\n"}) {
+    const auto table = read_optical_constants(text, "Al.csv");
+    ASSERT_TRUE(table.ok()) << table.status();
+    ASSERT_EQ(table->size(), 2U);
+    EXPECT_EQ((*table)[1].lambda_um, 10);
+    EXPECT_EQ((*table)[1].n, 1.2);
+    EXPECT_EQ((*table)[1].k, 3);
+  }
+  EXPECT_THAT(error_of(read_optical_constants("wl,n\n8,1.1\n10,1.2\n", "Al.csv")),
+              HasSubstr("Al.csv:1:1: n and k are both needed"));
+  EXPECT_THAT(error_of(read_optical_constants("wl,n\n8,1.1\n9,1.1\nwl,n\n8,1\n", "Al.csv")),
+              HasSubstr("Al.csv:4:1: expected the columns wl,n,k"));
+  EXPECT_THAT(error_of(read_optical_constants("wl,n,k\n", "Al.csv")),
+              HasSubstr("Al.csv:1:1: a block has no rows"));
+}
+
 TEST(OpticalConstantsFile, NamesTheFormulaThatItRefuses) {
   EXPECT_EQ(error_of(read_optical_constants("DATA:\n"
                                             "  - type: formula 1\n"
@@ -232,11 +251,39 @@ TEST(SpectrumFile, ReadsLibrariesByTheirHeaders) {
 }
 
 TEST(SpectrumFile, SaysWhichColumnsAreWanted) {
-  for (const char* text : {"8.0 0.9\n9.0 0.9\n", "lambda_um;emissivity\n8,0;0,9\n",
+  for (const char* text : {"8.0 0.9\n9.0 0.9\n",
                            " splib07a Record=13303: Aluminum brush ASDFRa AREF\n 0.83\n 0.84\n"})
     EXPECT_THAT(error_of(read_spectrum(text, "a.txt", "emissivity")),
                 HasSubstr("a.txt:1:1: the first line names no columns, expected \"lambda_um,emissivity"))
         << text;
+}
+
+// As spreadsheets and other programs write them.
+TEST(SpectrumFile, SeparatorsQuotesAndLineEnds) {
+  for (const char* text :
+       {"lambda_um;emissivity\n8;0.9\n9;0.8\n", "lambda_um\temissivity\n8\t0.9\n9\t0.8\n",
+        "lambda_um,emissivity,,\n8,0.9,,\n9,0.8,,\n", "lambda_um,emissivity\r8,0.9\r9,0.8\r",
+        "\"lambda_um\",\"emissivity\"\n8,0.9\n9,0.8\n"}) {
+    const auto read = read_spectrum(text, "a.csv", "emissivity");
+    ASSERT_TRUE(read.ok()) << text << read.status();
+    ASSERT_EQ(read->size(), 2U) << text;
+    EXPECT_EQ((*read)[1].lambda_um, 9) << text;
+    EXPECT_EQ((*read)[1].value, 0.8) << text;
+  }
+  EXPECT_EQ(error_of(read_spectrum("lambda_um;emissivity\n8;0,9\n", "a.csv", "emissivity")),
+            "a.csv:2:3: \"0,9\", expected a finite number with a decimal point");
+}
+
+TEST(SpectrumFile, NamesWhatItIsThatIsNoTable) {
+  const auto said = [](const std::string& text) {
+    return error_of(read_spectrum(text, "a.csv", "emissivity"));
+  };
+  EXPECT_THAT(said(std::string("\xff\xfel\0,\0", 6)),
+              HasSubstr("a.csv:1:1: this is text in UTF-16, expected UTF-8: save it as UTF-8"));
+  EXPECT_THAT(said(std::string(12, '\0')), HasSubstr("a.csv:1:1: this is a binary file"));
+  EXPECT_THAT(said("ENVI\nsamples = 3\nwavelength = {8,10}\n"),
+              HasSubstr("ENVI spectral libraries are not read: export the spectrum as CSV with the "
+                        "columns lambda_um,emissivity"));
 }
 
 TEST(SpectrumFile, GuessesNoUnitAndNoQuantity) {
@@ -246,7 +293,8 @@ TEST(SpectrumFile, GuessesNoUnitAndNoQuantity) {
             "a.csv:1:11: column \"reflectance\", expected \"emissivity\" or "
             "\"emissivity_percent\"");
   EXPECT_EQ(error_of(read_spectrum("lambda_um,reflectance\n3,25\n", "a.csv", "reflectance")),
-            "a.csv:2:3: 25, expected a number from 0 to 1");
+            "a.csv:2:3: 25, expected a number from 0 to 1: if it is in percent, name the column "
+            "reflectance_percent");
   EXPECT_EQ(
       error_of(read_spectrum("lambda_um,reflectance_percent\n3,101\n", "a.csv", "reflectance")),
       "a.csv:2:3: 101, expected a number from 0 to 100 (percent)");

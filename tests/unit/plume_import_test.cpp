@@ -223,6 +223,12 @@ TEST(PlumeImport, SpecificationsThatAreWrong) {
                 g.h2o = {"", 0.0, "1"};
               }),
               HasSubstr("no gas"));
+  EXPECT_THAT(wrong([](PlumeGrids& g) {
+                g.temperature = {"", 900.0, "K"};
+                g.co2 = {"", 0.1, "1"};
+              }),
+              HasSubstr("no grid: temperature and all species are constants, so that nothing says "
+                        "where the gas is"));
 }
 
 // Every byte of a file may be wrong: an error or a field, never an end of this process; and the

@@ -146,11 +146,38 @@ TEST(ParseSweep, TakesADateWithoutQuotesForADateOnly) {
   EXPECT_THAT(file_error_of("name = 2025-12-21"), HasSubstr("name is a date, expected a string"));
 }
 
+TEST(ParseSweep, SaysWhatAMistakeInTheGrammarIsAbout) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"name = \"box\nseed = 1\n", "s.toml:1:12: "},
+      {"name = \"box\nseed = 1\n", "(the closing quote of this text is missing)"},
+      {"[transport]\nsun = yes\n", "(a switch is true or false"},
+      {"[transport]\nsun = True\n", "(a switch is true or false"},
+      {"[viewpoints]\nrange_m = 5 km\n", "(a number stands alone, without its unit)"},
+      {"[viewpoints]\nrange_m = 5,5\n", "(numbers have a decimal point: 54.3)"},
+      {"[accuracy]\nrelative_error = 1%\n", "(a fraction: 1 % is 0.01)"},
+      {"[accuracy]\nrelative_error = .01\n", "(a number begins with a digit: 0.01)"},
+      {"name: \"box\"\n", "(KEY = VALUE)"},
+      {"name = box\n", "(text stands in \"straight quotes\")"},
+      {"seed = 1\nseed = 2\n", "(each key stands once in its table: delete one)"}};
+  for (const auto& [text, said] : cases) EXPECT_THAT(file_error_of(text), HasSubstr(said)) << text;
+}
+
+TEST(ParseSweep, SaysWhichKeyHasAnotherUnit) {
+  EXPECT_THAT(file_error_of("[weather]\nair_temperature_c = 20\n"),
+              HasSubstr("s.toml:2:1: unknown key \"air_temperature_c\" in weather, expected "
+                        "\"air_temperature_k\" (20 C are 293.15 K)"));
+  EXPECT_THAT(file_error_of("[viewpoints]\nrange_km = 5\n"),
+              HasSubstr("expected \"range_m\" (5 km are 5000 m)"));
+  EXPECT_THAT(file_error_of("[[band]]\nlambda_um = 5\n"),
+              HasSubstr("in band[0], expected \"lambda_min_um\", \"lambda_max_um\""));
+}
+
 TEST(Suggestion, NamesTheNearestOrAll) {
   const std::vector<std::string> known = {"season", "surroundings", "a"};
   EXPECT_EQ(suggestion("sesaon", known), "did you mean \"season\"?");
   EXPECT_EQ(suggestion("surrounding", known), "did you mean \"surroundings\"?");
   EXPECT_EQ(suggestion("b", known), "expected one of \"season\", \"surroundings\", \"a\"");
+  EXPECT_EQ(suggestion("SEASON", known), "did you mean \"season\"?");
   EXPECT_EQ(suggestion("x", {}), "there are none");
 }
 

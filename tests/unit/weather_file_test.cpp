@@ -10,14 +10,17 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "core/thermal/clear_sky.h"
 
 namespace irsig {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr WeatherPlace kFileBay{37.62, -122.4, 2};
 
@@ -368,6 +371,73 @@ TEST(WeatherCsv, WhatIsWrongIsSaidWithItsPlace) {
                   }(),
                   "f.csv"),
               HasSubstr("below the horizon at the sweep's place"));
+}
+
+// As spreadsheets write them: quotes around cells, lines that end with CR.
+TEST(WeatherCsv, QuotesAndLineEndsChangeNothing) {
+  const std::string good = as_csv("2026-01-28", 0);
+  CourseWanted wanted = day("2026-01-28");
+  wanted.from_unix_s += 3400;
+  wanted.to_unix_s -= 7000;
+  const auto plain = course(good, wanted, "f.csv");
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  std::string quoted;
+  for (const std::string_view line : absl::StrSplit(good, '\n', absl::SkipEmpty()))
+    absl::StrAppend(&quoted,
+                    line.front() == '#'
+                        ? std::string(line)
+                        : absl::StrCat("\"", absl::StrReplaceAll(line, {{",", "\" ,\""}}), "\""),
+                    "\n");
+  for (const std::string& text : {quoted, absl::StrReplaceAll(good, {{"\n", "\r"}}),
+                                  absl::StrReplaceAll(quoted, {{"\n", "\r\n"}})}) {
+    const auto same = course(text, wanted, "f.csv");
+    ASSERT_TRUE(same.ok()) << same.status();
+    ASSERT_EQ(same->course.record.size(), plain->course.record.size());
+    for (std::size_t i = 0; i < same->course.record.size(); ++i) {
+      EXPECT_EQ(same->course.record[i].air_k, plain->course.record[i].air_k);
+      EXPECT_EQ(same->course.record[i].sky_w_m2, plain->course.record[i].sky_w_m2);
+    }
+  }
+}
+
+TEST(WeatherCsv, FilesOfOtherProgramsAreToldWhatToDo) {
+  const CourseWanted wanted = day("2026-01-28");
+  const std::string good = as_csv("2026-01-28", 0);
+  const auto said = [&](const std::string& text, const char* name = "f.csv") {
+    return error(text, wanted, name);
+  };
+  EXPECT_THAT(said(absl::StrReplaceAll(good, {{",", ";"}})),
+              AllOf(HasSubstr("f.csv:3:1: the cells are separated by semicolons, expected commas"),
+                    Not(HasSubstr("unknown column"))));
+  EXPECT_THAT(said(absl::StrReplaceAll(good, {{",", "\t"}})), HasSubstr("separated by tabs"));
+  EXPECT_THAT(said(absl::StrReplaceAll(shipped(), {{",", ";"}}), "f.epw"),
+              HasSubstr("f.epw:1:1: the cells are separated by semicolons"));
+  EXPECT_THAT(said(shipped()),
+              HasSubstr("f.csv:1:1: this is an EPW file, expected a name that ends "
+                        "in .epw"));
+  EXPECT_THAT(said("Source,Location ID,City,State\nNSRDB,1,-,-\n"), HasSubstr("of the NSRDB"));
+  EXPECT_THAT(said(std::string("\xff\xfet\0", 4)), HasSubstr("UTF-16"));
+  EXPECT_THAT(said(std::string("PK\3\4\0\0", 6)), HasSubstr("this is a binary file"));
+  // Names of columns are in lower case; those that there are stand there once.
+  const std::string names =
+      said(absl::StrReplaceAll(good, {{"time,air_temperature_c", "Time,Air_Temperature_C"},
+                                      {"cloud_cover", "clouds"},
+                                      {"sky_w_m2", "sky"}}));
+  EXPECT_THAT(names, HasSubstr("unknown column \"Time\", expected \"time\" in lower case"));
+  EXPECT_THAT(names, HasSubstr("expected \"air_temperature_c\" in lower case"));
+  EXPECT_THAT(names, HasSubstr("expected time, air"));
+  EXPECT_EQ(names.find("expected time, air"), names.rfind("expected time, air"));
+  // A unit that is another than the name says.
+  const auto unit = [&](const char* from, const char* to) {
+    CourseWanted inside = wanted;
+    inside.from_unix_s += 3400;
+    inside.to_unix_s -= 7000;
+    return error(absl::StrReplaceAll(good, {{from, to}}), inside, "f.csv");
+  };
+  EXPECT_THAT(unit("air_temperature_c", "air_temperature_k"),
+              HasSubstr("is it in degrees Celsius? Then name the column ..._c"));
+  EXPECT_THAT(unit("pressure_hpa", "pressure_pa"),
+              HasSubstr("is it in hPa? Then name the column pressure_hpa"));
 }
 
 TEST(Tmy3, IsReadByTheNamesOfItsColumns) {

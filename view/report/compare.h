@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "schema/store/rows.h"
+#include "view/query/query.h"
 #include "view/rows/signature_quantity.h"
 
 namespace irsig {
@@ -41,5 +43,34 @@ using AspectKey = std::pair<std::int64_t, std::int64_t>;
 [[nodiscard]] absl::Status write_comparison(const Comparison& comparison,
                                             const QuantityColumns& quantity,
                                             std::string_view format, std::ostream& out);
+
+// OK if two bands have the same limits and the same response; their steps change no value of the
+// band. FAILED_PRECONDITION: they differ, so that their values are no difference of one quantity.
+[[nodiscard]] absl::Status check_same_band(const schema::Band& a, const schema::Band& b);
+
+// Names in which two rows may differ and still be compared. With a free season, times are those of
+// the day.
+struct FreeNames {
+  bool season = false, time = false, band = false;
+};
+struct ComparedRow {
+  StoredSignature a, b;
+  ComparedAspect value;
+};
+struct RowComparison {
+  std::vector<ComparedRow> row;  // in the order of a
+  std::size_t only_in_a = 0, only_in_b = 0;
+};
+// Pairs rows of the same season, time, band, aspect and range. INVALID_ARGUMENT: several rows of
+// one side have the same ones. NOT_FOUND: no row has a partner.
+[[nodiscard]] absl::StatusOr<RowComparison> compare_rows(const std::vector<QueryRow>& a,
+                                                         const std::vector<QueryRow>& b,
+                                                         const FreeNames& free,
+                                                         SignatureQuantity quantity);
+
+// One line a row, in a format of table.h. `exceeds_error`: the difference is larger than its error.
+[[nodiscard]] absl::Status write_compared_rows(const RowComparison& comparison,
+                                               const QuantityColumns& quantity,
+                                               std::string_view format, std::ostream& out);
 
 }  // namespace irsig

@@ -83,6 +83,43 @@ absl::StatusOr<OpticalConstants> joined(const Rows& n, const Rows& k, TableError
   return out;
 }
 
+// The CSV files of refractiveindex.info: "wl,n,k", or a block "wl,n" and below it a block "wl,k";
+// wavelengths in micrometres.
+absl::StatusOr<OpticalConstants> from_site_csv(std::string_view text, TableErrors& errors) {
+  std::optional<Rows> nk, n, k;
+  std::optional<Rows>* block = nullptr;
+  int number = 0;
+  for (const std::string_view raw : lines_of(text)) {
+    ++number;
+    std::string line(raw);
+    absl::StripAsciiWhitespace(&line);
+    if (line.empty()) continue;
+    const std::string lower = absl::AsciiStrToLower(line);
+    if (absl::StartsWith(lower, "wl")) {
+      block = lower == "wl,n,k" ? &nk : lower == "wl,n" ? &n : lower == "wl,k" ? &k : nullptr;
+      if (block == nullptr || *block) {
+        errors.add(number, 1,
+                   "expected the columns wl,n,k, or one block wl,n and one block wl,k, as "
+                   "refractiveindex.info writes them");
+        return errors.status();
+      }
+      *block = Rows();
+      continue;
+    }
+    auto row = number_row(raw, number, ',', block == &nk ? 3 : 2, errors);
+    if (!row.empty()) (*block)->push_back(std::move(row));
+  }
+  if (errors.empty() && (nk ? n || k : !n || !k))
+    errors.add(1, 1,
+               "n and k are both needed, expected the columns wl,n,k, or a block wl,n and a block "
+               "wl,k (k = 0 where it is known to be)");
+  for (const auto* rows : {&nk, &n, &k})
+    if (errors.empty() && *rows && (*rows)->empty())
+      errors.add(1, 1, "a block has no rows below the names of its columns");
+  if (!errors.empty()) return errors.status();
+  return nk ? from_rows(*nk, 1, errors) : joined(*n, *k, errors);
+}
+
 absl::StatusOr<OpticalConstants> from_yaml(const YAML::Node& root, std::string_view text,
                                            TableErrors& errors) {
   const YAML::Node entries = root.IsMap() ? root["DATA"] : YAML::Node();
@@ -134,7 +171,13 @@ absl::StatusOr<OpticalConstants> read_optical_constants(std::string_view text,
                                                         std::string_view file_name) {
   TableErrors errors(file_name);
   const std::string lower = absl::AsciiStrToLower(std::string(file_name));
-  if (absl::EndsWith(lower, ".csv")) return from_csv(text, errors);
+  if (is_no_text(text, errors)) return errors.status();
+  if (absl::EndsWith(lower, ".csv")) {
+    const std::vector<std::string_view> lines = lines_of(text);
+    const bool of_site =
+        !lines.empty() && absl::StartsWithIgnoreCase(std::string(lines.front()), "wl,");
+    return of_site ? from_site_csv(text, errors) : from_csv(text, errors);
+  }
   if (!absl::EndsWith(lower, ".yml") && !absl::EndsWith(lower, ".yaml")) {
     errors.add(1, 1, "a file with an unknown ending, expected .yml, .yaml or .csv");
     return errors.status();

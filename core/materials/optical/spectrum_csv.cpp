@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -30,7 +32,15 @@ std::string not_two_columns(std::string_view text, const std::string& quantity) 
     std::string words(line);
     absl::StripAsciiWhitespace(&words);
     if (words.empty() || words.front() == '#') continue;
-    if (words.find(',') != std::string::npos) return {};
+    if (absl::StartsWith(words, "ENVI"))
+      return absl::StrCat(
+          "this is the header of an ENVI file, and ENVI spectral libraries are not read: export the "
+          "spectrum as CSV with the columns lambda_um,",
+          quantity);
+    const bool names = absl::ascii_isalpha(static_cast<unsigned char>(words.front())) ||
+                       words.front() == '"';
+    if (words.find(',') != std::string::npos || (names && words.find_first_of(";\t") != words.npos))
+      return {};
     return absl::StrCat(
         "the first line names no columns, expected \"lambda_um,", quantity, "\" or \"lambda_nm,",
         quantity, "_percent\" and rows of two numbers with a comma between them, or a spectrum of "
@@ -48,6 +58,7 @@ absl::StatusOr<Spectrum> read_spectrum(std::string_view text, std::string_view f
                                        std::string_view quantity_asked) {
   const std::string quantity(quantity_asked);
   TableErrors errors(file_name);
+  if (is_no_text(text, errors)) return errors.status();
   if (const auto library = read_library_spectrum(text, quantity, errors); library) {
     if (!errors.empty()) return errors.status();
     return *library;
@@ -74,11 +85,19 @@ absl::StatusOr<Spectrum> read_spectrum(std::string_view text, std::string_view f
                             "\" or \"", quantity, "_percent\""));
   check_wavelengths(table.row, errors);
   const double most = percent ? 100 : 1;
+  const bool maybe_percent =
+      !percent && std::ranges::all_of(table.row, [](const std::vector<PlacedNumber>& row) {
+        return row[1].value >= 0 && row[1].value <= 100;
+      });
   Spectrum spectrum;
   for (const auto& row : table.row) {
     if (!(row[1].value >= 0 && row[1].value <= most))
-      errors.add(row[1], absl::StrCat(row[1].value, ", expected a number from 0 to ", most,
-                                      percent ? " (percent)" : ""));
+      errors.add(row[1],
+                 absl::StrCat(row[1].value, ", expected a number from 0 to ", most,
+                              percent ? " (percent)" : "",
+                              maybe_percent ? absl::StrCat(": if it is in percent, name the column ",
+                                                           quantity, "_percent")
+                                            : ""));
     spectrum.push_back({row[0].value * unit_um.value_or(0), row[1].value / most});
   }
   if (!errors.empty()) return errors.status();

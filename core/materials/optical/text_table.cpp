@@ -39,6 +39,8 @@ std::vector<Field> fields_of(std::string_view line, char separator) {
       fields.push_back(trimmed(line, begin, i));
       begin = i + 1;
     }
+    // Spreadsheets end each row with the separators of empty columns.
+    while (fields.size() > 1 && fields.back().text.empty()) fields.pop_back();
     return fields;
   }
   for (std::size_t i = 0; i < line.size();) {
@@ -51,6 +53,13 @@ std::vector<Field> fields_of(std::string_view line, char separator) {
     fields.push_back({line.substr(begin, i - begin), static_cast<int>(begin) + 1});
   }
   return fields;
+}
+
+// What stands between the fields of a line of names: a comma, or else a semicolon or a tab.
+char separator_of(std::string_view line) {
+  for (const char separator : {',', ';', '\t'})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ',';
 }
 
 // Text of a file in a message: one line, and no longer than people read.
@@ -100,14 +109,22 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   if (text.substr(0, 3) == kByteOrderMark) text.remove_prefix(3);
   std::vector<std::string_view> lines;
   while (!text.empty()) {
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    lines.push_back(line);
+    const std::size_t end = text.find_first_of("\r\n");
+    lines.push_back(text.substr(0, end));
     if (end == std::string_view::npos) break;
-    text.remove_prefix(end + 1);
+    text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
   }
   return lines;
+}
+
+bool is_no_text(std::string_view text, TableErrors& errors) {
+  const bool utf16 = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
+  const bool binary = text.substr(0, 4096).find('\0') != std::string_view::npos;
+  if (utf16)
+    errors.add(1, 1, "this is text in UTF-16, expected UTF-8: save it as UTF-8");
+  else if (binary)
+    errors.add(1, 1, "this is a binary file, expected text: export the spectrum as CSV");
+  return utf16 || binary;
 }
 
 std::vector<PlacedNumber> number_row(std::string_view line, int line_number, char separator,
@@ -122,8 +139,11 @@ std::vector<PlacedNumber> number_row(std::string_view line, int line_number, cha
   for (const Field& field : fields) {
     double value = 0;
     if (!absl::SimpleAtod(std::string(field.text), &value) || !std::isfinite(value))
-      errors.add(line_number, field.column,
-                 absl::StrCat(quoted(field.text), ", expected a finite number"));
+      errors.add(
+          line_number, field.column,
+          absl::StrCat(
+              quoted(field.text), ", expected a finite number",
+              field.text.find(',') != std::string_view::npos ? " with a decimal point" : ""));
     else
       row.push_back({value, line_number, field.column});
   }
@@ -133,17 +153,20 @@ std::vector<PlacedNumber> number_row(std::string_view line, int line_number, cha
 
 NumberTable read_number_table(std::string_view text, TableErrors& errors) {
   NumberTable table;
+  if (is_no_text(text, errors)) return table;
   int number = 0;
+  char separator = ',';
   for (const std::string_view line : lines_of(text)) {
     ++number;
     const Field whole = trimmed(line, 0, line.size());
     if (whole.text.empty() || whole.text.front() == '#') continue;
     if (table.column.empty()) {
-      for (const Field& field : fields_of(line, ','))
+      separator = separator_of(line);
+      for (const Field& field : fields_of(line, separator))
         table.column.push_back({column_name(field.text), number, field.column});
       continue;
     }
-    auto row = number_row(line, number, ',', table.column.size(), errors);
+    auto row = number_row(line, number, separator, table.column.size(), errors);
     if (!row.empty()) table.row.push_back(std::move(row));
   }
   if (table.column.empty())

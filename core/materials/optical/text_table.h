@@ -36,7 +36,10 @@ class TableErrors {
   std::vector<Found> found_;
 };
 
-// The lines of a text without their ends ("\n" or "\r\n") and without a byte order mark.
+// Whether the bytes are UTF-16 or binary: then that is reported, with what to do.
+[[nodiscard]] bool is_no_text(std::string_view text, TableErrors& errors);
+
+// The lines of a text without their ends ("\n", "\r\n" or "\r") and without a byte order mark.
 [[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
 // The finite numbers of one line, separated by `separator` (' ': any white space). Whatever is no
@@ -46,8 +49,10 @@ class TableErrors {
                                                    TableErrors& errors);
 
 // A CSV file of numbers: '#' starts a line of remarks, the first other line names the columns,
-// empty lines are skipped. Names are in lower case, with "_" for whatever is no letter or digit,
-// "um" for the micro sign and its metre, and "percent" for "%": "Wavelength (nm)" is wavelength_nm.
+// empty lines are skipped. Between the numbers stand commas, or semicolons or tabs if these stand
+// between the names; separators at the end of a line are read over. Names are in lower case, with
+// "_" for whatever is no letter or digit, "um" for the micro sign and its metre, and "percent" for
+// "%": "Wavelength (nm)" is wavelength_nm.
 struct NumberTable {
   struct Name {
     std::string text;

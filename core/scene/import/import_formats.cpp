@@ -11,8 +11,10 @@ namespace irsig {
 bool coordinate_of(const Token& word, FileErrors& errors, double& out) {
   const std::optional<double> value = number_of(word.text);
   if (!value) {
+    const bool comma = word.text.find(',') != word.text.npos;
     add_at(errors, word,
-           word ? fmt::format("\"{}\" is not a number that a double can hold", word.text)
+           word ? fmt::format("\"{}\" is not a number that a double can hold{}", word.text,
+                              comma ? ": export the model with decimal points" : "")
                 : std::string("a number is missing"));
     return false;
   }

@@ -48,14 +48,23 @@ absl::StatusOr<FileMesh> read_file(std::string_view bytes, const std::string& fi
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     return absl::InvalidArgumentError(
         fmt::format("{}: this is text in UTF-16, expected UTF-8: save it as UTF-8", file_name));
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
   const std::string_view ending =
       std::string_view(file_name).substr(std::min(file_name.rfind('.'), file_name.size()));
   const auto is = [&](std::string_view form) { return equals_ignoring_case(ending, form); };
-  if (is(".obj")) return read_obj(bytes, file_name);
+  if (bytes.starts_with("version https://git-lfs"))
+    return absl::InvalidArgumentError(fmt::format(
+        "{}: this is a pointer of Git LFS, not the model: fetch the model with \"git lfs pull\"",
+        file_name));
+  std::string_view text = bytes;
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  if (is(".obj")) {
+    // DOS programs end a text with Ctrl-Z, others fill the last block with zeros.
+    while (!text.empty() && (text.back() == '\x1a' || text.back() == '\0')) text.remove_suffix(1);
+    return read_obj(text, file_name);
+  }
   if (is(".stl"))
-    return is_ascii_stl(bytes) ? read_ascii_stl(bytes, file_name)
-                               : read_binary_stl(bytes, file_name);
+    return is_ascii_stl(text) ? read_ascii_stl(text, file_name) : read_binary_stl(bytes, file_name);
+  bytes = text;
   if (is(".ply")) return read_ply(bytes, file_name);
   if (is(".gltf") || is(".glb")) return read_gltf_apart(bytes, file_name);
   return absl::InvalidArgumentError(

@@ -16,6 +16,14 @@ bool is_ignored(std::string_view word) {
   return std::find(std::begin(words), std::end(words), word) != std::end(words);
 }
 
+// Statements of free-form curves and surfaces: what they describe is no polygon.
+bool is_free_form(std::string_view word) {
+  static constexpr std::string_view words[] = {"cstype", "deg",  "bmat",  "step", "curv", "curv2",
+                                               "surf",   "parm", "trim",  "hole", "scrv", "sp",
+                                               "end",    "con",  "ctech", "stech"};
+  return std::find(std::begin(words), std::end(words), word) != std::end(words);
+}
+
 class ObjReader {
  public:
   ObjReader(std::string_view text, const std::string& file_name)
@@ -40,6 +48,14 @@ class ObjReader {
         for (Token name = cursor_.word_on_line(); name; name = cursor_.word_on_line())
           group_names_.emplace_back(name.text);
         named_ = false;
+      } else if (is_free_form(word.text)) {
+        // The statements of a curve or surface follow each other: one error says it.
+        if (!free_form_)
+          add_at(errors_, word,
+                 fmt::format("\"{}\" belongs to a free-form curve or surface, which is not read: "
+                             "export the model as polygons",
+                             word.text));
+        free_form_ = true;
       } else if (!is_ignored(word.text)) {
         add_at(errors_, word,
                fmt::format("\"{}\" is not understood, expected v, f, g, o, usemtl, vt, "
@@ -162,6 +178,7 @@ class ObjReader {
   GroupTable groups_;
   std::string object_, material_;
   std::vector<std::string> group_names_;
+  bool free_form_ = false;
   bool named_ = false;  // current_ belongs to the names above
   std::uint32_t current_ = 0;
   std::vector<std::uint32_t> corner_;

@@ -51,7 +51,8 @@ class PlyReader {
                                                : ignored;
         if (&value != &ignored) {
           (void)coordinate_of(word, errors_, value);
-        } else if (!number_of(word.text)) {
+        } else if (!number_of(word.text) && word.text.find('#') == word.text.npos) {
+          // "1.#QNAN" and "-1.#IND" are numbers of old run-time libraries.
           add_at(errors_, word,
                  fmt::format("{}, expected {}.{}", word ? "this is not a number" : "the file ends",
                              element.name, property.name));

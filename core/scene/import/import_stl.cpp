@@ -39,6 +39,11 @@ class StlReader {
         (void)cursor_.rest_of_line();
         return;
       }
+      if (!word) {
+        add_at(errors_, word,
+               "the file ends without \"endsolid\": it may be cut short, export it again");
+        return;
+      }
       if (!is(word, "facet") || !read_facet(name)) return;
     }
   }
@@ -47,8 +52,9 @@ class StlReader {
   bool read_facet(const std::string& name) {
     if (!is(cursor_.word(), "normal")) return false;
     for (int i = 0; i < 3; ++i) {
+      // Any word: old run-time libraries write "1.#QNAN" for the normal of a sliver.
       const Token word = cursor_.word();
-      if (number_of(word.text)) continue;
+      if (word && !equals_ignoring_case(word.text, "outer")) continue;
       add_at(errors_, word, fmt::format("\"{}\", expected a number of the normal", word.text));
       return false;
     }

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/base/printable.h"
 #include "core/scene/import/import_formats.h"
 #include "fmt/format.h"
 
@@ -30,6 +31,12 @@ absl::StatusOr<FileMesh> read_binary_stl(std::string_view bytes, const std::stri
         "this is neither ASCII STL, which begins with \"solid\", nor binary STL, which has at "
         "least 84 bytes (this has {})",
         bytes.size()));
+  // Text has no byte 0, which a count of facets below 16 million and round coordinates have.
+  if (bytes.find('\0') == bytes.npos && bytes.find("facet") != bytes.npos)
+    return refuse(fmt::format(
+        "this is text that begins with \"{}\", and ASCII STL begins with \"solid\": delete what "
+        "stands before it",
+        one_line(bytes.substr(0, std::min<std::size_t>(bytes.find_first_of(" \r\n"), 20)))));
   const std::uint64_t facets = stl_word(bytes, 80), there = (bytes.size() - kStlHead) / kStlFacet;
   if (facets > there)
     return refuse(fmt::format(

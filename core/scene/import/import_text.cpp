@@ -20,17 +20,21 @@ std::optional<Number> whole(std::string_view word) {
 
 }  // namespace
 
+bool TextCursor::at_continuation() const {
+  if (at_ >= text_.size() || text_[at_] != '\\') return false;
+  std::size_t after = at_ + 1;
+  if (after + 1 < text_.size() && text_[after] == '\r' && text_[after + 1] == '\n') ++after;
+  return after < text_.size() && (text_[after] == '\n' || text_[after] == '\r');
+}
+
 void TextCursor::skip_blanks() {
   while (at_ < text_.size()) {
     if (is_blank(text_[at_]) && !at_line_end()) {
       ++at_;
       continue;
     }
-    if (text_[at_] != '\\') return;
-    std::size_t after = at_ + 1;
-    if (after + 1 < text_.size() && text_[after] == '\r' && text_[after + 1] == '\n') ++after;
-    if (after >= text_.size() || (text_[after] != '\n' && text_[after] != '\r')) return;
-    at_ = after;
+    if (!at_continuation()) return;
+    at_ += text_[at_ + 1] == '\r' && text_.substr(at_ + 2, 1) == "\n" ? 2 : 1;
     next_line();
   }
 }
@@ -39,7 +43,7 @@ Token TextCursor::word_on_line() {
   skip_blanks();
   Token out{{}, line_, at_ - line_start_ + 1};
   const std::size_t start = at_;
-  while (!at_line_end() && !is_blank(text_[at_])) ++at_;
+  while (!at_line_end() && !is_blank(text_[at_]) && !at_continuation()) ++at_;
   out.text = text_.substr(start, at_ - start);
   return out;
 }

@@ -23,7 +23,7 @@ class TextCursor {
  public:
   explicit TextCursor(std::string_view text) : text_(text) {}
 
-  // The next word of this line. A backslash at the end of a line continues it.
+  // The next word of this line. A backslash at the end of a line continues it, and ends a word.
   Token word_on_line();
   // The next word, on whatever line.
   Token word();
@@ -34,6 +34,7 @@ class TextCursor {
 
  private:
   void skip_blanks();
+  bool at_continuation() const;
   // A line ends with LF, CR LF or CR alone.
   bool at_line_end() const {
     return at_ >= text_.size() || text_[at_] == '\n' ||

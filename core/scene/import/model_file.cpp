@@ -57,8 +57,11 @@ absl::StatusOr<std::string> read_buffer(const std::filesystem::path& folder, std
   namespace fs = std::filesystem;
   const std::string name = without_percents(uri);
   const fs::path path(name);
+  if (name.find('\\') != name.npos)
+    return absl::InvalidArgumentError(
+        "the path has a backslash, expected \"/\" between folders, as glTF requires");
   if (path.is_absolute() || name.find(':') != name.npos || name.find('\0') != name.npos ||
-      name.find('\\') != name.npos || std::ranges::find(path, fs::path("..")) != path.end())
+      std::ranges::find(path, fs::path("..")) != path.end())
     return absl::InvalidArgumentError("expected a file in the folder of the model");
   std::error_code error;
   const fs::path inside = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
@@ -66,6 +69,9 @@ absl::StatusOr<std::string> read_buffer(const std::filesystem::path& folder, std
   const auto [end, other] = std::mismatch(inside.begin(), inside.end(), file.begin(), file.end());
   if (end != inside.end())
     return absl::InvalidArgumentError("it lies outside the folder of the model");
+  if (!fs::exists(file, error))
+    return absl::InvalidArgumentError(
+        "no such file, expected it beside the .gltf: copy it there, or export a .glb");
   return read_user_file(file.string(), most_bytes);
 }
 
