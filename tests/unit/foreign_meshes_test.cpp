@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/base/user_file.h"
+#include "core/scene/import/import_mesh.h"
+#include "core/scene/import/model_file.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
-#include "core/scene/import/model_file.h"
 #include "tests/unit/float32_files.h"
 #include "tests/unit/test_folder.h"
 
@@ -175,7 +177,7 @@ TEST(ForeignPly, BinaryInAnyOrder) {
     bytes.append(one.rbegin(), one.rend());
   };
   bytes += '\1';
-  for (const std::uint16_t i : {3, 0, 1, 2}) put(i);
+  for (const int i : {3, 0, 1, 2}) put(static_cast<std::uint16_t>(i));
   bytes += "\3abc";
   for (const auto& [x, y] : {std::pair{0, 0}, std::pair{-2, 0}, std::pair{0, -2}}) {
     put(static_cast<std::int16_t>(x));

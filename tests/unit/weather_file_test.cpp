@@ -382,10 +382,11 @@ TEST(WeatherCsv, QuotesAndLineEndsChangeNothing) {
   const auto plain = course(good, wanted, "f.csv");
   ASSERT_TRUE(plain.ok()) << plain.status();
   std::string quoted;
-  for (const std::string_view line : absl::StrSplit(good, '\n', absl::SkipEmpty()))
+  for (const std::string& line :
+       std::vector<std::string>(absl::StrSplit(good, '\n', absl::SkipEmpty())))
     absl::StrAppend(&quoted,
                     line.front() == '#'
-                        ? std::string(line)
+                        ? line
                         : absl::StrCat("\"", absl::StrReplaceAll(line, {{",", "\" ,\""}}), "\""),
                     "\n");
   for (const std::string& text : {quoted, absl::StrReplaceAll(good, {{"\n", "\r"}}),
