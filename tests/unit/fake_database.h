@@ -57,6 +57,7 @@ class FakeDatabase {
       must(database_->script("BEGIN"));
       for (const auto& [name, sweep] : given.sweeps) add_sweep(name);
       for (const StoredSignature& s : given.signatures) add_sweep(s.sweep).see(s);
+      for (const StoredTemperature& t : given.temperatures) add_sweep(t.sweep);
       for (const auto& [name, places] : sweep_)
         must(database_->run(
             "INSERT INTO sweep (sweep_id, name, sweep_sha256, viewpoints, conditions, bands, "

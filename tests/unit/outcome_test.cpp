@@ -70,7 +70,7 @@ TEST(Outcome, NotesOfAQueryCountBackFacesOnce) {
     s.backface_fraction = 0;
     if (s.row > 4) continue;
     s.backface_fraction = share += 0.1;
-    s.warning = "a warm sea\nback faces: turn it";
+    s.warning = "a warm sea";  // the back faces are said beside it
   }
   const auto notes = notes_on(*run_query(db, {}));
   std::size_t counted = 0;

@@ -268,7 +268,7 @@ TEST_F(RangeChanged, ManyRowsAreMovedAsEachAlone) {
     StoredSignature& s = db_.signatures.emplace_back(first);
     s.signature_id = i + 1;
     s.row = static_cast<std::uint64_t>(i) + 1;
-    s.aspect_azimuth_deg = 0.5 * i;
+    s.aspect_azimuth_deg = 0.5 * i + 0.1;  // no two of one viewpoint
     s.intensity_w_sr = first.intensity_w_sr + i;  // which one it is
     db_.spectra[i + 1] = spectrum;
   }

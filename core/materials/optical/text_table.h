@@ -36,7 +36,7 @@ class TableErrors {
   std::vector<Found> found_;
 };
 
-// Whether the bytes are UTF-16 or binary: then that is reported, with what to do.
+// Returns true, and reports it with the remedy, if the bytes are UTF-16 or binary.
 [[nodiscard]] bool is_no_text(std::string_view text, TableErrors& errors);
 
 // The lines of a text without their ends ("\n", "\r\n" or "\r") and without a byte order mark.
