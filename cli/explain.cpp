@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "cli/positive_number.h"
 #include "core/base/status_macros.h"
 
 namespace irsig {
@@ -35,7 +36,7 @@ void add_explain(CLI::App& app, int& exit_code) {
   auto asked = std::make_shared<ExplainAsked>(*command);
   command->add_option("DB", asked->db_path, "the database")->required();
   command->add_option("--row", asked->row, "the row's number, as `irsig query` prints it")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->required()
       ->type_name("K");
   command->add_option("--sweep", asked->sweep, "the sweep's name, where several have the row")

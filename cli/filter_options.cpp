@@ -9,6 +9,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "cli/positive_number.h"
 #include "core/base/status_macros.h"
 #include "jobs/number_bounds.h"
 
@@ -47,7 +48,7 @@ FilterOptions::FilterOptions(CLI::App& command) : command_(&command) {
       ->type_name("R");
   row_option_ = add("--row", row_, "The one signature with this row number")
                     ->type_name("K")
-                    ->check(CLI::PositiveNumber);
+                    ->check(positive_number());
   aspect_option_ = add("--aspect", aspect_,
                        "Direction from the target to the sensor: azimuth clockwise from the bow, "
                        "elevation above "
@@ -55,7 +56,7 @@ FilterOptions::FilterOptions(CLI::App& command) : command_(&command) {
                        ->type_name("AZ,EL");
   nearest_option_ = add("--nearest", query_.nearest, "  the N viewpoints nearest to the aspect")
                         ->type_name("N")
-                        ->check(CLI::PositiveNumber);
+                        ->check(positive_number());
   within_option_ = add("--within", within_deg_, "  the viewpoints within DEG degrees of the aspect")
                        ->type_name("DEG");
   command

@@ -12,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/material_plot.h"
 #include "cli/output_options.h"
+#include "cli/positive_number.h"
 #include "core/base/status_macros.h"
 #include "core/materials/material_check.h"
 #include "core/materials/optical/angular_table.h"
@@ -203,7 +204,7 @@ void add_material(CLI::App& app, int& exit_code) {
   show_command->add_option("--lambda-um", shown->lambda_um, "Wavelengths, separated by commas")
       ->type_name("UM")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   show_command->add_option("--theta-i-deg", shown->theta_i_deg, "Angles from the normal, 0 to 90")
       ->type_name("DEG")
       ->delimiter(',')
@@ -219,15 +220,15 @@ void add_material(CLI::App& app, int& exit_code) {
       ->add_option("--lambda-um", plotted->lambda_um, "Wavelengths of the curves over angle")
       ->type_name("UM")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   plot_command
       ->add_option("--lambda-min-um", plotted->min_um, "Shortest of the curves over wavelength")
       ->type_name("UM")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   plot_command
       ->add_option("--lambda-max-um", plotted->max_um, "Longest of the curves over wavelength")
       ->type_name("UM")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   plot_command->callback([plotted, &exit_code] { exit_code = report(plot(*plotted)); });
 
   struct CheckOptions {

@@ -398,7 +398,8 @@ std::string other_unit(std::string_view key, double value, const NumberBounds& b
     return if_inside(1000 * value, "km", "m");
   if (key.ends_with("thickness_m") && value > bounds.most)
     return if_inside(1e-3 * value, "mm", "m");
-  const bool fraction = bounds.least == 0 && bounds.most == 1 && value <= 100;
+  // 1.2 may as well be a fraction that is wrong.
+  const bool fraction = bounds.least == 0 && bounds.most == 1 && value >= 2 && value <= 100;
   if ((key.ends_with("relative_error") || fraction) && value > bounds.most)
     return absl::StrCat("; is it in percent? ", number_text(value), " % are ",
                         number_text(0.01 * value));

@@ -37,14 +37,9 @@ lambda_min_um = 8
 lambda_max_um = 12
 step_um = 0.5
 [[band]]
-name = "long"
-lambda_min_um = 8
-lambda_max_um = 12
-step_um = 1
-[[band]]
 name = "narrow"
-lambda_min_um = 9
-lambda_max_um = 10
+lambda_min_um = 12.5
+lambda_max_um = 13
 step_um = 0.5
 [viewpoints]
 kind = "list"
@@ -105,8 +100,6 @@ class Compare(unittest.TestCase):
             self.assertGreater(float(row["ratio"]), 1.1)
 
     def test_bands(self):
-        one = self.rows("a.sigdb", "--season", "cold", "--band", "lwir", "--b-band", "long")
-        self.assertEqual(len(one), 4)  # another step is the same band
         said = self.irsig("compare", "a.sigdb", "--band", "lwir", "--b-band", "narrow", code=2).stderr
         self.assertIn("are bands of different limits or responses", said)
 

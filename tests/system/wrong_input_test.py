@@ -160,7 +160,7 @@ COMMANDS = [
     (["help", "qurey"], r'unknown command "qurey", did you mean "query"\?'),
     (["query", "DB", "--band", "lwir", "--band", "mwir"], r"--band is given more than once, expected one value"),
     (["query", "DB", "-band", "lwir"], r'-band: did you mean "--band"\?'),
-    (["query", "DB", "--row", "-1"], r"--row: Number less or equal to 0: -1"),
+    (["query", "DB", "--row", "-1"], r"--row: -1 is not a number above 0"),
     (["query", "."], r"\.: is a directory"),
     (["query", "DB", "-o", "a.xlsx"], r"--out a.xlsx: this command does not write .xlsx files"),
     (["query", "DB", "--csv", "-o", "nofolder/a.csv"], r"cannot write nofolder/a.csv: No such file"),

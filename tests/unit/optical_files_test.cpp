@@ -154,7 +154,7 @@ TEST(OpticalConstantsFile, SaysWhereAYamlFileIsWrong) {
   text.replace(text.find("1.373"), 5, "1,373");
   text.replace(text.find("46 1.541 0.462"), 14, "46 1.541");
   EXPECT_EQ(error_of(read_optical_constants(text, "w.yml")),
-            "w.yml:9:15: \"1,373\", expected a finite number\n"
+            "w.yml:9:15: \"1,373\", expected a finite number with a decimal point\n"
             "w.yml:10:9: a row of 2, expected 3 numbers");
 }
 

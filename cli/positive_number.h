@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "CLI/CLI.hpp"
+
+namespace irsig {
+
+// Returns a check of an option's value: a number above 0. CLI11's own prints all digits of the
+// largest number as the upper limit.
+inline CLI::Validator positive_number() {
+  return {[](const std::string& text) {
+            double value = 0;
+            if (CLI::detail::lexical_cast(text, value) && value > 0) return std::string();
+            return text + " is not a number above 0";
+          },
+          "POSITIVE"};
+}
+
+}  // namespace irsig
