@@ -28,10 +28,11 @@ struct PictureFrame {
 
 // Samples of each pixel: where pictures are larger than this many samples in all, as few as
 // kLeastPixelSamples. Powers of two.
-inline constexpr std::uint32_t kPixelSamples = 16, kLeastPixelSamples = 4;
+inline constexpr std::uint32_t kPixelSamples = 8, kLeastPixelSamples = 4;
 inline constexpr std::uint64_t kPictureSamples = std::uint64_t{1} << 19;
 
-// Returns a run's settings changed to those of its pictures: one replicate, each pixel by itself.
+// Returns a run's settings changed to those of its pictures: one replicate, each pixel by itself, and
+// each path stays one path.
 [[nodiscard]] PathSettings picture_settings(PathSettings settings, const ImagePlan& plan);
 
 // Pictures of that frame that show nothing yet, for rays that start on the plane of `view`.
