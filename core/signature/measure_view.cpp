@@ -206,10 +206,11 @@ SignatureResult row_of(const MeasuredView& view, std::size_t index, const Prepar
   r.energy = view.totals.energy[index % view.setup.keys.band.size()];
   r.effect = plan.ledger[row.planned];
   add_shares(r);
-  estimate_times(
-      view.totals.counts,
-      r.projected_area_m2.value > 0 ? view.totals.beyond.estimate(0).value / r.projected_area_m2.value : 0,
-      request.environment != nullptr, r.effect);
+  estimate_times(view.totals.counts,
+                 r.projected_area_m2.value > 0
+                     ? view.totals.beyond.estimate(0).value / r.projected_area_m2.value
+                     : 0,
+                 request.environment != nullptr, r.effect);
   r.replicate_w_sr = row.replicates(Intensity::kSource);
   r.replicate_apparent_w_sr = row.replicates(Intensity::kApparent);
   r.replicate_contrast_w_sr = row.replicates(Intensity::kContrast);
@@ -293,7 +294,10 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
     out.rays = std::max(out.rays, rays);
   }
   const ViewPictures shown = trace_pictures(measured, pictures);
-  out.rays += shown.rays;
+  out.rays += shown.counts.rays;
+  // Numbers that should not occur are reported wherever they occur.
+  out.guarded_nonfinite += shown.counts.guarded_nonfinite;
+  out.guarded_negative += shown.counts.guarded_negative;
   add_pictures(shown, pictures, components, request, out);
   return out;
 }

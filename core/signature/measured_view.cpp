@@ -145,8 +145,7 @@ ImagePlan plan_images(const MeasuredView& view, const PictureFrame& pictures) {
   const ViewSetup& setup = view.setup;
   const SourceLayout paths(setup.parts(), setup.sources.geometry());
   const SpectralBasis* basis = setup.scene.path_basis();
-  ImagePlan plan =
-      blank_pictures(pictures, setup.aimed().frame, view.row.size(), 1, paths, basis);
+  ImagePlan plan = blank_pictures(pictures, setup.aimed().frame, view.row.size(), 1, paths, basis);
   for (std::uint32_t k = 0; k < plan.images; ++k)
     show_sources(view.row[k].in_band, *view.row[k].light, paths, basis, k, 0, plan);
   return plan;
@@ -171,13 +170,13 @@ void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, Ru
 }
 
 ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame) {
-  ViewPictures out{plan_images(view, frame), {}, 0};
+  ViewPictures out{plan_images(view, frame), {}, {}};
   if (out.plan.empty()) return out;
   TracedView traced =
       trace_view(view.setup.scene, whole_view(view.setup.aimed()), view.setup.sources.geometry(),
                  picture_settings(settings_of(view.setup, 1, kPictureStage), out.plan), out.plan);
   out.image = std::move(traced.image);
-  out.rays = traced.counts.rays;
+  out.counts = traced.counts;
   return out;
 }
 
@@ -246,10 +245,10 @@ double goal_w_sr(const MeasuredView& view, const Row& row) {
   // Nothing is an answer, too: of a plate seen edge on, against what it would send broadside.
   constexpr double kNothing = 1e-9;
   const double radius_m = view.setup.scene.target.radius_m;
-  const double of_nothing = row.estimate.total.value == 0
-                                ? kNothing * std::numbers::pi * radius_m * radius_m *
-                                      row.brightest_thermal_w_m2_sr
-                                : 0;
+  const double of_nothing =
+      row.estimate.total.value == 0
+          ? kNothing * std::numbers::pi * radius_m * radius_m * row.brightest_thermal_w_m2_sr
+          : 0;
   return std::max({relative_goal_w_sr(view, row), absolute_floor_w_sr(view, row), of_nothing});
 }
 

@@ -21,9 +21,9 @@ struct RunTotals {
   std::optional<UnknownSeen> unknown_seen;  // an emitter of unknown temperature that paths met
   // Throughput that goes on after N - 2 s, N - s and N reflections (PathWeights::beyond_m2).
   std::array<double, 3> beyond_m2{};
-  ReplicateStatistics beyond;                          // [number of reflections]
-  double front_area_m2 = 0, back_area_m2 = 0;          // of the silhouette, means over replicates
-  std::vector<EnergyLedger> energy;                    // [band]; empty in pilots
+  ReplicateStatistics beyond;                  // [number of reflections]
+  double front_area_m2 = 0, back_area_m2 = 0;  // of the silhouette, means over replicates
+  std::vector<EnergyLedger> energy;            // [band]; empty in pilots
 };
 
 // MeasuredView is a view with its rows, as the last run measured them. Pilots and the stored run
@@ -60,7 +60,7 @@ void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t sample
 struct ViewPictures {
   ImagePlan plan;             // empty: none
   std::vector<double> image;  // [pixel][plan.padded] radiance x solid angle x range^2 [W/sr]
-  std::uint64_t rays = 0;
+  PathCounts counts;
 };
 [[nodiscard]] ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame);
 

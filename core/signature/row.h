@@ -43,7 +43,7 @@ struct Row {
       : condition(of_condition), band(of_band), light(&with), on_axis(band_on_axis) {}
 
   std::uint32_t condition, band;  // of the request; of the scene
-  std::size_t planned = 0;                // its place in the lists of a ViewPlan
+  std::size_t planned = 0;        // its place in the lists of a ViewPlan
   const ConditionSources* light;
   BandOnAxis on_axis;
   SourceTable in_band;

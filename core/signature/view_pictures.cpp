@@ -171,8 +171,9 @@ PathSettings picture_settings(PathSettings settings, const ImagePlan& plan) {
   settings.pixel_samples = kPixelSamples;
   settings.split = 1;
   settings.roulette_survival_scale = 1;
+  while (pixels * settings.pixel_samples < kLeastPictureSamples) settings.pixel_samples *= 2;
   while (settings.pixel_samples > kLeastPixelSamples &&
-         pixels * settings.pixel_samples > kPictureSamples)
+         pixels * settings.pixel_samples > kMostPictureSamples)
     settings.pixel_samples /= 2;
   settings.samples = pixels * settings.pixel_samples;
   return settings;

@@ -26,10 +26,11 @@ struct PictureFrame {
 [[nodiscard]] PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
                                          const ViewRequest& request);
 
-// Samples of each pixel: where pictures are larger than this many samples in all, as few as
-// kLeastPixelSamples. Powers of two.
+// Samples of each pixel, powers of two: more in pictures of few pixels, so that all pixels together
+// have kLeastPictureSamples; fewer, but kLeastPixelSamples, above kMostPictureSamples in all.
 inline constexpr std::uint32_t kPixelSamples = 8, kLeastPixelSamples = 4;
-inline constexpr std::uint64_t kPictureSamples = std::uint64_t{1} << 19;
+inline constexpr std::uint64_t kLeastPictureSamples = std::uint64_t{1} << 14,
+                               kMostPictureSamples = std::uint64_t{1} << 19;
 
 // Returns a run's settings changed to those of its pictures: one replicate, each pixel by itself, and
 // each path stays one path.

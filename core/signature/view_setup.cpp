@@ -129,8 +129,7 @@ ViewSetup::ViewSetup(const PreparedScene& the_scene, const ViewRequest& request,
 double ViewSetup::sample_m2(std::uint32_t stratum, std::uint64_t samples) const {
   const AimedView& view_of = aimed();
   if (view_of.stratum[stratum].empty()) return 0;
-  return view_of.stratum[stratum].area_m2() *
-         std::pow(view_of.range_m / view_of.frame.plane_m, 2) /
+  return view_of.stratum[stratum].area_m2() * std::pow(view_of.range_m / view_of.frame.plane_m, 2) /
          (static_cast<double>(samples) * accuracy.replicates);
 }
 

@@ -52,6 +52,19 @@ TEST(Picture, InnerPixelsHaveTheRadianceOfABlackSphere) {
   EXPECT_NEAR(sum_w_sr(view), radiance * 3.14159265, 0.01 * radiance * 3.14159265);
 }
 
+TEST(Picture, OfFewPixelsAddsUp) {
+  const auto simulator = simulator_of(scene_of(generated("sphere", 5000, 1), grey(1), lwir()));
+  for (const std::uint32_t px : {1u, 2u, 3u, 5u}) {
+    ViewRequest r = request(*simulator, 30, 20, kFarM, {300});
+    r.thumbnail_px = px;
+    r.accuracy.samples_per_replicate = 4096;
+    const auto view = simulator->simulate(r);
+    ASSERT_TRUE(view.ok()) << view.status();
+    const double whole = view->row[0].intensity_w_sr.value;
+    EXPECT_NEAR(sum_w_sr(*view), whole, 0.01 * whole) << px;
+  }
+}
+
 // Sky and other parts are reflected, a small hot part has a stratum of its own in the row.
 TEST(Picture, AddsUpToARowWithReflectionsAndAHotPart) {
   Mesh mesh = joined(generated("box", 12, 0, 4, 2, 1),

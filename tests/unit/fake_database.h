@@ -76,7 +76,7 @@ class FakeDatabase {
     [[nodiscard]] std::unique_ptr<Database> take() { return std::move(database_); }
 
    private:
-    // What a sweep's lists hold: a row's place in them is that of its number.
+    // The lists of a sweep; the number of a row is its place in them.
     struct Places {
       std::int64_t id = 0;
       std::map<std::pair<std::string, std::string>, int> time;
@@ -247,7 +247,7 @@ class FakeDatabase {
           "INSERT INTO job (sweep_id, job_index, superseded, job_key, kind, state) "
           "VALUES (?1, 0, ?2, ?3, 2, 2)",
           sweep_.at(t.sweep).id, t.superseded, t.job_key);
-      // Of no condition's heat run: the season and the time are the job's own.
+      // No condition belongs to this heat run: the job states the season and the time itself.
       must(database_->run("INSERT INTO heat_job (job_id, heat_index, season) VALUES (?1, ?1, ?2)",
                           job, t.season));
       must(database_->run(sql::insert_computed_temperature, job, 0, t.time_utc, part(t.part),

@@ -27,9 +27,8 @@ ThreeBounds direction_interpolation_bound(const BoundInput& in) {
         relative * std::abs(in.row.estimate.cause[static_cast<std::size_t>(cause)].value);
     return wide ? std::min(each, lobes) : each;
   };
-  const double sum =
-      of_side(layout.sky(), environment.sky_interpolation, Cause::kSkyReflected) +
-      of_side(layout.lower(), environment.lower_interpolation, Cause::kSeaReflected);
+  const double sum = of_side(layout.sky(), environment.sky_interpolation, Cause::kSkyReflected) +
+                     of_side(layout.lower(), environment.lower_interpolation, Cause::kSeaReflected);
   return {sum, sum, sum};
 }
 

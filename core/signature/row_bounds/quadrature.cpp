@@ -28,9 +28,9 @@ double sun_quadrature_w_sr(const ViewSetup& setup, const Row& row) {
 double quadrature_bound_w_sr(const ViewSetup& setup, const Row& row) {
   const RowEstimate& e = row.estimate;
   const double apparent_w_sr = e.apparent.value, background_w_sr = apparent_w_sr - e.contrast.value;
-  double sum = row.quadrature_relative * std::max(std::abs(e.total.value),
-                                                  std::abs(apparent_w_sr) +
-                                                      std::abs(background_w_sr));
+  double sum =
+      row.quadrature_relative *
+      std::max(std::abs(e.total.value), std::abs(apparent_w_sr) + std::abs(background_w_sr));
   // Of outlines, and of what is behind them.
   double outline_m2 = 0;
   for (std::size_t part = 0; part < setup.turned.size(); ++part) {

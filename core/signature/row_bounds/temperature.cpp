@@ -10,8 +10,7 @@ ThreeBounds temperature_bound(const BoundInput& in) {
   for (const SummedWeights& change : in.temperature_changes)
     for (const SourceId id : in.row.light->layout().all_emitted())
       for (std::size_t k = 0; k < table.columns; ++k) {
-        const double weight =
-            change.row(id)[table.first_column + k] / in.setup.accuracy.replicates;
+        const double weight = change.row(id)[table.first_column + k] / in.setup.accuracy.replicates;
         out.source += weight * table.row(id)[k];
         out.apparent += weight * table.apparent[index_of(id) * table.columns + k];
       }
