@@ -201,7 +201,10 @@ TEST(PlumeHalf, SaysHowFarVoxelsAreOff) {
       EXPECT_LT(off, rows[b].plume_voxel_error_w_sr + 3 * rows[b].plume_w_sr.stderr_);
       // Twice the edge: 2.5 times as much where errors fall as h^1.8.
       EXPECT_GT(b == 0 ? off : 1, 0.2 * (b == 0 ? rows[b].plume_voxel_error_w_sr : 0));
-      EXPECT_GE(rows[b].model_error_w_sr, rows[b].plume_voxel_error_w_sr);
+      // Nothing lies between gas and sensor: the source has all of the gas's model error, too.
+      EXPECT_GT(rows[b].plume_model_error_w_sr, 0.005 * rows[b].plume_emitted_w_sr);
+      EXPECT_GE(rows[b].model_error_w_sr,
+                0.99 * std::hypot(rows[b].plume_model_error_w_sr, rows[b].plume_voxel_error_w_sr));
       EXPECT_GE(rows[b].apparent_model_error_w_sr, 0.99 * rows[b].plume_voxel_error_w_sr);
     }
     EXPECT_GT(rows[0].plume_voxel_error_w_sr, 0);
