@@ -104,10 +104,10 @@ TEST(ClosedForms, SphereInFrontOfDisk) {
   scene.part = {{"sphere", {"sphere"}, 0, false, true}, {"disk", {"disk_*"}, 1, false, false}};
   const auto simulator = simulator_of(scene);
   for (const FormRow row : {FormRow{10, 0, 371.3104700206522},
-                        {20, 0, 362.7160182858358},
-                        {40, 0, 344.3408571805333},
-                        {50, 0, 327.322201903723},
-                        {80, 0, 237.950942053103}}) {
+                            {20, 0, 362.7160182858358},
+                            {40, 0, 344.3408571805333},
+                            {50, 0, 327.322201903723},
+                            {80, 0, 237.950942053103}}) {
     const auto r =
         only_row(*simulator, request(*simulator, row.azimuth_deg, 0, kRange, {500, 300}));
     expect_within_t(r.intensity_w_sr, row.intensity_w_sr, kRows,
@@ -229,6 +229,19 @@ TEST(ClosedForms, PlatesInTheSun) {
                              {75, 75, 180, 773.777998851417},
                              {30, 60, 170, 359.7472157639892}})
     expect(*rough, row, "Cook-Torrance plate");
+}
+
+// A one-sided plate of 1 m2 beside one of 3 m2 that shows its back.
+TEST(ClosedForms, BackfaceFractionIsOfTheArea) {
+  Mesh mesh;
+  mesh.group = {"plate"};
+  mesh.vertex = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {4, 0, 0}, {4, 1, 0}};
+  mesh.triangle = {{0, 2, 1}, {0, 3, 2}, {1, 4, 5}, {1, 5, 2}};
+  mesh.triangle_group = {0, 0, 0, 0};
+  const auto simulator = simulator_of(scene_of(mesh, grey(1), lwir()));
+  const SignatureResult row = only_row(*simulator, request(*simulator, 0, 90, 1e6, {300}));
+  EXPECT_NEAR(row.backface_fraction, 0.75, 1e-3);
+  EXPECT_NEAR(row.projected_area_m2.value, 1, 4e-3);
 }
 
 }  // namespace
