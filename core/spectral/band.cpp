@@ -219,7 +219,9 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
         grid.node_um.push_back(0.5 * (from + to) + side * reach);
         grid.bin_weight.push_back(reach / grid.step_um);
       }
-      const bool outside = (k == 0 && to <= lambda) || (k == n && from >= lambda);
+      // A cut at a limit of the band may be off by rounding: a panel is where its middle is.
+      const double middle = 0.5 * (from + to);
+      const bool outside = (k == 0 && middle < lambda) || (k == n && middle > lambda);
       const PanelWeights weights = outside ? PanelWeights{0.0, 0.0} : panel_weights(band, from, to);
       grid.band_weight.push_back(std::max(0.0, weights.lower));  // rounding
       grid.band_weight.push_back(std::max(0.0, weights.upper));

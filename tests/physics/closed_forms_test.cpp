@@ -11,6 +11,7 @@
 //   allowed for.
 #include <numbers>
 
+#include "core/materials/spectra.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 #include "tests/physics/scene_fixture.h"
@@ -242,6 +243,41 @@ TEST(ClosedForms, BackfaceFractionIsOfTheArea) {
   const SignatureResult row = only_row(*simulator, request(*simulator, 0, 90, 1e6, {300}));
   EXPECT_NEAR(row.backface_fraction, 0.75, 1e-3);
   EXPECT_NEAR(row.projected_area_m2.value, 1, 4e-3);
+}
+
+// An emissivity that goes up and down between the points of its table, which are where they may be:
+// on stored wavelengths, a rounding beside the limits of the band, too many to cut at. The truth is
+// a sum over 400 000 wavelengths.
+TEST(ClosedForms, TablesOfManyPointsWithinTheQuadraturesBound) {
+  constexpr double kLow = 0.2, kHigh = 0.9, kBegin_um = 2.5, kEnd_um = 6.5;
+  constexpr int kFine = 400000;
+  for (const double step_um : {1.0, 0.3, 0.1, 0.03, 0.01, 0.002}) {
+    Lambert saw;
+    for (double um = kBegin_um; um < kEnd_um; um += step_um)
+      saw.emissivity.push_back({um, saw.emissivity.size() % 2 == 0 ? kLow : kHigh});
+    const auto simulator =
+        simulator_of(scene_of(generated("box", 12), MaterialSpec{"saw", saw}, mwir()));
+    for (const double temperature_k : {200.0, 300.0, 2000.0}) {
+      const SignatureResult row =
+          only_row(*simulator, request(*simulator, 0, 90, 1e6, {temperature_k}));
+      double truth = 0, black = 0;
+      for (int i = 0; i < kFine; ++i) {
+        const double um = 3 + 2 * (i + 0.5) / kFine;
+        const double radiance = 2.0 / kFine * planck_radiance_w_m2_sr_um(um, temperature_k);
+        truth += radiance * spectrum_at(saw.emissivity, um);
+        black += radiance;
+      }
+      const double area_m2 = row.projected_area_m2.value;
+      const double off = row.intensity_w_sr.value / area_m2 - truth;
+      const double bound = row.quadrature_bound_w_sr / area_m2;
+      EXPECT_LT(std::abs(off), bound + 1e-7 * truth)
+          << step_um << " um, " << temperature_k << " K: " << truth;
+      if (step_um > 0.005)
+        EXPECT_LT(bound, 1e-4 * truth) << step_um << " um, " << temperature_k << " K";
+      else  // lines between few points may be half a tooth off everywhere
+        EXPECT_GT(bound, 0.5 * (kHigh - kLow) * black) << temperature_k << " K";
+    }
+  }
 }
 
 }  // namespace
