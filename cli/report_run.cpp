@@ -259,6 +259,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
                r.prediction->determinism_class);
   print_errors(out, r.rows, r.sweep.resolved.sweep().accuracy());
   print_shares(out, r.rows);
+  for (const std::string& note : limit_notes(r.rows)) fmt::print(out, "{}\n", note);
   print_guards(out, r.sums);
   if (r.warnings.empty() && r.back_faces.empty()) fmt::print(out, "warnings: none\n");
   if (!r.back_faces.empty()) fmt::print(out, "warning: {}\n", r.back_faces);

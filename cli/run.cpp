@@ -161,6 +161,15 @@ absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sw
   return text.empty() ? "" : " (" + text + ")";
 }
 
+// Rows are read only where some did not reach their accuracy.
+absl::StatusOr<std::vector<std::string>> limits_of(StoreReader& reader, const std::string& sweep) {
+  ASSIGN_OR_RETURN(const auto outcome, reader.outcome(sweep));
+  for (const auto& [reason, count] : outcome.stop)
+    if (reason == "accuracy_not_reached" || reason == "sample_limit")
+      return limit_notes(reader, sweep);
+  return std::vector<std::string>();
+}
+
 absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {
   ASSIGN_OR_RETURN(auto reader, StoreReader::open(asked.db_path));
   for (const std::string& warning : status.warning()) print_note("irsig: warning: {}\n", warning);
@@ -180,6 +189,8 @@ absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked,
                sweep.name(), sweep.done(), sweep.jobs(), stages,
                count_text(static_cast<double>(sweep.rays()), "rays"),
                100 * sweep.worst_relative_error(), kept, seconds, asked.db_path);
+    ASSIGN_OR_RETURN(const auto limits, limits_of(*reader, sweep.name()));
+    for (const std::string& note : limits) print_note("irsig: note: {}\n", note);
     if (sweep.done() == sweep.jobs()) continue;
     std::string text = fmt::format("{}: {} jobs failed, {} were cancelled", sweep.name(),
                                    sweep.quarantined(), sweep.cancelled());

@@ -14,6 +14,7 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
+// 19: no light from beyond a band whose limit a material's table meets by rounding.
 // 18: pictures have paths of their own, the same number in each pixel.
 // 17: the bound of the target's depth takes light to leave the target where it is seen to, in mean.
 // 16: rays at hot gas also go where it is seen past what is in front; steps beside jumps; what so
@@ -29,7 +30,7 @@ namespace irsig {
 // 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
 // added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
 // met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 18;
+inline constexpr int kPhysicsVersion = 19;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/unit/fake_database.h"
 
 namespace irsig {
@@ -38,6 +40,37 @@ TEST(Outcome, SaysNothingWhereAllWasReachedOrNothingAsked) {
   outcome.stop = {{"fixed_samples", 6}};
   EXPECT_THAT(stopped_text(outcome, schema::Accuracy()), IsEmpty());
   EXPECT_THAT(backface_text(outcome), IsEmpty());
+}
+
+StoredSignature missed(BoundOf which, double bound_w_sr) {
+  FakeDatabase db = fake_database();
+  StoredSignature row = db.signatures[0];
+  row.stop_reason = "accuracy_not_reached";
+  row.intensity_stderr_w_sr = 1;
+  row.undersampling_stderr_w_sr = row.undersampling_bound_w_sr = row.quadrature_bound_w_sr =
+      row.spectral_basis_bound_w_sr = row.direction_interpolation_bound_w_sr =
+          row.omitted_bound_w_sr = row.truncation_bound_w_sr = row.temperature_bound_w_sr = 0;
+  if (which == BoundOf::kTruncation) row.truncation_bound_w_sr = bound_w_sr;
+  if (which == BoundOf::kTemperature) row.temperature_bound_w_sr = bound_w_sr;
+  row.numerical_error_w_sr = std::hypot(1, bound_w_sr / std::sqrt(3));
+  return row;
+}
+
+TEST(Outcome, NamesWhatDecidesTheErrorOfRowsThatFallShort) {
+  const StoredSignature cut = missed(BoundOf::kTruncation, 9),
+                        warm = missed(BoundOf::kTemperature, 9),
+                        noisy = missed(BoundOf::kTemperature, 1);
+  StoredSignature reached = cut, old = cut;
+  reached.stop_reason = "accuracy_reached";
+  old.superseded = true;
+  EXPECT_THAT(limit_notes({reached, old}), IsEmpty());
+  const auto notes = limit_notes({cut, warm, reached, warm, warm, noisy, noisy});
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_THAT(notes[0], HasSubstr("3 rows fall short of the accuracy by: temperature; set [heat] "
+                                  "element_size_m smaller"));
+  EXPECT_THAT(notes[1], HasSubstr("2 rows fall short of the accuracy by: scatter"));
+  EXPECT_THAT(notes[2], HasSubstr("1 row falls short of the accuracy by: truncation; raise "
+                                  "[transport] max_reflections"));
 }
 
 TEST(Outcome, WarnsOfBackFacesWithTheRemedy) {

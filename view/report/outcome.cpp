@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
+#include <span>
+#include <string_view>
+#include <utility>
 
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
+#include "view/rows/measured_row.h"
 
 namespace irsig {
 namespace {
@@ -14,6 +19,90 @@ namespace {
 constexpr const char* kRemedy =
     "set two_sided = true for parts that are sheets, mend facets that are inside out with `irsig "
     "model check FILE --repair OUT.obj`";
+
+// What decides an error, and how a sweep file lowers it.
+struct Limit {
+  std::string_view name, remedy;
+};
+constexpr Limit kSamples{"scatter of the samples",
+                         "raise [accuracy] max_samples_per_replicate, or ask for a smaller "
+                         "relative_error, which plans more samples"};
+constexpr Limit kUnmet{"small bright facets that samples may miss",
+                       "raise [accuracy] max_samples_per_replicate, or make them a [[part]] of "
+                       "their own with hot = true"};
+
+std::string_view remedy_of(BoundOf bound) {
+  switch (bound) {
+    case BoundOf::kTruncation:
+      return "raise [transport] max_reflections";
+    case BoundOf::kQuadrature:
+      return "set step_um of the [[band]] smaller";
+    case BoundOf::kUnseen:
+      return kUnmet.remedy;
+    case BoundOf::kOmitted:
+      return "run with --effects all";
+    case BoundOf::kTemperature:
+      return "set [heat] element_size_m smaller, or state better temperatures";
+    case BoundOf::kPlume:
+    case BoundOf::kBasis:
+    case BoundOf::kSky:
+    case BoundOf::kDepth:
+    case BoundOf::kBackground:
+    case BoundOf::kMoved:
+      break;
+  }
+  return "no key lowers it: ask for a larger relative_error";
+}
+
+// The largest part of a row's numerical error.
+Limit limit_of(const StoredSignature& row) {
+  const Measured source = source_of(row);
+  Limit out = kSamples;
+  double most = source.sampled_fraction();
+  const auto see = [&](double share, Limit limit) {
+    if (share > most) {
+      most = share;
+      out = limit;
+    }
+  };
+  see(source.unseen_fraction(), kUnmet);
+  for (std::size_t i = 0; i < kBounds; ++i) {
+    const auto which = static_cast<BoundOf>(i);
+    see(source.share(which), {info_of(which).name, remedy_of(which)});
+  }
+  return out;
+}
+
+// Counts what decides the error of rows that did not reach their accuracy.
+class Limits {
+ public:
+  void add(const std::vector<StoredSignature>& rows) {
+    for (const StoredSignature& row : rows) {
+      if (row.superseded) continue;
+      if (row.stop_reason != "accuracy_not_reached" && row.stop_reason != "sample_limit") continue;
+      const Limit limit = limit_of(row);
+      auto& [count, remedy] = rows_[limit.name];
+      ++count;
+      remedy = limit.remedy;
+    }
+  }
+  // The most frequent first.
+  [[nodiscard]] std::vector<std::string> notes() const {
+    std::vector<std::pair<std::uint64_t, std::string>> sorted;
+    for (const auto& [name, of] : rows_)
+      sorted.emplace_back(of.first,
+                          fmt::format("{} row{} short of the accuracy by: {}; {}", of.first,
+                                      of.first == 1 ? " falls" : "s fall", name, of.second));
+    std::stable_sort(sorted.begin(), sorted.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::string> out;
+    for (auto& note : sorted) out.push_back(std::move(note.second));
+    return out;
+  }
+
+ private:
+  std::map<std::string_view, std::pair<std::uint64_t, std::string_view>> rows_;
+};
 
 }  // namespace
 
@@ -35,6 +124,27 @@ std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& a
   if (others.empty()) return "";
   return fmt::format("{} of {} rows reach {:g} %", reached, rows, 100 * accuracy.relative_error()) +
          others;
+}
+
+std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows) {
+  Limits limits;
+  limits.add(rows);
+  return limits.notes();
+}
+
+absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
+                                                     const std::string& sweep) {
+  constexpr std::size_t kAtOnce = 4096;
+  SignatureFilter filter;
+  filter.sweep = sweep;
+  ASSIGN_OR_RETURN(const auto ids, reader.find_ids(filter));
+  Limits limits;
+  for (std::size_t i = 0; i < ids.size(); i += kAtOnce) {
+    const auto some = std::span(ids).subspan(i, std::min(kAtOnce, ids.size() - i));
+    ASSIGN_OR_RETURN(const auto rows, reader.read(some));
+    limits.add(rows);
+  }
+  return limits.notes();
 }
 
 std::string backface_text(const StoredOutcome& outcome) {

@@ -15,6 +15,14 @@ namespace irsig {
 [[nodiscard]] std::string stopped_text(const StoredOutcome& outcome,
                                        const schema::Accuracy& accuracy);
 
+// Returns what decides the error of the rows that did not reach their accuracy, the most frequent
+// first, each with its remedy: "14 rows fall short of the accuracy by: temperature; set [heat]
+// element_size_m smaller, or state better temperatures". Empty: every row reached it.
+[[nodiscard]] std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows);
+// Returns these notes for all rows of a sweep, a few thousand of which are in memory at once.
+[[nodiscard]] absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
+                                                                   const std::string& sweep);
+
 // A warning of views that were seen from behind in part, with the remedy. Empty: none.
 [[nodiscard]] std::string backface_text(const StoredOutcome& outcome);
 
