@@ -33,6 +33,26 @@ struct Fake {
   ViewRequest request;
   ViewEnvironments environments;
   std::vector<double> node_um;
+  ThreeBounds sky_bound;  // of the last run
+
+  // Errors of straight lines between the sky's nodes: at worst, relative to each node; and in mean
+  // over the sky.
+  void set_errors(double at_worst, double in_mean) {
+    const std::size_t n = node_um.size();
+    ViewEnvironment& e = environments.condition[0];
+    auto shapes = std::make_shared<IncidentRadiance::Shapes>(e.around.shapes());
+    auto thermal = std::make_shared<IncidentRadiance::Thermal>();
+    auto apparent = std::make_shared<BandRows<double>>(environments.directions.count(), n);
+    thermal->ring = BandRows<double>(environments.directions.count(), n);
+    for (std::uint32_t k = 0; k < environments.directions.count(); ++k) {
+      const std::vector<double> here = e.around.radiance(k), there = e.around.apparent(k);
+      std::copy(here.begin(), here.end(), thermal->ring.row(k));
+      std::copy(there.begin(), there.end(), apparent->row(k));
+    }
+    thermal->error.assign(environments.directions.count(), at_worst);
+    e.around = IncidentRadiance(shapes, thermal, apparent, environments.directions.sky(), 1);
+    e.sky_interpolation = in_mean;
+  }
 
   // fill(direction, above): radiance at every wavelength; what arrives is 0.7 of it.
   template <typename Fill>
@@ -62,6 +82,7 @@ struct Fake {
     MeasuredView measured(simulator->scene(), request, plan, view, {{0}, {0}}, 7);
     run_view(measured, samples, 1, RunKind::kStored);
     std::vector<Estimate> out;
+    sky_bound = measured.row[0].bound[static_cast<std::size_t>(BoundOf::kSky)];
     measured.row[0].estimate.for_each([&](const Estimate& e) { out.push_back(e); });
     out.resize(11);
     return out;
@@ -113,6 +134,22 @@ TEST(SkyNodes, CuttingAUniformSkyChangesNothing) {
   const std::vector<Estimate> a = coarse.run(512), b = fine.run(512);
   for (const Quantity q : {kTotal, kEmission, kSky, kSea, kApparent, kArea})
     EXPECT_NEAR(a[q].value, b[q].value, 3e-7 * std::abs(a[q].value)) << q;
+}
+
+// Lobes as wide as a white plate's see the mean error of the sky's interpolation, if that is the
+// smaller one; a narrow lobe sees the worst.
+TEST(SkyNodes, TheBoundIsTheErrorOfWhatIsReflected) {
+  constexpr double kWidthUm = 4, kRadiance = 5;
+  for (const auto& [at_worst, in_mean] : {std::pair{0.01, 1.0}, std::pair{0.01, 0.003}}) {
+    Fake f = fake(grey(0), 90);
+    f.set_sky(DirectionNodes({0, 0.3f, 1}, {0, 1}, 1),
+              [&](Vec<Body>, bool above) { return above ? kRadiance : 0.0; });
+    f.set_errors(at_worst, in_mean);
+    const std::vector<Estimate> e = f.run(512);
+    const double reflected = kWidthUm * kRadiance * e[kArea].value;
+    EXPECT_NEAR(e[kSky].value, reflected, 1e-4 * reflected);
+    EXPECT_NEAR(f.sky_bound.source, std::min(at_worst, in_mean) * reflected, 1e-5 * reflected);
+  }
 }
 
 TEST(SkyNodes, SharesAddUpAndInterpolate) {

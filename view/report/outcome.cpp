@@ -24,12 +24,12 @@ constexpr const char* kRemedy =
 struct Limit {
   std::string_view name, remedy;
 };
+constexpr std::string_view kRaiseLimit = "raise [accuracy] max_samples_per_replicate";
 constexpr Limit kSamples{"scatter of the samples",
-                         "raise [accuracy] max_samples_per_replicate, or ask for a smaller "
-                         "relative_error, which plans more samples"};
+                         "ask for a smaller relative_error, which plans more samples"};
 constexpr Limit kUnmet{"small bright facets that samples may miss",
-                       "raise [accuracy] max_samples_per_replicate, or make them a [[part]] of "
-                       "their own with hot = true"};
+                       "make them a [[part]] of their own with hot = true, or ask for a smaller "
+                       "relative_error, which plans more samples"};
 
 std::string_view remedy_of(BoundOf bound) {
   switch (bound) {
@@ -70,6 +70,7 @@ Limit limit_of(const StoredSignature& row) {
     const auto which = static_cast<BoundOf>(i);
     see(source.share(which), {info_of(which).name, remedy_of(which)});
   }
+  if (row.stop_reason == "sample_limit") out.remedy = kRaiseLimit;
   return out;
 }
 
