@@ -21,7 +21,8 @@ void check_limits(const SectionCheck& check, double least_um, double most_um) {
 
 void check_step(const SectionCheck& check, double least_um, double most_um, double step_um) {
   if (!(step_um > 0) || !(least_um < most_um)) return;
-  if (step_um > most_um - least_um) {
+  // Limits are decimal: 8.2 - 8.1 is less than 0.1 by rounding.
+  if (step_um > (most_um - least_um) * (1 + 1e-9)) {
     check.error("step_um", absl::StrCat("= ", step_um, " is wider than the band, expected at most ",
                                         most_um - least_um));
   } else if ((most_um - least_um) / step_um > kMostWavelengths) {

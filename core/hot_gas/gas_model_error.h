@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/plume/gas_segments.h"
+#include "core/hot_gas/column_tests.h"
 
 namespace irsig {
 

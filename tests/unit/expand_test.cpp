@@ -118,6 +118,21 @@ sun = false
   return *sweep;
 }
 
+// 8.2 - 8.1 is less than 0.1 by rounding.
+TEST(ExpandJobs, AStepMayBeAsWideAsItsBand) {
+  std::string text = text_of(kExpandedExamples / "disk.toml");
+  for (const auto& [is, becomes] :
+       {std::pair<std::string, std::string>{"min_um = 3.0", "min_um = 8.1"},
+        {"max_um = 5.0", "max_um = 8.2"},
+        {"step_um = 0.05", "step_um = 0.1"}}) {
+    ASSERT_NE(text.find(is), std::string::npos) << is;
+    text.replace(text.find(is), is.size(), becomes);
+  }
+  EXPECT_TRUE(resolved_text(text).ok()) << resolved_text(text).status();
+  text.replace(text.find("step_um = 0.1"), 13, "step_um = 0.2");
+  EXPECT_FALSE(resolved_text(text).ok());
+}
+
 // Stored databases are resumed by their keys: if this fails, every stored job is computed anew.
 // Change it only on purpose.
 TEST(ExpandJobs, GoldenKey) {
