@@ -73,6 +73,20 @@ TEST(Outcome, NamesWhatDecidesTheErrorOfRowsThatFallShort) {
                                   "[transport] max_reflections"));
 }
 
+// More samples lower scatter, and no bound.
+TEST(Outcome, RaisesTheLimitOfSamplesWhereSamplesDecide) {
+  StoredSignature noisy = missed(BoundOf::kTemperature, 1), cut = missed(BoundOf::kTruncation, 9);
+  const StoredSignature planned = noisy;
+  noisy.stop_reason = cut.stop_reason = "sample_limit";
+  const auto notes = limit_notes({noisy, noisy, noisy, planned, planned, cut});
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_THAT(notes[0], HasSubstr("3 rows fall short of the accuracy by: scatter of the samples; "
+                                  "raise [accuracy] max_samples_per_replicate"));
+  EXPECT_THAT(notes[1], HasSubstr("2 rows fall short of the accuracy by: scatter of the samples; "
+                                  "ask for a smaller relative_error"));
+  EXPECT_THAT(notes[2], HasSubstr("truncation; raise [transport] max_reflections"));
+}
+
 TEST(Outcome, WarnsOfBackFacesWithTheRemedy) {
   StoredOutcome outcome;
   outcome.backface_views = 3;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -23,6 +24,7 @@ constexpr const char* kRemedy =
 // What decides an error, and how a sweep file lowers it.
 struct Limit {
   std::string_view name, remedy;
+  auto operator<=>(const Limit&) const = default;
 };
 constexpr std::string_view kRaiseLimit = "raise [accuracy] max_samples_per_replicate";
 constexpr Limit kSamples{"scatter of the samples",
@@ -54,56 +56,48 @@ std::string_view remedy_of(BoundOf bound) {
   return "no key lowers it: ask for a larger relative_error";
 }
 
-// The largest part of a row's numerical error.
+// Returns the largest part of a row's numerical error. More samples lower what samples leave open,
+// and only that.
 Limit limit_of(const StoredSignature& row) {
   const Measured source = source_of(row);
   Limit out = kSamples;
   double most = source.sampled_fraction();
-  const auto see = [&](double share, Limit limit) {
-    if (share > most) {
-      most = share;
-      out = limit;
-    }
+  const auto see = [&](double share, const Limit& limit) {
+    if (!(share > most)) return;
+    most = share;
+    out = limit;
   };
   see(source.unseen_fraction(), kUnmet);
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
     see(source.share(which), {info_of(which).name, remedy_of(which)});
   }
-  if (row.stop_reason == "sample_limit") out.remedy = kRaiseLimit;
+  const bool of_samples = out == kSamples || out.remedy == kUnmet.remedy;
+  if (of_samples && row.stop_reason == "sample_limit") out.remedy = kRaiseLimit;
   return out;
 }
 
-// Counts what decides the error of rows that did not reach their accuracy.
-class Limits {
- public:
-  void add(const std::vector<StoredSignature>& rows) {
-    for (const StoredSignature& row : rows) {
-      if (row.superseded) continue;
-      if (row.stop_reason != "accuracy_not_reached" && row.stop_reason != "sample_limit") continue;
-      const Limit limit = limit_of(row);
-      auto& [count, remedy] = rows_[limit.name];
-      ++count;
-      remedy = limit.remedy;
-    }
-  }
-  // The most frequent first.
-  [[nodiscard]] std::vector<std::string> notes() const {
-    std::vector<std::pair<std::uint64_t, std::string>> sorted;
-    for (const auto& [name, of] : rows_)
-      sorted.emplace_back(of.first,
-                          fmt::format("{} row{} short of the accuracy by: {}; {}", of.first,
-                                      of.first == 1 ? " falls" : "s fall", name, of.second));
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const auto& a, const auto& b) { return a.first > b.first; });
-    std::vector<std::string> out;
-    for (auto& note : sorted) out.push_back(std::move(note.second));
-    return out;
-  }
+// Numbers of rows that did not reach their accuracy, by what decides their error.
+using Limits = std::map<Limit, std::uint64_t>;
 
- private:
-  std::map<std::string_view, std::pair<std::uint64_t, std::string_view>> rows_;
-};
+void count_limits(const std::vector<StoredSignature>& rows, Limits& limits) {
+  for (const StoredSignature& row : rows)
+    if (!row.superseded &&
+        (row.stop_reason == "accuracy_not_reached" || row.stop_reason == "sample_limit"))
+      ++limits[limit_of(row)];
+}
+
+// Returns the most frequent first.
+std::vector<std::string> notes_of(const Limits& limits) {
+  std::vector<std::pair<Limit, std::uint64_t>> sorted(limits.begin(), limits.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::vector<std::string> out;
+  for (const auto& [limit, rows] : sorted)
+    out.push_back(fmt::format("{} row{} short of the accuracy by: {}; {}", rows,
+                              rows == 1 ? " falls" : "s fall", limit.name, limit.remedy));
+  return out;
+}
 
 }  // namespace
 
@@ -129,8 +123,8 @@ std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& a
 
 std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows) {
   Limits limits;
-  limits.add(rows);
-  return limits.notes();
+  count_limits(rows, limits);
+  return notes_of(limits);
 }
 
 absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
@@ -143,9 +137,9 @@ absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
   for (std::size_t i = 0; i < ids.size(); i += kAtOnce) {
     const auto some = std::span(ids).subspan(i, std::min(kAtOnce, ids.size() - i));
     ASSIGN_OR_RETURN(const auto rows, reader.read(some));
-    limits.add(rows);
+    count_limits(rows, limits);
   }
-  return limits.notes();
+  return notes_of(limits);
 }
 
 std::string backface_text(const StoredOutcome& outcome) {
