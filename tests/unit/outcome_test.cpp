@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "tests/unit/fake_database.h"
 
@@ -71,6 +73,23 @@ TEST(Outcome, NamesWhatDecidesTheErrorOfRowsThatFallShort) {
   EXPECT_THAT(notes[1], HasSubstr("2 rows fall short of the accuracy by: scatter"));
   EXPECT_THAT(notes[2], HasSubstr("1 row falls short of the accuracy by: truncation; raise "
                                   "[transport] max_reflections"));
+}
+
+TEST(Outcome, CountsTheRowsOfOneSweepInADatabase) {
+  FakeDatabase db = fake_database();
+  std::map<std::string, int> rows;
+  for (StoredSignature& row : db.signatures) {
+    row.stop_reason = "sample_limit";
+    ++rows[row.sweep];
+  }
+  ASSERT_FALSE(rows.empty());
+  for (const auto& [sweep, count] : rows) {
+    int counted = 0;
+    const auto notes = limit_notes(db, sweep);
+    ASSERT_TRUE(notes.ok()) << notes.status();
+    for (const std::string& note : *notes) counted += std::stoi(note);
+    EXPECT_EQ(counted, count) << sweep;
+  }
 }
 
 // More samples lower scatter, and no bound.

@@ -6,7 +6,6 @@
 #include <compare>
 #include <cstdint>
 #include <map>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -80,11 +79,10 @@ Limit limit_of(const StoredSignature& row) {
 // Numbers of rows that did not reach their accuracy, by what decides their error.
 using Limits = std::map<Limit, std::uint64_t>;
 
-void count_limits(const std::vector<StoredSignature>& rows, Limits& limits) {
-  for (const StoredSignature& row : rows)
-    if (!row.superseded &&
-        (row.stop_reason == "accuracy_not_reached" || row.stop_reason == "sample_limit"))
-      ++limits[limit_of(row)];
+void count_limit(const StoredSignature& row, Limits& limits) {
+  if (!row.superseded &&
+      (row.stop_reason == "accuracy_not_reached" || row.stop_reason == "sample_limit"))
+    ++limits[limit_of(row)];
 }
 
 // Returns the most frequent first.
@@ -123,23 +121,19 @@ std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& a
 
 std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows) {
   Limits limits;
-  count_limits(rows, limits);
+  for (const StoredSignature& row : rows) count_limit(row, limits);
   return notes_of(limits);
 }
 
 absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
                                                      const std::string& sweep) {
-  constexpr std::size_t kAtOnce = 4096;
-  SignatureFilter filter;
-  filter.sweep = sweep;
-  ASSIGN_OR_RETURN(const auto ids, reader.find_ids(filter));
+  ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, {.sweep = sweep}));
   Limits limits;
-  for (std::size_t i = 0; i < ids.size(); i += kAtOnce) {
-    const auto some = std::span(ids).subspan(i, std::min(kAtOnce, ids.size() - i));
-    ASSIGN_OR_RETURN(const auto rows, reader.read(some));
-    count_limits(rows, limits);
+  for (;;) {
+    ASSIGN_OR_RETURN(const auto some, rows->next());
+    if (some.empty()) return notes_of(limits);
+    for (const QueryRow& row : some) count_limit(row.signature, limits);
   }
-  return notes_of(limits);
 }
 
 std::string backface_text(const StoredOutcome& outcome) {

@@ -19,7 +19,7 @@ namespace irsig {
 // first, each with its remedy: "14 rows fall short of the accuracy by: temperature; set [heat]
 // element_size_m smaller, or state better temperatures". Empty: every row reached it.
 [[nodiscard]] std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows);
-// Returns these notes for all rows of a sweep, a few thousand of which are in memory at once.
+// Returns these notes for all rows of a sweep, few of which are in memory at once.
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
                                                                    const std::string& sweep);
 
