@@ -34,6 +34,25 @@ TableCorners corners_of(const std::vector<MaterialSpec>& materials, const Band& 
   }
 }
 
+std::vector<std::vector<double>> spectra_of(const std::vector<Material>& materials,
+                                            const BandOnAxis& band) {
+  std::vector<std::vector<double>> out;
+  for (const Material& material : materials) {
+    if (material.grey()) continue;
+    std::vector<float> row(material.nodes());
+    material.spectral_emissivity(1.0f, row.data());
+    std::vector<double> emissivity, reflectance;
+    for (std::size_t i = 0; i < band.nodes(); ++i) {
+      const auto e = static_cast<double>(row[band.first_node + i]);
+      emissivity.push_back(e);
+      reflectance.push_back(std::max(0.0, 1 - e));
+    }
+    out.push_back(std::move(emissivity));
+    out.push_back(std::move(reflectance));
+  }
+  return out;
+}
+
 }  // namespace
 
 absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
@@ -44,8 +63,8 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
     const TableCorners corners = corners_of(spec.material, band);
     auto grid = make_band_grid(band, spec.spectral_breaks_um, corners.um);
     if (!grid.ok())
-      return problem_status({{"", absl::StrCat("band[", grids.size(), "]"),
-                              std::string(grid.status().message())}});
+      return problem_status(
+          {{"", absl::StrCat("band[", grids.size(), "]"), std::string(grid.status().message())}});
     out.corners_left_out.push_back(corners.left_out);
     out.sun_quadrature.push_back(solar_quadrature(band, *grid));
     grids.push_back(*std::move(grid));
@@ -58,11 +77,12 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   for (std::size_t i = 0; i < spec.material.size(); ++i) {
     const MaterialSpec& m = spec.material[i];
     auto prepared = Material::prepare(m, node_um, sorted.front(), sorted.back());
-    if (!prepared.ok())
-      return at_key(absl::StrCat("material[", i, "]"), prepared.status());
+    if (!prepared.ok()) return at_key(absl::StrCat("material[", i, "]"), prepared.status());
     out.material.push_back(*std::move(prepared));
     hash.add(m);
   }
+  for (std::uint32_t b = 0; b < out.axis.bands(); ++b)
+    out.spectrum.push_back(spectra_of(out.material, out.axis.band(b)));
   out.basis = make_spectral_basis(out.material);
   if (!out.basis.identity()) {
     std::vector<double> carried_um;
@@ -85,6 +105,14 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   }
   out.hash = hash.value();
   return out;
+}
+
+double PreparedScene::quadrature_relative(std::uint32_t of_band, double coldest_k,
+                                          double hottest_k) const {
+  const BandGrid& grid = axis.grids()[of_band];
+  return std::max(
+      quadrature_relative_bound(band[of_band], grid, coldest_k, hottest_k),
+      quadrature_relative_bound(band[of_band], grid, coldest_k, hottest_k, spectrum[of_band]));
 }
 
 const SpectralBasis* PreparedScene::path_basis() const {

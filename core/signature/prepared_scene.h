@@ -36,6 +36,9 @@ struct PreparedScene {
   std::vector<double> corners_left_out;
   std::vector<SolarQuadrature> sun_quadrature;  // [band]
   std::vector<Material> material;               // prepared at every node of the axis
+  // [band][spectrum][node of the band] Emissivities of materials that are not grey, towards their
+  // normals, and 1 less these: what blackbodies' spectra are multiplied with.
+  std::vector<std::vector<std::vector<double>>> spectrum;
   SpectralBasis basis;
   std::vector<Material> carried;  // at the nodes that paths carry; empty: at all
   bool energy_gain = false;       // some part's material creates energy
@@ -47,6 +50,10 @@ struct PreparedScene {
   [[nodiscard]] const std::vector<Material>& carried_material() const {
     return basis.identity() ? material : carried;
   }
+  // Returns the bound of the quadrature of what bodies of these temperatures send and reflect,
+  // relative to it.
+  [[nodiscard]] double quadrature_relative(std::uint32_t of_band, double coldest_k,
+                                           double hottest_k) const;
   // Null if all materials are grey: weights then have one column.
   [[nodiscard]] const SpectralBasis* path_basis() const;
   // Height of the water or ground on which the target stands, relative to its centre.

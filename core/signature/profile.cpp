@@ -152,9 +152,8 @@ class PointMeasurement {
     out.beyond.assign(profile_.reflections.size(), 0.0);
     const std::size_t orders = profile_.reflections.size(), rows = shading.tables().size();
     out.statistics = ReplicateStatistics(2 * rows * orders + 1);
-    std::vector<double> no_image;
     std::vector<double> values(2 * rows * orders + 1);
-    for (const PathWeights& weights : tracer.trace(ImagePlan{}, no_image, out.counts)) {
+    for (const PathWeights& weights : tracer.trace(out.counts)) {
       for (std::size_t row = 0; row < rows; ++row)
         shade(weights, shading, row, values.data() + 2 * row * orders);
       values.back() = weights.projected_area_m2 / view_.footprint_m2;
@@ -318,8 +317,8 @@ double quadrature_bound(const PreparedScene& scene, const ConditionSpec& conditi
     coldest = std::min(coldest, condition.emitter->coldest_k);
   if (condition.surroundings.sky_temperature_k > 0)
     coldest = std::min(coldest, condition.surroundings.sky_temperature_k);
-  const double thermal = quadrature_relative_bound(scene.band[band], scene.axis.grids()[band],
-                                                   std::clamp(coldest, 1.0, hottest), hottest);
+  const double thermal =
+      scene.quadrature_relative(band, std::clamp(coldest, 1.0, hottest), hottest);
   // All of it may be sunlight.
   const double sun = sun_shines(condition) ? scene.sun_quadrature[band].of_white : 0;
   return std::abs(value) * std::max(thermal, sun) + 4 * scene.corners_left_out[band] * brightest;

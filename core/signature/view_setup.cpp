@@ -159,9 +159,7 @@ std::vector<Row> rows_of(const ViewSetup& setup, const ViewRequest& request) {
       const double coldest_k = row.light->coldest_k(), hottest_k = row.light->hottest_k();
       const auto [known, fresh] =
           quadrature.try_emplace({static_cast<double>(band), coldest_k, hottest_k}, 0.0);
-      if (fresh)
-        known->second = quadrature_relative_bound(setup.scene.band[band], row.on_axis.grid,
-                                                  coldest_k, hottest_k);
+      if (fresh) known->second = setup.scene.quadrature_relative(band, coldest_k, hottest_k);
       row.quadrature_relative = known->second;
       row.in_band = source_table(*row.light, setup.scene.path_basis(), row.on_axis.first_node,
                                  row.on_axis.grid.band_weight);

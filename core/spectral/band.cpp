@@ -55,7 +55,9 @@ absl::Status check_response(const Band& band) {
 
 // The ascending points that cut [from_um, to_um] into intervals in which the response is linear.
 std::vector<double> linear_intervals(const Band& band, double from_um, double to_um) {
-  std::vector<double> cuts{from_um};
+  std::vector<double> cuts;
+  cuts.reserve(2);
+  cuts.push_back(from_um);
   for (const SpectralPoint& point : band.response) {
     if (point.lambda_um > from_um && point.lambda_um < to_um) cuts.push_back(point.lambda_um);
   }
@@ -119,28 +121,36 @@ void cut_where_unsound(const Band& band, std::vector<double>& cuts) {
   cuts = std::move(out);
 }
 
-// The in-band radiance of a blackbody through a tabulated response, to about 1e-12.
-double exact_in_band_w_m2_sr(const Band& band, double step_um, double temperature_k) {
-  if (band.response.empty()) {
-    return planck_band_radiance_w_m2_sr(band.lambda_min_um, band.lambda_max_um, temperature_k);
-  }
-  const std::vector<double> cuts = linear_intervals(band, band.lambda_min_um, band.lambda_max_um);
-  double sum = 0.0;
+// Calls visit(wavelength, weight) for the points of a quadrature of response x ..., to about 1e-12
+// for what is smooth over pieces of `step_um`.
+template <typename Visit>
+void visit_points(const Band& band, double from_um, double to_um, double step_um, Visit&& visit) {
+  const std::vector<double> cuts = linear_intervals(band, from_um, to_um);
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
     const double length = cuts[i + 1] - cuts[i];
     const double pieces = std::max(1.0, std::ceil(length / step_um));
     const double half = 0.5 * length / pieces;
     for (double piece = 0.0; piece < pieces; piece += 1.0) {
       const double middle = cuts[i] + (2.0 * piece + 1.0) * half;
-      for (const auto& [abscissa, weight] : kGauss6) {
+      for (const auto& [abscissa, weight] : kGauss6)
         for (const double side : {-abscissa, abscissa}) {
           const double at = middle + side * half;
-          sum += half * weight * response_from(band, middle, at) *
-                 planck_radiance_w_m2_sr_um(at, temperature_k);
+          visit(at, half * weight * response_from(band, middle, at));
         }
-      }
     }
   }
+}
+
+// The in-band radiance of a blackbody through a tabulated response, to about 1e-12.
+double exact_in_band_w_m2_sr(const Band& band, double step_um, double temperature_k) {
+  if (band.response.empty()) {
+    return planck_band_radiance_w_m2_sr(band.lambda_min_um, band.lambda_max_um, temperature_k);
+  }
+  double sum = 0.0;
+  visit_points(band, band.lambda_min_um, band.lambda_max_um, step_um,
+               [&](double at, double weight) {
+                 sum += weight * planck_radiance_w_m2_sr_um(at, temperature_k);
+               });
   return sum;
 }
 
@@ -299,6 +309,59 @@ double quadrature_relative_bound(const Band& band, const BandGrid& grid, double 
     const double exact = exact_in_band_w_m2_sr(band, grid.step_um, temperature_k);
     bound = std::max(bound, std::abs(exact / found - 1.0));
   }
+  return bound;
+}
+
+double quadrature_relative_bound(const Band& band, const BandGrid& grid, double t_min_k,
+                                 double t_max_k, std::span<const std::vector<double>> spectra) {
+  IRSIG_CHECK(t_min_k > 0.0);
+  IRSIG_CHECK(t_min_k <= t_max_k);
+  if (spectra.empty()) return 0.0;
+  // A panel's error may vanish at some temperature.
+  constexpr std::size_t kPoints = 5;
+  struct Sums {
+    std::array<double, kPoints> found{}, error{};
+  };
+  struct Point {
+    double weight, along;  // along: from the first node to the second
+    std::array<double, kPoints> radiance;
+  };
+  const auto radiance = [&](double lambda_um) {
+    std::array<double, kPoints> out{};
+    for (std::size_t t = 0; t < kPoints; ++t)
+      out[t] = planck_radiance_w_m2_sr_um(
+          lambda_um,
+          1.0 / std::lerp(1.0 / t_min_k, 1.0 / t_max_k, static_cast<double>(t) / (kPoints - 1.0)));
+    return out;
+  };
+  std::vector<Sums> sums(spectra.size());
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < grid.node_um.size(); i += 2) {
+    if (!(grid.band_weight[i] > 0.0 || grid.band_weight[i + 1] > 0.0)) continue;
+    const double reach = 0.5 * (grid.node_um[i + 1] - grid.node_um[i]);
+    const double middle = grid.node_um[i] + reach, half = reach / kGauss2;
+    points.clear();
+    visit_points(band, middle - half, middle + half, 2.0 * half, [&](double at, double weight) {
+      points.push_back({weight, 0.5 * (1.0 + (at - middle) / reach), radiance(at)});
+    });
+    const std::array nodes = {radiance(grid.node_um[i]), radiance(grid.node_um[i + 1])};
+    for (std::size_t s = 0; s < spectra.size(); ++s) {
+      const double first = spectra[s][i], second = spectra[s][i + 1];
+      for (std::size_t t = 0; t < kPoints; ++t) {
+        const double of_grid = grid.band_weight[i] * first * nodes[0][t] +
+                               grid.band_weight[i + 1] * second * nodes[1][t];
+        double exact = 0.0;
+        for (const Point& p : points)
+          exact += p.weight * p.radiance[t] * std::lerp(first, second, p.along);
+        sums[s].found[t] += of_grid;
+        sums[s].error[t] += std::abs(exact - of_grid);
+      }
+    }
+  }
+  double bound = 0.0;
+  for (const Sums& of : sums)
+    for (std::size_t t = 0; t < kPoints; ++t)
+      if (of.found[t] > 0.0) bound = std::max(bound, of.error[t] / of.found[t]);
   return bound;
 }
 

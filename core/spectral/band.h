@@ -71,4 +71,12 @@ struct BandGrid {
 [[nodiscard]] double quadrature_relative_bound(const Band& band, const BandGrid& grid,
                                                double t_min_k, double t_max_k);
 
+// Returns the largest of such errors of L_b times the spectrum of a material, linear over each
+// panel of the grid. The errors of all panels are added without their signs: the steeper a
+// spectrum, the more of them. Found at 5 temperatures.
+//   spectra  [spectrum][node] at least 0 [1]
+[[nodiscard]] double quadrature_relative_bound(const Band& band, const BandGrid& grid,
+                                               double t_min_k, double t_max_k,
+                                               std::span<const std::vector<double>> spectra);
+
 }  // namespace irsig

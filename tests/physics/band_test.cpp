@@ -13,6 +13,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "core/spectral/planck.h"
 
@@ -94,6 +95,57 @@ TEST(BandGrid, PlanckWithinItsBound) {
     const double slope_um = 14388 / (band.lambda_min_um * band.lambda_min_um * 240);
     EXPECT_LE(bound, 1e-12 + std::pow(grid.step_um / 2 * slope_um, 4) / 4320) << band.name;
   }
+}
+
+// Random tables of a few points, of which the grid knows the corners, over steps up to the width of
+// the band.
+TEST(BandGrid, SpectraOfTablesWithinTheirBound) {
+  std::mt19937 random(45);
+  std::uniform_real_distribution<double> between(0, 1);
+  double closest = 0;
+  for (int round = 0; round < 200; ++round) {
+    const double low = 3 + 5 * between(random), high = low + 0.5 + 3 * between(random);
+    const double step =
+        (high - low) / (1 + static_cast<int>(20 * between(random) * between(random)));
+    const Band band{"table", low, high, step, {}};
+    std::vector<SpectralPoint> table{{low - step, between(random)}};
+    for (int points = static_cast<int>(6 * between(random)); points > 0; --points)
+      table.push_back({0, between(random)});
+    table.push_back({high + step, between(random)});
+    for (std::size_t i = 1; i + 1 < table.size(); ++i)
+      table[i].lambda_um = low + (high - low) * (static_cast<double>(i) - 0.9 * between(random)) /
+                                     static_cast<double>(table.size());
+    std::vector<double> corners;
+    for (const SpectralPoint& p : table) corners.push_back(p.lambda_um);
+    const auto emissivity = [&](double x) {
+      std::size_t i = 1;
+      while (table[i].lambda_um < x) ++i;
+      return std::lerp(
+          table[i - 1].value, table[i].value,
+          (x - table[i - 1].lambda_um) / (table[i].lambda_um - table[i - 1].lambda_um));
+    };
+    const BandGrid grid = make_band_grid(band, {}, corners).value();
+    std::vector<std::vector<double>> spectra(1);
+    for (const double x : grid.node_um) spectra[0].push_back(emissivity(x));
+    const double coldest = 250 + 50 * between(random), hottest = coldest + 400 * between(random);
+    const double bound = quadrature_relative_bound(band, grid, coldest, hottest, spectra);
+    for (const double t : {coldest, 0.5 * (coldest + hottest), hottest}) {
+      // The middle of many narrow strips.
+      constexpr int kStrips = 20000;
+      double exact = 0;
+      for (int i = 0; i < kStrips; ++i) {
+        const double x = low + (high - low) * (i + 0.5) / kStrips;
+        exact += emissivity(x) * planck_radiance_w_m2_sr_um(x, t) * (high - low) / kStrips;
+      }
+      const double sum =
+          in_band(grid, [&](double x) { return emissivity(x) * planck_radiance_w_m2_sr_um(x, t); });
+      EXPECT_LE(std::abs(sum / exact - 1), 1.05 * bound + 1e-7)
+          << "round " << round << ", " << low << " to " << high << " um, step " << step << ", " << t
+          << " K";
+      if (bound > 1e-5) closest = std::max(closest, std::abs(sum / exact - 1) / bound);
+    }
+  }
+  EXPECT_GT(closest, 0.5) << "a bound that is always far too wide says nothing";
 }
 
 // A filter as it is measured: corners off the grid, a jump, limits inside the tabulated range.
