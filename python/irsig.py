@@ -18,11 +18,12 @@ import os
 import pathlib
 import sqlite3
 import urllib.parse
+import zlib
 
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMAT = 20  # of the databases that this file reads
+FORMAT = 21  # of the databases that this file reads
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
@@ -368,6 +369,28 @@ class Rows:
         """PNG of each row (black to white over 0 to its largest pixel); None: it has none."""
         return [(self._database._sql.execute("SELECT png FROM thumbnail WHERE signature_id = ?", (row,)).fetchone() or [None])[0]
                 for row in self._ids()]
+
+    def silhouettes(self) -> list[dict | None]:
+        """Of each row {part: array [row][column]}, the fraction of each pixel of its image that the part fills; None: it has no image."""
+        out = []
+        for at, signature in enumerate(self._ids()):
+            frame = self._database._sql.execute("SELECT job_id, t.width_px, t.height_px, t.pixel_samples FROM signature s "
+                                                "JOIN silhouette t USING (job_id) WHERE s.signature_id = ?", (signature,)).fetchone()
+            if frame is None:
+                out.append(None)
+                continue
+            job, width, height, samples = frame
+            parts = {}
+            for part, left, top, w, h, packed in self._database._sql.execute(
+                    "SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples FROM part_pixels x JOIN part p USING (part_id) "
+                    "WHERE x.job_id = ? ORDER BY p.part_index", (job,)):
+                parts[part] = numpy.zeros((height, width))
+                try:
+                    parts[part][top:top + h, left:left + w] = numpy.frombuffer(zlib.decompress(packed), "<u2").reshape(h, w) / samples
+                except (zlib.error, ValueError):
+                    raise self._damaged(at, f"the pixels of its part {part}") from None
+            out.append(parts)
+        return out
 
     def to_xarray(self, spectra=None):
         """xarray.Dataset of season x time_of_day x band x viewpoint, NaN where nothing is stored: what `irsig export` writes as netCDF.

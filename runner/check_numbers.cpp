@@ -158,6 +158,7 @@ void check_row(const SignatureResult& r, Reasons& reasons) {
   reasons.see_all(row + "spectral_intensity_stderr_w_sr_um", r.spectral.stderr_, false);
   reasons.see_all(row + "apparent_spectral_intensity_w_sr_um", r.apparent_spectral.value, true);
   reasons.see_all(row + "image_w_m2_sr", r.image_w_m2_sr, true);
+  reasons.see_all(row + "image_stderr_w_m2_sr", r.image_stderr_w_m2_sr, false);
 }
 
 }  // namespace

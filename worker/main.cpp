@@ -61,6 +61,9 @@ absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
       },
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_exr({width_px, height_px, pixels});
+      },
+      [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
+        return irsig::encode_error_exr({width_px, height_px, pixels});
       }};
   return irsig::JobRunner::create(sweep, assets, heat, encoder);
 }
@@ -79,8 +82,9 @@ int main(int argc, char** argv) {
   irsig::add_network_options(app, network);
   app.add_option("--name", plan.worker_name, "a name that no other worker has")
       ->capture_default_str();
-  app.add_option("--threads", plan.threads,
-                 "how many jobs it computes at once, with one scene and one set of air between them")
+  app.add_option(
+         "--threads", plan.threads,
+         "how many jobs it computes at once, with one scene and one set of air between them")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));
   app.add_flag("--exit-when-finished", plan.exit_when_finished,

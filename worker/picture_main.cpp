@@ -46,14 +46,14 @@ irsig::PictureAnswer answer_to(const irsig::PictureTask& task) {
   out.width_px = image->width_px;
   out.height_px = image->height_px;
   if (task.seen) {
-    *image = irsig::seen_from(
-        *image, {task.seen->gain, task.seen->path_radiance_w_m2_sr,
-                 task.seen->background_radiance_w_m2_sr, task.seen->target_area_px});
+    image = irsig::seen_from(*image, {task.seen->gain, task.seen->path_radiance_w_m2_sr,
+                                      task.seen->background_radiance_w_m2_sr, task.seen->filled});
+    if (!image.ok()) return damaged(image.status());
     out.hottest_w_m2_sr =
         *std::max_element(image->radiance_w_m2_sr.begin(), image->radiance_w_m2_sr.end());
   }
   if (task.paint) {
-    auto png = irsig::encode_png(*image, {task.black_w_m2_sr, task.white_w_m2_sr});
+    auto png = irsig::encode_png(*image, {task.black_w_m2_sr, task.white_w_m2_sr}, task.bits);
     if (!png.ok()) return damaged(png.status());
     out.png = *std::move(png);
   }

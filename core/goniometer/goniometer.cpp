@@ -77,9 +77,8 @@ ViewResult measure_view(const Bench& bench, double zenith_deg, double azimuth_de
   SourceGeometry around;
   around.sun = bench.source;
   const PathTracer tracer(bench.target, bench.material, footprint.view, around, settings);
-  std::vector<double> no_image;
   ViewResult out;
-  const std::vector<PathWeights> traced = tracer.trace({}, no_image, out.counts);
+  const std::vector<PathWeights> traced = tracer.trace(out.counts);
 
   const SourceLayout& layout = tracer.layout();
   const std::size_t parts = bench.target.part.size(), sources = bench.source.size(),
@@ -248,8 +247,7 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
   std::vector<Material> material;
   for (std::size_t i = 0; i < scene.material.size(); ++i) {
     auto m = Material::prepare(scene.material[i], node_um, lambda_min_um, lambda_max_um);
-    if (!m.ok())
-      return at_key(absl::StrCat("material[", i, "]"), m.status());
+    if (!m.ok()) return at_key(absl::StrCat("material[", i, "]"), m.status());
     const bool allowed = i < scene.allow_energy_gain.size() && scene.allow_energy_gain[i];
     if (m->creates_energy() && !allowed)
       return keyed_problem(

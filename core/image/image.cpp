@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "core/base/status_macros.h"
@@ -13,14 +14,17 @@
 namespace irsig {
 namespace {
 
-absl::Status check(const RadianceImage& image) {
+absl::Status check_size(std::uint32_t width_px, std::uint32_t height_px, std::size_t pixels) {
   constexpr std::uint32_t max_px = 1u << 15;
-  if (image.width_px == 0 || image.height_px == 0 || image.width_px > max_px ||
-      image.height_px > max_px) {
+  if (width_px == 0 || height_px == 0 || width_px > max_px || height_px > max_px)
     return absl::InvalidArgumentError("image: expected 1 to 32768 pixels in width and height");
-  }
-  if (image.radiance_w_m2_sr.size() != std::size_t{image.width_px} * image.height_px)
+  if (pixels != std::size_t{width_px} * height_px)
     return absl::InvalidArgumentError("image: the pixels do not fill width x height");
+  return absl::OkStatus();
+}
+
+absl::Status check(const RadianceImage& image) {
+  RETURN_IF_ERROR(check_size(image.width_px, image.height_px, image.radiance_w_m2_sr.size()));
   for (const float radiance : image.radiance_w_m2_sr) {
     if (!std::isfinite(radiance))
       return absl::InvalidArgumentError("image: a radiance is not finite");
@@ -45,7 +49,9 @@ void append_attribute(std::string& out, std::string_view name, std::string_view 
 }
 
 // The header of an EXR file of scan lines, its attributes in the order of their names.
-std::string exr_header(std::uint32_t width_px, std::uint32_t height_px) {
+enum class ExrPacking : char { kRunLengths = 1, kZip = 3 };  // OpenEXR's numbers
+
+std::string exr_header(std::uint32_t width_px, std::uint32_t height_px, ExrPacking packing) {
   std::string channels("Y\0", 2), window(8, '\0'), one;
   append_little_endian(channels, 2, 4);  // float32
   append_little_endian(channels, 0, 4);  // not linear, reserved
@@ -60,7 +66,7 @@ std::string exr_header(std::uint32_t width_px, std::uint32_t height_px) {
   append_little_endian(out, 2, 4);         // its version
   append_attribute(out, "capDate", "string", "1970:01:01 00:00:00");
   append_attribute(out, "channels", "chlist", channels);
-  append_attribute(out, "compression", "compression", "\1");  // RLE
+  append_attribute(out, "compression", "compression", std::string(1, static_cast<char>(packing)));
   append_attribute(out, "dataWindow", "box2i", window);
   append_attribute(out, "displayWindow", "box2i", window);
   append_attribute(out, "lineOrder", "lineOrder", std::string_view("\0", 1));
@@ -96,16 +102,15 @@ std::string run_lengths(std::string_view in) {
   return out;
 }
 
-// One line as OpenEXR compresses it: bytes at even places before those at odd places, each as its
-// difference from the one before, run lengths of these; the line itself if that is no shorter.
-std::string exr_line(std::string_view line) {
-  std::string halves(line.size(), '\0');
-  const std::size_t odd = (line.size() + 1) / 2;
-  for (std::size_t i = 0; i < line.size(); ++i) halves[i / 2 + (i % 2) * odd] = line[i];
+// A block of lines as OpenEXR prepares it: bytes at even places before those at odd places, each as
+// its difference from the one before.
+std::string exr_differences(std::string_view block) {
+  std::string halves(block.size(), '\0');
+  const std::size_t odd = (block.size() + 1) / 2;
+  for (std::size_t i = 0; i < block.size(); ++i) halves[i / 2 + (i % 2) * odd] = block[i];
   for (std::size_t i = halves.size() - 1; i > 0; --i)
     halves[i] = static_cast<char>(halves[i] - halves[i - 1] + 128);
-  std::string packed = run_lengths(halves);
-  return packed.size() < line.size() ? packed : std::string(line);
+  return halves;
 }
 
 void append_chunk(std::string& out, std::string_view type, std::string_view data) {
@@ -117,8 +122,9 @@ void append_chunk(std::string& out, std::string_view type, std::string_view data
                                             static_cast<uInt>(out.size() - begin))));
 }
 
-// One line of 8 bit grey under each of PNG's five filters, in the order of their numbers.
-std::array<std::string, 5> filtered(std::string_view line, std::string_view above) {
+// One line of grey under each of PNG's five filters, in the order of their numbers.
+std::array<std::string, 5> filtered(std::string_view line, std::string_view above,
+                                    std::size_t pixel_bytes) {
   std::array<std::string, 5> out;
   for (std::size_t kind = 0; kind < out.size(); ++kind) {
     out[kind].reserve(line.size() + 1);
@@ -129,7 +135,9 @@ std::array<std::string, 5> filtered(std::string_view line, std::string_view abov
   };
   for (std::size_t x = 0; x < line.size(); ++x) {
     const int value = at(line, x), up = at(above, x);
-    const int left = x > 0 ? at(line, x - 1) : 0, corner = x > 0 ? at(above, x - 1) : 0;
+    const bool first = x < pixel_bytes;
+    const int left = first ? 0 : at(line, x - pixel_bytes),
+              corner = first ? 0 : at(above, x - pixel_bytes);
     const int to_left = std::abs(up - corner), to_up = std::abs(left - corner);
     const int to_corner = std::abs(left + up - 2 * corner);
     const int paeth = to_left <= to_up && to_left <= to_corner ? left
@@ -144,9 +152,10 @@ std::array<std::string, 5> filtered(std::string_view line, std::string_view abov
 
 // The filtered line whose bytes, as signed numbers, have the smallest sum of magnitudes: what the
 // PNG specification recommends. Filters that look up or left do so only where there is something.
-std::string best_filtered(std::string_view line, std::string_view above, bool one_line) {
-  const std::array<std::string, 5> lines = filtered(line, above);
-  const bool one_column = line.size() == 1;
+std::string best_filtered(std::string_view line, std::string_view above, bool one_line,
+                          std::size_t pixel_bytes) {
+  const std::array<std::string, 5> lines = filtered(line, above, pixel_bytes);
+  const bool one_column = line.size() == pixel_bytes;
   const bool allowed[] = {true, !one_column, !one_line, !one_column && !one_line,
                           !one_column && !one_line};
   std::size_t best = 0;
@@ -206,27 +215,43 @@ absl::StatusOr<std::string> deflated(std::string_view bytes) {
   return out;
 }
 
+absl::StatusOr<std::string> encode_lines(const RadianceImage& image, ExrPacking packing) {
+  RETURN_IF_ERROR(check(image));
+  const std::size_t width = image.width_px, height = image.height_px;
+  std::string out = exr_header(image.width_px, image.height_px, packing);
+  const std::size_t of_block = packing == ExrPacking::kZip ? 16 : 1;
+  const std::size_t blocks = (height + of_block - 1) / of_block, table = out.size();
+  std::string offsets, packed_blocks;
+  for (std::size_t y = 0; y < height; y += of_block) {
+    append_little_endian(offsets, table + 8 * blocks + packed_blocks.size(), 8);
+    static_assert(std::endian::native == std::endian::little);  // as the file's numbers are
+    std::string block(4 * width * (std::min(y + of_block, height) - y), '\0');
+    std::memcpy(block.data(), image.radiance_w_m2_sr.data() + y * width, block.size());
+    std::string packed = exr_differences(block);
+    if (packing == ExrPacking::kRunLengths) {
+      packed = run_lengths(packed);
+    } else {
+      ASSIGN_OR_RETURN(packed, deflated(packed));
+    }
+    if (packed.size() >= block.size()) packed = std::move(block);
+    append_little_endian(packed_blocks, y, 4);
+    append_little_endian(packed_blocks, packed.size(), 4);
+    packed_blocks += packed;
+  }
+  return out + offsets + packed_blocks;
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> encode_exr(const RadianceImage& image) {
-  RETURN_IF_ERROR(check(image));
-  const std::size_t width = image.width_px, height = image.height_px;
-  std::string out = exr_header(image.width_px, image.height_px);
-  const std::size_t table = out.size();
-  std::string offsets, lines;
-  for (std::size_t y = 0; y < height; ++y) {
-    append_little_endian(offsets, table + 8 * height + lines.size(), 8);
-    std::string line;
-    line.reserve(4 * width);
-    for (std::size_t x = 0; x < width; ++x)
-      append_little_endian(line,
-                           std::bit_cast<std::uint32_t>(image.radiance_w_m2_sr[y * width + x]), 4);
-    const std::string packed = exr_line(line);
-    append_little_endian(lines, y, 4);
-    append_little_endian(lines, packed.size(), 4);
-    lines += packed;
-  }
-  return out + offsets + lines;
+  return encode_lines(image, ExrPacking::kRunLengths);
+}
+
+absl::StatusOr<std::string> encode_error_exr(const RadianceImage& image) {
+  RadianceImage rounded = image;
+  for (float& e : rounded.radiance_w_m2_sr)
+    e = std::bit_cast<float>((std::bit_cast<std::uint32_t>(e) + 0x7ffffU) & 0xfff80000U);
+  return encode_lines(rounded, ExrPacking::kZip);
 }
 
 absl::StatusOr<std::string> encode_png(const RadianceImage& image) {
@@ -235,27 +260,47 @@ absl::StatusOr<std::string> encode_png(const RadianceImage& image) {
       image, {0, *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end())});
 }
 
-absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreyScale& scale) {
+absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreyScale& scale,
+                                       int bits) {
   RETURN_IF_ERROR(check(image));
   const double black = static_cast<double>(scale.black_w_m2_sr);
   const double range = static_cast<double>(scale.white_w_m2_sr) - black;
-  const std::size_t width = image.width_px;
-  std::string above(width, '\0'), line(width, '\0'), lines;
-  lines.reserve(image.height_px * (width + 1));
-  for (std::size_t y = 0; y < image.height_px; ++y) {
-    for (std::size_t x = 0; x < width; ++x) {
-      const double radiance = static_cast<double>(image.radiance_w_m2_sr[y * width + x]);
-      const double part = range > 0 ? std::clamp((radiance - black) / range, 0.0, 1.0) : 0;
-      line[x] = static_cast<char>(std::lround(255 * part));
+  const double white = bits == 16 ? 65535 : 255;
+  std::vector<std::uint16_t> grey;
+  grey.reserve(image.radiance_w_m2_sr.size());
+  for (const float radiance : image.radiance_w_m2_sr) {
+    const double part =
+        range > 0 ? std::clamp((static_cast<double>(radiance) - black) / range, 0.0, 1.0) : 0;
+    grey.push_back(static_cast<std::uint16_t>(std::lround(white * part)));
+  }
+  return encode_grey_png(image.width_px, image.height_px, grey, bits);
+}
+
+absl::StatusOr<std::string> encode_grey_png(std::uint32_t width_px, std::uint32_t height_px,
+                                            std::span<const std::uint16_t> values, int bits) {
+  RETURN_IF_ERROR(check_size(width_px, height_px, values.size()));
+  if (bits != 8 && bits != 16)
+    return absl::InvalidArgumentError("image: expected 8 or 16 bits of grey");
+  const std::size_t pixel_bytes = bits == 16 ? 2 : 1;
+  std::string above(width_px * pixel_bytes, '\0'), line = above, lines;
+  lines.reserve(height_px * (line.size() + 1));
+  for (std::size_t y = 0; y < height_px; ++y) {
+    for (std::size_t x = 0; x < width_px; ++x) {
+      const std::uint16_t value = values[y * width_px + x];
+      if (bits == 8 && value > 255)
+        return absl::InvalidArgumentError("image: a number has more than 8 bits");
+      if (bits == 16) line[2 * x] = static_cast<char>(value >> 8U);
+      line[pixel_bytes * x + pixel_bytes - 1] = static_cast<char>(value & 255U);
     }
-    lines += best_filtered(line, above, image.height_px == 1);
+    lines += best_filtered(line, above, height_px == 1, pixel_bytes);
     above.swap(line);
   }
   ASSIGN_OR_RETURN(const std::string stream, deflated(lines));
   std::string header;
-  append_big_endian(header, image.width_px);
-  append_big_endian(header, image.height_px);
-  header.append("\x08\0\0\0\0", 5);  // 8 bits of grey; deflate, filters by line, not interlaced
+  append_big_endian(header, width_px);
+  append_big_endian(header, height_px);
+  header.push_back(static_cast<char>(bits));  // of grey
+  header.append("\0\0\0\0", 4);               // deflate, filters by line, not interlaced
   std::string out("\x89PNG\r\n\x1a\n", 8);
   append_chunk(out, "IHDR", header);
   append_chunk(out, "oFFs", std::string(9, '\0'));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,17 +19,27 @@ struct RadianceImage {
 // for a 128 x 64 thumbnail, 60 % of it target, 0.10 ms and 17.8 kB, against 0.05 ms and 34.1 kB
 // without, 0.32 ms and 16.7 kB with ZIP, 1.9 ms and 32.1 kB with PIZ.
 [[nodiscard]] absl::StatusOr<std::string> encode_exr(const RadianceImage& image);
+// Encodes standard errors likewise: each is rounded up, by at most 6 %, to a number of 4 binary
+// digits behind the first, and they are packed with ZIP.
+[[nodiscard]] absl::StatusOr<std::string> encode_error_exr(const RadianceImage& image);
 
 // Linear from black to white, what is outside is black or white. [W/(m2 sr)]
 struct GreyScale {
   float black_w_m2_sr, white_w_m2_sr;
 };
 
-// Encodes for people: PNG, 8 bit grey, on the scale given or else from 0 to the image's largest
-// radiance; black everywhere when that is 0. 0.15 ms and 2.0 kB for the same image.
+// Encodes for people: PNG, grey of 8 or 16 bits, on the scale given or else from 0 to the image's
+// largest radiance; black everywhere when that is 0. 0.15 ms and 2.0 kB for the same image.
 [[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image);
 [[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image,
-                                                     const GreyScale& scale);
+                                                     const GreyScale& scale, int bits = 8);
+
+// Encodes numbers as a PNG of grey, row by row from the top left. INVALID_ARGUMENT as below, for
+// bits other than 8 and 16, and for a number that has more of them.
+[[nodiscard]] absl::StatusOr<std::string> encode_grey_png(std::uint32_t width_px,
+                                                          std::uint32_t height_px,
+                                                          std::span<const std::uint16_t> values,
+                                                          int bits);
 
 // Both: equal pixels give equal bytes, whenever and wherever they are written: no host or program
 // names, and the date of an EXR file is always 1970-01-01. The bytes are those of OpenImageIO 2.4,
@@ -41,17 +52,14 @@ struct SeenFrom {
   double gain = 1;                         // what of the target's radiance arrives
   double path_radiance_w_m2_sr = 0;        // between target and sensor
   double background_radiance_w_m2_sr = 0;  // at the sensor, beside the target
-  double target_area_px = 0;               // of the silhouette, in pixels
+  std::vector<float> filled;               // [pixel] the fraction of it that is target
 };
 
 // The image as the sensor has it:
-//   share x (path radiance) + gain x radiance + (1 - share) x background
-// with the share of a pixel that is target: 1 inside, 0 where the image is 0, and the same on all
-// edge pixels (of the target, beside one that is not, or at the image's edge), so that the shares
-// add up to the area as far as values from 0 to 1 can. Then the sum over pixels less the background
-// is gain x (sum of the image) + area x (path radiance - background). Limits: holes in the target
-// are background, and so are pixels that no path of it met.
-[[nodiscard]] RadianceImage seen_from(const RadianceImage& image, const SeenFrom& there);
+//   filled x (path radiance) + gain x radiance + (1 - filled) x background
+// INVALID_ARGUMENT: the fractions are not one for each pixel.
+[[nodiscard]] absl::StatusOr<RadianceImage> seen_from(const RadianceImage& image,
+                                                      const SeenFrom& there);
 
 // The part of an image that is not black, and its largest radiance.
 struct ImageContent {

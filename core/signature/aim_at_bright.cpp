@@ -163,11 +163,13 @@ struct SharedStratum {
   std::uint64_t given = 0;
   std::vector<double> now, next;  // with those that are given, and with more
 
-  [[nodiscard]] std::vector<double> variance(const MeasuredView& view, std::uint64_t of_samples) const {
+  [[nodiscard]] std::vector<double> variance(const MeasuredView& view,
+                                             std::uint64_t of_samples) const {
     std::vector<double> out;
     for (std::size_t row = 0; row < stderr_.size(); ++row)
-      out.push_back(stderr_[row] * stderr_[row] * samples / static_cast<double>(of_samples) +
-                    std::pow(undersampling_error_w_sr(view.setup, view.row[row], index, of_samples), 2));
+      out.push_back(
+          stderr_[row] * stderr_[row] * samples / static_cast<double>(of_samples) +
+          std::pow(undersampling_error_w_sr(view.setup, view.row[row], index, of_samples), 2));
     return out;
   }
   void give(const MeasuredView& view, std::uint64_t of_samples) {
@@ -182,7 +184,8 @@ struct SharedStratum {
 SharedOut share_out(MeasuredView& view, std::uint64_t& pilot_rays) {
   const AimedView& aimed = view.setup.aimed();
   std::vector<SharedStratum> strata;
-  std::vector<double> goal(view.row.size(), 0.0), floor(view.row.size(), 0.0), bias(view.row.size(), 0.0);
+  std::vector<double> goal(view.row.size(), 0.0), floor(view.row.size(), 0.0),
+      bias(view.row.size(), 0.0);
   for (std::uint32_t s = 0; s < aimed.stratum.size(); ++s) {
     if (aimed.stratum[s].empty()) continue;
     run_stratum(view, s, kFirstPilotSamples, kFirstPilotStage);

@@ -83,8 +83,7 @@ absl::StatusOr<bool> GasMeasurement::find() {
   for (const GasColumn& column : survey->columns())
     tests.test(column, tested.emplace_back(ColumnTests::kCount));
   RETURN_IF_ERROR(choose_classes(survey->columns(), tested, tests));
-  std::vector<PathWeights> pilot =
-      run(gas_, *aimed_, pilots_.second, 1, reflections(true)).weights;
+  std::vector<PathWeights> pilot = run(gas_, *aimed_, pilots_.second, 1, reflections(true)).weights;
   RETURN_IF_ERROR(choose_nodes(survey->columns(), tested, sum_of(pilot)));
   samples_ = pilots_.second;
   const std::vector<double> sums = sum_of(pilot);
@@ -102,7 +101,8 @@ void GasMeasurement::measure(const std::vector<double>& sent_w_sr) {
   samples_ = samples(sent_w_sr);
   keep(run(gas_, *aimed_, samples_, 2, reflections(false)).weights);
   if (!image_plan_.empty())
-    image_ = run(gas_, whole_view(*aimed_), 1, kPicture, reflections(false), image_plan_).image;
+    pictures_of_gas_ =
+        run(gas_, whole_view(*aimed_), 1, kPicture, reflections(false), image_plan_).pictures;
   measured_ = true;
 }
 

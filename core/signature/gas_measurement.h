@@ -64,9 +64,8 @@ class GasMeasurement {
 
   // Traces the rays of this gas with a stage of random numbers of their own.
   //   pictures  unless empty: the same number of rays in each pixel; the view is a whole_view
-  TracedView run(std::shared_ptr<const RayMedium> gas, const AimedView& view,
-                 std::uint64_t samples, std::uint64_t stage, std::uint32_t reflections,
-                 const ImagePlan& pictures = {});
+  TracedView run(std::shared_ptr<const RayMedium> gas, const AimedView& view, std::uint64_t samples,
+                 std::uint64_t stage, std::uint32_t reflections, const ImagePlan& pictures = {});
   // Pictures of the rows' source radiance: of what a ray's gas sends as much as its test gases say,
   // so that all rays of the pilot send what the nodes do; of what is behind it less what its
   // classes take.
@@ -214,7 +213,7 @@ class GasMeasurement {
   bool measured_ = false;                 // they are not a pilot's
   std::uint64_t rays_ = 0;
   ImagePlan image_plan_;
-  std::vector<double> image_;
+  TracedPictures pictures_of_gas_;
   SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());
 };
 

@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
 #include "core/effects/plan.h"
+#include "core/signature/pixel_errors.h"
 #include "core/signature/prepared_scene.h"
 #include "core/signature/prepared_view.h"
 #include "core/signature/request.h"
@@ -41,7 +42,7 @@ struct GasRow {
   std::uint64_t rays = 0;
   // [pixel of the frame] Of the source radiance, as RunTotals::image has it. Empty: no pictures, or
   // no gas in sight.
-  std::vector<double> picture_w_sr;
+  PixelSums picture;
 };
 
 // Rows of the request's selected conditions x bands, as MeasuredView has them; nullopt: no hot gas

@@ -56,11 +56,15 @@ absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) cons
   std::vector<GasRow> out;
   for (const std::uint32_t b : request_.selected_band)
     out.push_back(row_of(light, sensor, of_classes, of_replicates, b));
-  if (image_.empty()) return out;
+  if (pictures_of_gas_.sum.empty()) return out;
   const std::size_t pixels = static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px;
   for (std::size_t b = 0; b < out.size(); ++b)
-    for (std::size_t i = 0; i < pixels; ++i)
-      out[b].picture_w_sr.push_back(image_[i * image_plan_.padded + which * out.size() + b]);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const std::size_t at = i * image_plan_.images + which * out.size() + b;
+      out[b].picture.w_sr.push_back(pictures_of_gas_.sum[at]);
+      out[b].picture.variance.push_back(
+          std::pow(static_cast<double>(pictures_of_gas_.stderr_[at]), 2));
+    }
   return out;
 }
 
@@ -166,8 +170,8 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   // At the sensor light is as the air lets it through.
   const std::vector<double> smooth(scene_.axis.nodes(), 1.0);
   const std::vector<double>& through = light.environment().transmittance;
-  const Taken source = taken_by(class_here_, stored, 0, &RowTally::total_spectrum,
-                                &RowTally::total, 1, smooth, band),
+  const Taken source = taken_by(class_here_, stored, 0, &RowTally::total_spectrum, &RowTally::total,
+                                1, smooth, band),
               apparent = taken_by(sensor.classes, stored, 0, &RowTally::apparent_spectrum,
                                   &RowTally::apparent, 1, through, band);
   const std::vector<double> scatter = sent_by_replicates(weights_, which_band);

@@ -68,10 +68,13 @@ class HotGasLight final : public LightComponent {
     }
   }
 
-  void add_picture(std::size_t row, std::span<double> pixel_w_sr) const override {
+  void add_picture(std::size_t row, PixelSums& to) const override {
     if (!row_[row]) return;
-    const std::vector<double>& picture = row_[row]->picture_w_sr;
-    for (std::size_t i = 0; i < picture.size(); ++i) pixel_w_sr[i] += picture[i];
+    const PixelSums& own = row_[row]->picture;
+    for (std::size_t i = 0; i < own.w_sr.size(); ++i) {
+      to.w_sr[i] += own.w_sr[i];
+      to.variance[i] += own.variance[i];
+    }
   }
 
   [[nodiscard]] std::uint64_t rays(std::size_t row) const override {

@@ -7,8 +7,8 @@
 
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/trace_view.h"
 #include "core/signature/shading.h"
+#include "core/signature/trace_view.h"
 #include "core/sources/view_sources.h"
 
 namespace irsig {
@@ -103,8 +103,8 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
     for (std::size_t b = 0; b < measured.request.selected_band.size(); ++b) {
       const BandOnAxis band = scene.axis.band(measured.request.selected_band[b]);
       tally_row(light, parts, lit, scene.path_basis(), band,
-               source_table(light, scene.path_basis(), band.first_node, band.grid.band_weight),
-               false, tally);
+                source_table(light, scene.path_basis(), band.first_node, band.grid.band_weight),
+                false, tally);
       const SignatureResult& row = measured.result.row[out.size()];
       ReplicateStatistics change(3);
       for (std::size_t r = 0; r < tally.size(); ++r)

@@ -6,8 +6,7 @@
 namespace irsig {
 
 absl::StatusOr<LightComponents> measure_components(const PreparedScene& scene,
-                                                   const ViewRequest& request,
-                                                   const ViewPlan& plan,
+                                                   const ViewRequest& request, const ViewPlan& plan,
                                                    const std::shared_ptr<const PreparedView>& view,
                                                    const PictureFrame& pictures) {
   LightComponents out;

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/signature/measured_view.h"
+#include "core/signature/pixel_errors.h"
 
 namespace irsig {
 
@@ -22,9 +22,8 @@ class LightComponent {
   // Adds what else a row stores of the component: spectra, causes, model errors, ledger,
   // replicates.
   virtual void add_to(std::size_t row, SignatureResult& to) const = 0;
-  // Adds the component's picture of a row to [pixel] radiance x solid angle x range^2, summed over
-  // replicates. [W/sr]
-  virtual void add_picture(std::size_t row, std::span<double> pixel_w_sr) const = 0;
+  // Adds the component's picture of a row to that of the other light.
+  virtual void add_picture(std::size_t row, PixelSums& to) const = 0;
   // Rays that a row's component took, pilots included.
   [[nodiscard]] virtual std::uint64_t rays(std::size_t row) const = 0;
 };

@@ -185,15 +185,17 @@ struct ForGoal {
 // for.
 std::optional<ForGoal> aim_at_bright(const PreparedScene& scene, const ViewRequest& request,
                                      const ViewPlan& plan, const PreparedView& view,
-                                     const MeasuredView& pilot, const RowKeys& rows, std::uint64_t n,
-                                     std::uint64_t asked, std::uint64_t& pilot_rays) {
+                                     const MeasuredView& pilot, const RowKeys& rows,
+                                     std::uint64_t n, std::uint64_t asked,
+                                     std::uint64_t& pilot_rays) {
   const BrightFacets bright = choose_bright(scene.target, *view.aimed, facet_brightness(pilot));
   if (bright.none()) return std::nullopt;
   AimedView aimed = make_aimed_view(scene.target, request.viewpoint, bright);
   PreparedView at_bright = view;
   at_bright.aimed = std::make_shared<const AimedView>(aimed);
-  MeasuredView alone(scene, request, plan, std::make_shared<const PreparedView>(std::move(at_bright)), rows,
-             view_seed(scene, request));
+  MeasuredView alone(scene, request, plan,
+                     std::make_shared<const PreparedView>(std::move(at_bright)), rows,
+                     view_seed(scene, request));
   const SharedOut shared = share_out(alone, pilot_rays);
   const double rays = static_cast<double>(pilot.totals.counts.rays) * static_cast<double>(asked) /
                       static_cast<double>(n);
@@ -219,8 +221,8 @@ ForGoal for_goal(const PreparedScene& scene, const ViewRequest& request, const V
 absl::Status count_target_paths(MeasuredView& pilot, const AccuracySpec& accuracy, ViewPlan& plan) {
   run_view(pilot, kSecondPilotSamples, kFirstPilotStage, RunKind::kPilot);
   plan.pilot_rays += pilot.totals.counts.rays;
-  const double per_sample =
-      static_cast<double>(pilot.totals.counts.target_paths) / static_cast<double>(kSecondPilotSamples);
+  const double per_sample = static_cast<double>(pilot.totals.counts.target_paths) /
+                            static_cast<double>(kSecondPilotSamples);
   if (per_sample == 0)
     return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
   const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
@@ -317,8 +319,7 @@ void leave_out_late_reflections(MeasuredView& pilot, EffectPlanner& planner, Vie
   for (std::uint32_t n = 1; n < plan.effects.max_reflections; ++n) {
     std::vector<RowBounds::Bound> bounds;
     for (const Row& row : pilot.row) {
-      const double bound =
-          beyond_limit_m2(pilot, n) * row.brightest_w_m2_sr / kOfLaterReflections;
+      const double bound = beyond_limit_m2(pilot, n) * row.brightest_w_m2_sr / kOfLaterReflections;
       bounds.push_back({false, bound, bound, bound});
     }
     EffectPlanner trial = planner;

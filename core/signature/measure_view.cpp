@@ -7,6 +7,7 @@
 #include "core/signature/light_component.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/measured_view.h"
+#include "core/signature/pixel_errors.h"
 #include "core/signature/view_pictures.h"
 
 namespace irsig {
@@ -233,12 +234,26 @@ void add_pictures(const ViewPictures& pictures, const PictureFrame& frame,
   const double plane_scale = std::pow(request.viewpoint.range_m / frame.plane_m, 2);
   const double scale = 1.0 / (pixel_area_m2 * plane_scale);
   const std::size_t pixels = static_cast<std::size_t>(frame.width_px) * frame.height_px;
-  std::vector<double> sum(pixels);
+  const PixelErrors errors(frame.width_px, frame.height_px, pictures.pixel_samples,
+                           pictures.traced.met);
+  PixelSums sum;
+  sum.w_sr.resize(pixels);
+  sum.variance.resize(pixels);
   for (std::size_t row = 0; row < out.row.size(); ++row) {
-    for (std::size_t i = 0; i < pixels; ++i) sum[i] = pictures.image[i * image.padded + row];
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const std::size_t at = i * image.images + row;
+      sum.w_sr[i] = pictures.traced.sum[at];
+      sum.variance[i] = std::pow(static_cast<double>(pictures.traced.stderr_[at]), 2);
+    }
     for (const auto& component : components) component->add_picture(row, sum);
-    for (const double pixel : sum)
-      out.row[row].image_w_m2_sr.push_back(static_cast<float>(scale * pixel));
+    const std::vector<double> stderr_w_sr = errors.of(sum);
+    SignatureResult& r = out.row[row];
+    r.image_w_m2_sr.reserve(pixels);
+    r.image_stderr_w_m2_sr.reserve(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      r.image_w_m2_sr.push_back(static_cast<float>(scale * sum.w_sr[i]));
+      r.image_stderr_w_m2_sr.push_back(static_cast<float>(scale * stderr_w_sr[i]));
+    }
   }
 }
 
@@ -293,12 +308,14 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
     for (const auto& component : components) rays += component->rays(row);
     out.rays = std::max(out.rays, rays);
   }
-  const ViewPictures shown = trace_pictures(measured, pictures);
+  ViewPictures shown = trace_pictures(measured, pictures);
   out.rays += shown.counts.rays;
   // Numbers that should not occur are reported wherever they occur.
   out.guarded_nonfinite += shown.counts.guarded_nonfinite;
   out.guarded_negative += shown.counts.guarded_negative;
   add_pictures(shown, pictures, components, request, out);
+  out.pixel_samples = shown.pixel_samples;
+  out.seen = std::move(shown.traced.met);
   return out;
 }
 

@@ -170,12 +170,15 @@ void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, Ru
 }
 
 ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame) {
-  ViewPictures out{plan_images(view, frame), {}, {}};
+  ViewPictures out;
+  out.plan = plan_images(view, frame);
   if (out.plan.empty()) return out;
-  TracedView traced =
-      trace_view(view.setup.scene, whole_view(view.setup.aimed()), view.setup.sources.geometry(),
-                 picture_settings(settings_of(view.setup, 1, kPictureStage), out.plan), out.plan);
-  out.image = std::move(traced.image);
+  const PathSettings settings =
+      picture_settings(settings_of(view.setup, 1, kPictureStage), out.plan);
+  TracedView traced = trace_view(view.setup.scene, whole_view(view.setup.aimed()),
+                                 view.setup.sources.geometry(), settings, out.plan);
+  out.pixel_samples = settings.pixel_samples;
+  out.traced = std::move(traced.pictures);
   out.counts = traced.counts;
   return out;
 }

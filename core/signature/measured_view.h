@@ -58,8 +58,9 @@ void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t sample
 // Pictures of all rows, by paths of their own: the same number of samples in every pixel, so that
 // no pixel inside the silhouette is empty.
 struct ViewPictures {
-  ImagePlan plan;             // empty: none
-  std::vector<double> image;  // [pixel][plan.padded] radiance x solid angle x range^2 [W/sr]
+  ImagePlan plan;  // empty: none
+  std::uint32_t pixel_samples = 0;
+  TracedPictures traced;
   PathCounts counts;
 };
 [[nodiscard]] ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame);

@@ -19,7 +19,7 @@ namespace irsig {
 struct PreparedView {
   std::shared_ptr<const AimedView> aimed;
   ViewEnvironments environments;
-  EffectSet effects;                                    // for which the environments were made
+  EffectSet effects;  // for which the environments were made
   std::shared_ptr<const UndersampledSources> unseen = nullptr;  // null: whoever needs it makes it
 };
 

@@ -9,11 +9,14 @@
 #include "core/accuracy/spectral_modes.h"
 #include "core/effects/effects.h"
 #include "core/sources/source_layout.h"
+#include "core/transport/traced_pictures.h"
 
 namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
+// 20: pictures have errors, and state the parts that each pixel shows; the quadrature bound allows
+// for emissivities that are linear between the points of tables.
 // 19: no light from beyond a band whose limit a material's table meets by rounding.
 // 18: pictures have paths of their own, the same number in each pixel.
 // 17: the bound of the target's depth takes light to leave the target where it is seen to, in mean.
@@ -30,7 +33,7 @@ namespace irsig {
 // 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
 // added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
 // met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 19;
+inline constexpr int kPhysicsVersion = 20;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
@@ -72,7 +75,9 @@ struct SignatureResult {
   SpectralEstimate plume_spectral, apparent_plume_spectral, contrast_plume_spectral;  // has_plume
   // Between target and sensor, on the stored wavelengths: no sampling error.
   std::vector<double> path_transmittance_spectral, path_radiance_spectral;
-  std::vector<float> image_w_m2_sr;  // row by row from the top; empty: none
+  // Row by row from the top; empty: none. The target's radiance x the fraction of the pixel that it
+  // fills, and its standard error.
+  std::vector<float> image_w_m2_sr, image_stderr_w_m2_sr;
   StopReason stop_reason = StopReason::kFixedSamples;
   std::uint32_t reflections = 0;  // the most that paths were given
   EnergyLedger energy;
@@ -90,6 +95,10 @@ struct ViewResult {
   std::vector<SignatureResult> row;  // selected conditions x selected bands
   std::uint32_t image_width_px = 0, image_height_px = 0;
   double pixel_rad = 0;
+  // The parts that are seen in the images, which are the same for all rows: of pixel_samples rays
+  // of each pixel, how many met a part first. By pixel, then by part.
+  std::uint32_t pixel_samples = 0;
+  std::vector<TracedPictures::Met> seen;
   std::uint64_t samples = 0, target_paths = 0, rays = 0;
   std::uint32_t replicates = 0;
   std::uint64_t samples_per_replicate = 0;

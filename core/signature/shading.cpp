@@ -125,8 +125,7 @@ void add_around(const ConditionSources& light, const LitWeights& weights,
 // Total, causes, apparent, contrast and background on the stored wavelengths, source by source:
 // each spectrum is gone through once for all replicates.
 void add_spectra(const ConditionSources& light, const LitWeights& weights,
-                 const SpectralBasis* basis, const BandOnAxis& band,
-                 std::vector<RowTally>& tally) {
+                 const SpectralBasis* basis, const BandOnAxis& band, std::vector<RowTally>& tally) {
   const BandGrid& grid = band.grid;
   const std::size_t bins = grid.lambda_um.size();
   BinRows source(basis, band), apparent(basis, band);

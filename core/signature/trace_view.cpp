@@ -32,8 +32,7 @@ TracedView trace_view(const PreparedScene& scene, const AimedView& view,
                       const ImagePlan& pictures) {
   const PathTracer tracer(scene.target, scene.carried_material(), view, sources, settings);
   TracedView out;
-  out.image.assign(pictures.size(), 0.0);
-  out.weights = tracer.trace(pictures, out.image, out.counts);
+  out.weights = tracer.trace(pictures, out.pictures, out.counts);
   return out;
 }
 

@@ -19,7 +19,7 @@ namespace irsig {
 struct TracedView {
   std::vector<PathWeights> weights;  // [replicate]
   PathCounts counts;
-  std::vector<double> image;  // as PathTracer::trace() adds it up; empty without pictures
+  TracedPictures pictures;  // empty without pictures
 };
 
 // Traces the paths of all replicates of a view: pilots, the stored run, hot gas and moved inputs

@@ -169,8 +169,8 @@ PathSettings picture_settings(PathSettings settings, const ImagePlan& plan) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(plan.width_px) * plan.height_px;
   settings.replicates = 1;
   settings.pixel_samples = kPixelSamples;
-  settings.split = 1;
-  settings.roulette_survival_scale = 1;
+  settings.split = 2;
+  settings.roulette_survival_scale = 8;
   while (pixels * settings.pixel_samples < kLeastPictureSamples) settings.pixel_samples *= 2;
   while (settings.pixel_samples > kLeastPixelSamples &&
          pixels * settings.pixel_samples > kMostPictureSamples)

@@ -89,9 +89,8 @@ void ViewEstimator::trace_together(std::span<const ViewRow> rows, const PathSett
   const ViewSources sources = sources_of(conditions, true);
   const PathTracer tracer(target, simulator_.carried_materials(), view, sources.geometry(),
                           settings);
-  std::vector<double> no_image;
   PathCounts counts;
-  const std::vector<PathWeights> weights = tracer.trace({}, no_image, counts);
+  const std::vector<PathWeights> weights = tracer.trace(counts);
   const std::size_t parts = target.part.size();
   const SpectralBasis* basis = simulator_.scene().path_basis();
   std::vector<RowTally> tally;
@@ -131,13 +130,12 @@ void ViewEstimator::trace_each_wavelength(const ViewRow& row, PathSettings setti
   const BandGrid& grid = band.grid;
   const SpectralBasis* basis = simulator_.scene().path_basis();
   RowValue value;
-  std::vector<double> no_image;
   for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
     settings.seed = mix64(settings.seed + row.condition * 4096 + row.band * 64 + 1);
     const PathTracer tracer(target, simulator_.carried_materials(), view, sources.geometry(),
                             settings);
     PathCounts counts;
-    const std::vector<PathWeights> weights = tracer.trace({}, no_image, counts);
+    const std::vector<PathWeights> weights = tracer.trace(counts);
     const std::size_t first = grid.bin_first[k], nodes = grid.bin_first[k + 1] - first,
                       node = band.first_node + first;
     const SourceTable of_bin = source_table(light, basis, node, {&grid.bin_weight[first], nodes}),

@@ -158,6 +158,9 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
   if (gas_ == nullptr) s.first = hit.part;
   ++work.counts->target_paths;
   work.area[s.replicate] += static_cast<double>(s.weight);
+  if (settings_.pixel_samples > 0 && gas_ == nullptr)
+    work.met.push_back(
+        {work.first_pixel + s.pixel_group / pixel_groups(settings_.pixel_samples), hit.part, 1});
   if (!sources_.behind) return;
   const Float3 d = ray.direction;
   add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/check.h"
 #include "core/base/ordered_dot.h"
 #include "core/transport/path_work.h"
 
@@ -40,11 +41,20 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
     any_narrow_ |= m.narrowest_slope() < kNarrowRadii * widest_radius;
 }
 
-std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<double>& image,
+std::vector<PathWeights> PathTracer::trace(PathCounts& counts) const {
+  TracedPictures none;
+  return trace({}, none, counts);
+}
+
+std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures& pictures,
                                            PathCounts& counts) const {
+  IRSIG_CHECK(plan.empty() == (settings_.pixel_samples == 0));
+  pictures = {};
+  pictures.sum.assign(plan.size(), 0.0);
+  pictures.stderr_.assign(plan.size(), 0.0f);
   Work work;
   work.plan = &plan;
-  work.image = image.data();
+  work.pictures = &pictures;
   work.counts = &counts;
   work.orders = settings_.by_order ? settings_.max_reflections + 1 : 1;
   for (const SunDirection& s : sources_.sun) {
@@ -202,7 +212,7 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   for (std::uint32_t order = 0; order < std::min(kSeedOrders, settings_.max_reflections + 1);
        ++order)
     add_seeds(work.stratum_seed, order, work.seeds);
-  if (settings_.pixel_samples > 0) return trace_pixels<kSpectral>(work, aim);
+  if (settings_.pixel_samples > 0) return trace_pixels<kSpectral>(work, aim.front());
   const CellOrder order(view_.samples(stratum, settings_.samples), aim);
 
   SampleList& list = work.list;
@@ -224,24 +234,91 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   trace_listed<kSpectral>(work);
 }
 
+namespace {
+
+// Samples of one pixel and part become one entry; in order.
+void join_met(std::vector<TracedPictures::Met>& met) {
+  std::sort(met.begin(), met.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.pixel, a.part) < std::pair(b.pixel, b.part);
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (kept > 0 && met[kept - 1].pixel == met[i].pixel && met[kept - 1].part == met[i].part)
+      met[kept - 1].samples += met[i].samples;
+    else
+      met[kept++] = met[i];
+  }
+  met.resize(kept);
+}
+
+}  // namespace
+
 // Each pixel's samples are consecutive: of a scrambled Sobol sequence they are stratified over the
-// pixel.
+// pixel, and so is each of its groups. Pixels are traced row by row from below.
 template <bool kSpectral>
-void PathTracer::trace_pixels(Work& work, const std::vector<SeedPair>& aim) const {
+void PathTracer::trace_pixels(Work& work, SeedPair aim) const {
+  const ImagePlan& plan = *work.plan;
+  const std::uint32_t samples = settings_.pixel_samples;
+  const std::uint32_t groups = pixel_groups(samples);
+  IRSIG_CHECK(samples % groups == 0);
+  IRSIG_CHECK(settings_.replicates == 1);
+  // A batch's pixels, of which the first and the last may be parts.
+  work.group_sum.assign((std::size_t{work.capacity / samples} + 2) * groups * plan.padded, 0.0);
+  work.first_pixel = 0;
   SampleList& list = work.list;
   list.size = 0;
-  const std::uint32_t pixels = work.plan->width_px * work.plan->height_px;
+  const std::uint32_t pixels = plan.width_px * plan.height_px;
   for (std::uint32_t pixel = 0; pixel < pixels; ++pixel)
-    for (std::uint32_t r = 0; r < settings_.replicates; ++r)
-      for (std::uint32_t k = 0; k < settings_.pixel_samples; ++k) {
-        const std::uint32_t i = list.size++;
-        list.index[i] = pixel * settings_.pixel_samples + k;
-        list.seed_x[i] = aim[r].x;
-        list.seed_y[i] = aim[r].y;
-        work.replicate_of_list[i] = r;
-        if (list.size == work.capacity) trace_listed<kSpectral>(work);
-      }
+    for (std::uint32_t k = 0; k < samples; ++k) {
+      const std::uint32_t i = list.size++;
+      list.index[i] = pixel * samples + k;
+      list.seed_x[i] = aim.x;
+      list.seed_y[i] = aim.y;
+      work.replicate_of_list[i] = 0;
+      if (list.size < work.capacity) continue;
+      trace_listed<kSpectral>(work);
+      close_pixels(work, k + 1 == samples ? pixel + 1 : pixel);
+    }
   trace_listed<kSpectral>(work);
+  close_pixels(work, pixels);
+  join_met(work.pictures->met);
+}
+
+// Takes pixels up to `end`, of which all samples are traced, from the groups' sums into pictures.
+void PathTracer::close_pixels(Work& work, std::uint32_t end) const {
+  const ImagePlan& plan = *work.plan;
+  TracedPictures& out = *work.pictures;
+  const std::uint32_t groups = pixel_groups(settings_.pixel_samples);
+  const std::size_t padded = plan.padded, of_pixel = groups * padded;
+  // Rows are traced from below and stored from above.
+  const auto stored = [&](std::uint32_t traced) {
+    return (plan.height_px - 1 - traced / plan.width_px) * plan.width_px + traced % plan.width_px;
+  };
+  const double* group = work.group_sum.data();
+  for (std::uint32_t p = work.first_pixel; p < end; ++p, group += of_pixel) {
+    const std::size_t at = std::size_t{stored(p)} * plan.images;
+    for (std::size_t k = 0; k < plan.images; ++k) {
+      double sum = 0, squares = 0;
+      for (std::uint32_t g = 0; g < groups; ++g) sum += group[g * padded + k];
+      for (std::uint32_t g = 0; g < groups; ++g) {
+        const double off = group[g * padded + k] - sum / groups;
+        squares += off * off;
+      }
+      out.sum[at + k] = sum;
+      out.stderr_[at + k] = static_cast<float>(std::sqrt(squares * groups / (groups - 1)));
+    }
+  }
+  for (TracedPictures::Met& met : work.met) met.pixel = stored(met.pixel);
+  join_met(work.met);
+  out.met.insert(out.met.end(), work.met.begin(), work.met.end());
+  work.met.clear();
+  if (end == work.first_pixel) return;
+  // What is left is of a pixel that has samples to come.
+  const auto left = static_cast<std::ptrdiff_t>((end - work.first_pixel) * of_pixel);
+  const auto open =
+      std::copy(work.group_sum.begin() + left, work.group_sum.end(), work.group_sum.begin());
+  std::fill(open, work.group_sum.end(), 0.0);
+  work.first_pixel = end;
 }
 
 template <bool kSpectral>
@@ -300,30 +377,14 @@ void PathTracer::aim_batch(Work& work) const {
       work.ray_weight.data(), work.inverse_length.data());
   if (density != nullptr)
     for (std::uint32_t i = 0; i < list.size; ++i) work.ray_weight[i] *= work.density_factor[i];
-  const ImagePlan& plan = *work.plan;
-  const auto pixels_x = static_cast<float>(plan.width_px / plan.rectangle.width_m),
-             pixels_y = static_cast<float>(plan.height_px / plan.rectangle.height_m);
-  const auto x0 = static_cast<float>(plan.rectangle.x0_m),
-             y0 = static_cast<float>(plan.rectangle.y0_m);
-  const bool pictures = !plan.empty();
-  for (std::uint32_t i = 0; i < list.size; ++i) {
-    std::uint32_t pixel = 0;
-    if (pictures) {
-      const auto px =
-          std::min(static_cast<std::uint32_t>(std::max((work.x_m[i] - x0) * pixels_x, 0.0f)),
-                   plan.width_px - 1);
-      const auto py =
-          std::min(static_cast<std::uint32_t>(std::max((work.y_m[i] - y0) * pixels_y, 0.0f)),
-                   plan.height_px - 1);
-      pixel = (plan.height_px - 1 - py) * plan.width_px + px;
-      // All of the target is in the picture; gas may reach beyond.
-      const float x = (work.x_m[i] - x0) * pixels_x, y = (work.y_m[i] - y0) * pixels_y;
-      if (gas_ != nullptr && !(x >= 0 && x < static_cast<float>(plan.width_px) && y >= 0 &&
-                               y < static_cast<float>(plan.height_px)))
-        pixel = plan.width_px * plan.height_px;
-    }
-    work.batch.state[i] = {work.replicate_of_list[i], list.index[i], pixel, 0,
-                           work.ray_weight[i],        1.0f,          1.0f,  work.inverse_length[i]};
+  for (std::uint32_t i = 0; i < list.size; ++i)
+    work.batch.state[i] = {work.replicate_of_list[i], list.index[i], 0,    0,
+                           work.ray_weight[i],        1.0f,          1.0f, work.inverse_length[i]};
+  if (settings_.pixel_samples > 0) {
+    const std::uint32_t groups = pixel_groups(settings_.pixel_samples);
+    for (std::uint32_t i = 0; i < list.size; ++i)
+      work.batch.state[i].pixel_group =
+          list.index[i] / (settings_.pixel_samples / groups) - work.first_pixel * groups;
   }
   work.batch.size = list.size;
 }
@@ -360,7 +421,7 @@ void PathTracer::cross_gas(Work& work) const {
     double* sum = work.gas.data() + s.replicate * measures;
     for (std::size_t m = 0; m < measures; ++m) sum[m] += weight * work.gas_measure[m];
     if (const ImagePlan& plan = *work.plan; !plan.empty()) {
-      double* image = work.image + static_cast<std::size_t>(s.pixel) * plan.padded;
+      double* image = work.group_sum.data() + static_cast<std::size_t>(s.pixel_group) * plan.padded;
       for (std::uint32_t k = 0; k < plan.images; ++k)
         image[k] += static_cast<double>(work.area_per_sample) * weight *
                     ordered_dot(plan.gas.data() + k * measures, work.gas_measure.data(), measures);

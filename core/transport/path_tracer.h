@@ -15,6 +15,7 @@
 #include "core/transport/hot_lights.h"
 #include "core/transport/primary_rays.h"
 #include "core/transport/ray_batch.h"
+#include "core/transport/traced_pictures.h"
 
 namespace irsig {
 
@@ -44,9 +45,9 @@ struct ImagePlan {
   std::vector<float> source;
   std::vector<double> gas;
   bool empty() const { return images == 0 || width_px == 0; }
-  // Numbers of all pictures, [pixel][padded]: one pixel more than they have, for gas beyond them.
+  // Numbers of all pictures, [pixel][images].
   [[nodiscard]] std::size_t size() const {
-    return empty() ? 0 : (static_cast<std::size_t>(width_px) * height_px + 1) * padded;
+    return empty() ? 0 : static_cast<std::size_t>(width_px) * height_px * images;
   }
 };
 
@@ -72,9 +73,9 @@ struct PathSettings {
   bool hot_lights = true, sun_disk_by_chance = true;
   // Independent random numbers instead of scrambled Sobol points. For comparisons.
   bool pseudo_random = false;
-  // Primary samples of each pixel of the pictures and replicate, a power of two, stratified over
-  // the pixel; needs a view of one stratum (whole_view) and pictures. 0: samples of the view's
-  // strata.
+  // Primary samples of each pixel of the pictures, a power of two of at least 2,
+  // stratified over the pixel; needs a view of one stratum (whole_view), one replicate and
+  // pictures. 0: samples of the view's strata, and no pictures.
   std::uint32_t pixel_samples = 0;
   // The one stratum of the view to be traced; absent: all strata.
   std::optional<std::uint32_t> only_stratum = std::nullopt;
@@ -171,9 +172,10 @@ class PathTracer {
   }
 
   // Traces all replicates, side by side: rays of different replicates that are aimed at the same
-  // small piece of the image share a packet. image has plan.size() doubles, to which radiance x
-  // solid angle x range^2 [W/sr], summed over replicates, is added.
-  std::vector<PathWeights> trace(const ImagePlan& plan, std::vector<double>& image,
+  // small piece of the image share a packet.
+  std::vector<PathWeights> trace(PathCounts& counts) const;
+  // Traces into pictures, too (PathSettings::pixel_samples).
+  std::vector<PathWeights> trace(const ImagePlan& plan, TracedPictures& pictures,
                                  PathCounts& counts) const;
 
  private:
@@ -183,7 +185,8 @@ class PathTracer {
   template <bool kSpectral>
   void trace_batch(Work& work) const;
   template <bool kSpectral>
-  void trace_pixels(Work& work, const std::vector<SeedPair>& aim) const;
+  void trace_pixels(Work& work, SeedPair aim) const;
+  void close_pixels(Work& work, std::uint32_t end) const;
   template <bool kSpectral>
   void trace_listed(Work& work) const;
   // Area of the image plane that one sample of a replicate stands for. [m2]

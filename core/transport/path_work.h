@@ -97,8 +97,12 @@ inline Reflection reflection(Float3 n, Float3 wi, Float3 wo, float cos_i, float 
 
 struct PathTracer::Work {
   const ImagePlan* plan;
-  double* image;
+  TracedPictures* pictures;
   PathCounts* counts;
+  // Pictures: of the pixels whose samples are being traced, in the order of tracing.
+  std::uint32_t first_pixel = 0;
+  std::vector<double> group_sum;         // [pixel][group][ImagePlan::padded]
+  std::vector<TracedPictures::Met> met;  // one for each sample of the batch that met the target
   std::vector<Sun> sun;
   std::uint32_t capacity = 0;               // primary rays of a batch
   std::uint32_t most = 0;                   // after splitting
@@ -115,7 +119,7 @@ struct PathTracer::Work {
   // around the target [ray that has met some][class].
   std::vector<float> gas_fraction;
   std::size_t gas_fractions = 0;  // of gas around the target: so many are kept
-  float area_per_sample = 0;   // m2 on the image plane: the inverse of the stratum's sample density
+  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
   std::vector<SeedPair> late_seeds;         // [replicate][pair], of one later order
@@ -173,8 +177,9 @@ inline void PathTracer::add_to(Work& work, const PathState& path, std::uint32_t 
   double* out = work.weight[path.replicate * work.orders + (settings_.by_order ? order : 0)].row(
       first, source);
   const bool is_last = order == settings_.max_reflections && !work.last.empty();
-  double* image =
-      plan.empty() ? nullptr : work.image + static_cast<std::size_t>(path.pixel) * plan.padded;
+  double* image = plan.empty() ? nullptr
+                               : work.group_sum.data() +
+                                     static_cast<std::size_t>(path.pixel_group) * plan.padded;
   const std::size_t place =
       index_of(source) + (gas_ != nullptr ? static_cast<std::size_t>(first) * layout_.count() : 0);
   if constexpr (kSpectral) {

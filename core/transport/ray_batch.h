@@ -17,8 +17,8 @@ inline float dot(Float3 a, Float3 b) { return a.x * b.x + a.y * b.y + a.z * b.z;
 // The state that a path carries from vertex to vertex.
 struct PathState {
   std::uint32_t replicate;
-  std::uint32_t sample;  // index in the sampler
-  std::uint32_t pixel;
+  std::uint32_t sample;       // index in the sampler
+  std::uint32_t pixel_group;  // in Work::group_sum
   std::uint32_t first;  // the part that was met first; behind hot gas: 2 x its primary ray's place
                         // in Work::gas_fraction, + 1 beyond the target; that came through hot gas
                         // to the target: parts + its place there

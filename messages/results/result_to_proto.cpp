@@ -1,9 +1,14 @@
 #include "messages/results/result_to_proto.h"
 
+#include <zlib.h>
+
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 #include "absl/strings/str_format.h"
+#include "core/base/check.h"
 #include "core/base/status_macros.h"
 #include "messages/environment/condition_sun.h"
 
@@ -121,12 +126,63 @@ absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, con
                    encoder->png(view.image_width_px, view.image_height_px, r.image_w_m2_sr));
   ASSIGN_OR_RETURN(auto exr,
                    encoder->exr(view.image_width_px, view.image_height_px, r.image_w_m2_sr));
+  ASSIGN_OR_RETURN(auto stderr_exr, encoder->stderr_exr(view.image_width_px, view.image_height_px,
+                                                        r.image_stderr_w_m2_sr));
   out->set_width_px(view.image_width_px);
   out->set_height_px(view.image_height_px);
   out->set_pixel_rad(view.pixel_rad);
+  out->set_stderr_exr(std::move(stderr_exr));
   out->set_png(std::move(png));
   out->set_exr(std::move(exr));
   return absl::OkStatus();
+}
+
+// zlib's bytes of little-endian numbers.
+std::string packed(const std::vector<std::uint16_t>& samples) {
+  std::string bytes;
+  bytes.reserve(2 * samples.size());
+  for (const std::uint16_t s : samples) {
+    bytes.push_back(static_cast<char>(s & 255U));
+    bytes.push_back(static_cast<char>(s >> 8U));
+  }
+  uLongf size = compressBound(bytes.size());
+  std::string out(size, '\0');
+  IRSIG_CHECK(compress(reinterpret_cast<Bytef*>(out.data()), &size,
+                       reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) == Z_OK);
+  out.resize(size);
+  return out;
+}
+
+schema::Silhouette silhouette_of(const ViewResult& view) {
+  schema::Silhouette out;
+  out.set_width_px(view.image_width_px);
+  out.set_height_px(view.image_height_px);
+  out.set_pixel_samples(view.pixel_samples);
+  std::map<std::uint32_t, std::vector<TracedPictures::Met>> of_part;
+  for (const TracedPictures::Met& met : view.seen) of_part[met.part].push_back(met);
+  for (const auto& [part, pixels] : of_part) {
+    std::uint32_t left = view.image_width_px, right = 0;
+    for (const TracedPictures::Met& met : pixels) {
+      left = std::min(left, met.pixel % view.image_width_px);
+      right = std::max(right, met.pixel % view.image_width_px);
+    }
+    // In the order of pixels.
+    const std::uint32_t top = pixels.front().pixel / view.image_width_px,
+                        bottom = pixels.back().pixel / view.image_width_px,
+                        width = right - left + 1;
+    std::vector<std::uint16_t> samples(std::size_t{width} * (bottom - top + 1), 0);
+    for (const TracedPictures::Met& met : pixels)
+      samples[std::size_t{met.pixel / view.image_width_px - top} * width +
+              met.pixel % view.image_width_px - left] = static_cast<std::uint16_t>(met.samples);
+    schema::PartPixels* box = out.add_part();
+    box->set_part_index(part);
+    box->set_left_px(left);
+    box->set_top_px(top);
+    box->set_width_px(width);
+    box->set_height_px(bottom - top + 1);
+    box->set_samples(packed(samples));
+  }
+  return out;
 }
 
 }  // namespace
@@ -176,6 +232,7 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
       row->set_sun_zenith_deg(sun.zenith_deg);
     }
   }
+  if (view.image_width_px > 0) *result.mutable_view()->mutable_silhouette() = silhouette_of(view);
   result.set_samples(view.samples);
   result.set_replicates(view.replicates);
   result.set_target_paths(view.target_paths);

@@ -470,8 +470,30 @@ CREATE TABLE thumbnail (
   height_px INTEGER NOT NULL CHECK (height_px > 0),
   pixel_rad REAL NOT NULL CHECK (pixel_rad > 0),  -- angle of a pixel at the sensor
   png BLOB NOT NULL,                              -- 8 bit, black to white over [0, maximum]
-  exr BLOB NOT NULL                               -- float32 in-band radiance [W/(m2 sr)]
+  exr BLOB NOT NULL,                              -- float32 in-band radiance [W/(m2 sr)]
+  stderr_exr BLOB NOT NULL                        -- its standard error, likewise
 ) STRICT;
+
+-- The images of a job's rows show the same parts in the same pixels.
+CREATE TABLE silhouette (
+  job_id INTEGER PRIMARY KEY REFERENCES job ON DELETE CASCADE,
+  width_px INTEGER NOT NULL CHECK (width_px > 0),
+  height_px INTEGER NOT NULL CHECK (height_px > 0),
+  pixel_samples INTEGER NOT NULL CHECK (pixel_samples > 0)  -- rays of each pixel
+) STRICT;
+
+-- Pixels that show a part, in a box around them; no row: none does.
+CREATE TABLE part_pixels (
+  job_id INTEGER NOT NULL REFERENCES silhouette ON DELETE CASCADE,
+  part_id INTEGER NOT NULL REFERENCES part,
+  left_px INTEGER NOT NULL CHECK (left_px >= 0),
+  top_px INTEGER NOT NULL CHECK (top_px >= 0),
+  width_px INTEGER NOT NULL CHECK (width_px > 0),
+  height_px INTEGER NOT NULL CHECK (height_px > 0),
+  samples BLOB NOT NULL,  -- zlib of [row][column] uint16, little-endian: rays of a pixel that meet the part first
+  PRIMARY KEY (job_id, part_id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX part_pixels_by_part ON part_pixels (part_id);
 
 -- Mean in-band radiance over a footprint, with at most `reflections` reflections. A row is replaced and removed with
 -- its signature and has the same provenance.

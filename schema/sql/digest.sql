@@ -133,7 +133,16 @@ SELECT input, contribution_w_sr, contribution_stderr_w_sr, apparent_contribution
 FROM input_contribution WHERE signature_id = ?1 ORDER BY input_index;
 
 -- name: digest_thumbnail
-SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;
+SELECT width_px, height_px, pixel_rad, png, exr, stderr_exr FROM thumbnail WHERE signature_id = ?1;
+
+-- name: digest_silhouette
+SELECT t.width_px, t.height_px, t.pixel_samples
+FROM signature s JOIN silhouette t USING (job_id) WHERE s.signature_id = ?1;
+
+-- name: digest_part_pixels
+SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples
+FROM signature s JOIN part_pixels x USING (job_id) JOIN part p USING (part_id)
+WHERE s.signature_id = ?1 ORDER BY p.part_index, p.name;
 
 -- name: digest_profile
 SELECT profile_index, point_index, reflections, name, x_m, y_m, z_m, footprint_width_m, footprint_height_m,

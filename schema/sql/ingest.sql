@@ -108,7 +108,18 @@ INSERT INTO energy (
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11);
 
 -- name: insert_thumbnail
-INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr) VALUES (?1, ?2, ?3, ?4, ?5, ?6);
+INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr, stderr_exr)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7);
+
+-- name: delete_silhouette
+DELETE FROM silhouette WHERE job_id = ?1;
+
+-- name: insert_silhouette
+INSERT INTO silhouette (job_id, width_px, height_px, pixel_samples) VALUES (?1, ?2, ?3, ?4);
+
+-- name: insert_part_pixels
+INSERT INTO part_pixels (job_id, part_id, left_px, top_px, width_px, height_px, samples)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7);
 
 -- name: insert_profile_row
 INSERT INTO profile (

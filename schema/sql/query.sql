@@ -149,7 +149,15 @@ SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped
 FROM energy WHERE signature_id = ?1;
 
 -- name: thumbnail_of_signature
-SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;
+SELECT width_px, height_px, pixel_rad, png, exr, stderr_exr FROM thumbnail WHERE signature_id = ?1;
+
+-- name: silhouette_of_signature
+SELECT t.job_id, t.width_px, t.height_px, t.pixel_samples
+FROM signature s JOIN silhouette t USING (job_id) WHERE s.signature_id = ?1;
+
+-- name: part_pixels_of_job
+SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples
+FROM part_pixels x JOIN part p USING (part_id) WHERE x.job_id = ?1 ORDER BY p.part_index, p.name;
 
 -- name: signature_exists
 SELECT count(*) FROM signature WHERE signature_id = ?1;

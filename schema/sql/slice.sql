@@ -95,6 +95,8 @@ INSERT INTO slice.job_need
   SELECT * FROM main.job_need
   WHERE job_id IN (SELECT job_id FROM temp.kept_job) AND needs_job_id IN (SELECT job_id FROM temp.kept_job);
 INSERT INTO slice.provenance SELECT * FROM main.provenance WHERE job_id IN (SELECT job_id FROM temp.kept_job);
+INSERT INTO slice.silhouette SELECT * FROM main.silhouette WHERE job_id IN (SELECT job_id FROM temp.kept_job);
+INSERT INTO slice.part_pixels SELECT * FROM main.part_pixels WHERE job_id IN (SELECT job_id FROM temp.kept_job);
 INSERT INTO slice.asset
   SELECT * FROM main.asset
   WHERE sha256 IN (SELECT output_sha256 FROM main.heat_job WHERE job_id IN (SELECT job_id FROM temp.kept_heat))

@@ -186,7 +186,56 @@ absl::Status check_thumbnail(const schema::Thumbnail& thumbnail, const std::stri
     return wrong_picture(path, absl::StrCat("is ", width_px, " x ", height_px,
                                             " pixels, expected 1 to ", kMostPixels));
   IRSIG_STORE_TRY(check_png(thumbnail.png(), width_px, height_px, path + ".png"));
-  return check_exr(thumbnail.exr(), width_px, height_px, path + ".exr");
+  IRSIG_STORE_TRY(check_exr(thumbnail.exr(), width_px, height_px, path + ".exr"));
+  return check_exr(thumbnail.stderr_exr(), width_px, height_px, path + ".stderr_exr");
+}
+
+absl::Status check_silhouette(const schema::Silhouette& silhouette, const std::string& path) {
+  const std::uint32_t width_px = silhouette.width_px(), height_px = silhouette.height_px();
+  if (width_px < 1 || height_px < 1 || width_px > kMostPixels || height_px > kMostPixels)
+    return wrong_picture(path, absl::StrCat("is ", width_px, " x ", height_px,
+                                            " pixels, expected 1 to ", kMostPixels));
+  if (silhouette.pixel_samples() < 1 || silhouette.pixel_samples() > kMostPixelSamples)
+    return wrong_picture(path,
+                         absl::StrCat("states ", silhouette.pixel_samples(),
+                                      " samples of a pixel, expected 1 to ", kMostPixelSamples));
+  std::vector<std::uint32_t> all(std::size_t{width_px} * height_px, 0);
+  for (const schema::PartPixels& part : silhouette.part()) {
+    const auto samples = unpacked_samples(silhouette, part);
+    if (!samples.ok()) return wrong_picture(path, std::string(samples.status().message()));
+    std::size_t at = 0;
+    for (std::uint32_t y = 0; y < part.height_px(); ++y)
+      for (std::uint32_t x = 0; x < part.width_px(); ++x) {
+        std::uint32_t& sum = all[std::size_t{part.top_px() + y} * width_px + part.left_px() + x];
+        sum += (*samples)[at++];
+        if (sum > silhouette.pixel_samples())
+          return wrong_picture(path, absl::StrCat("has a pixel of more than ",
+                                                  silhouette.pixel_samples(), " samples"));
+      }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<std::uint16_t>> unpacked_samples(const schema::Silhouette& silhouette,
+                                                            const schema::PartPixels& part) {
+  const auto within = [](std::uint32_t first, std::uint32_t count, std::uint32_t all) {
+    return count > 0 && count <= all && first <= all - count;
+  };
+  if (silhouette.width_px() > kMostPixels || silhouette.height_px() > kMostPixels ||
+      !within(part.left_px(), part.width_px(), silhouette.width_px()) ||
+      !within(part.top_px(), part.height_px(), silhouette.height_px()))
+    return absl::DataLossError("has a part outside the picture");
+  const std::size_t count = std::size_t{part.width_px()} * part.height_px();
+  std::vector<unsigned char> bytes(2 * count);
+  uLongf size = bytes.size();
+  if (uncompress(bytes.data(), &size, reinterpret_cast<const Bytef*>(part.samples().data()),
+                 part.samples().size()) != Z_OK ||
+      size != bytes.size())
+    return absl::DataLossError("has a part with damaged samples");
+  std::vector<std::uint16_t> out(count);
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] = static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8U);
+  return out;
 }
 
 }  // namespace irsig

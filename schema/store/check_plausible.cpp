@@ -271,6 +271,8 @@ absl::Status check_plausible(const schema::JobResult& result) {
   IRSIG_STORE_TRY(check_ranges(result, "job"));
   for (int i = 0; i < result.view().row_size(); ++i)
     IRSIG_STORE_TRY(check_plausible_row(result.view().row(i), absl::StrCat("row[", i, "]")));
+  if (result.view().has_silhouette())
+    IRSIG_STORE_TRY(check_silhouette(result.view().silhouette(), "silhouette"));
   if (result.heat().warning_size() > 1000)
     return implausible("heat.warning", "has more than 1000 elements");
   for (const std::string& warning : result.heat().warning())

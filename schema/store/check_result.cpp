@@ -199,11 +199,31 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
   if (row.has_thumbnail()) {
     const schema::Thumbnail& thumbnail = row.thumbnail();
     if (thumbnail.width_px() == 0 || thumbnail.height_px() == 0 || !(thumbnail.pixel_rad() > 0) ||
-        thumbnail.png().empty() || thumbnail.exr().empty()) {
+        thumbnail.png().empty() || thumbnail.exr().empty() || thumbnail.stderr_exr().empty()) {
       return wrong(path + ".thumbnail", "is incomplete");
     }
   }
   return check_spectrum(row.spectrum(), row.has_plume_w_sr(), path + ".spectrum");
+}
+
+// That it is there where images are, of their size, and names each part once.
+absl::Status check_silhouette_of(const schema::ViewJobResult& view,
+                                 const ExpectedResult& expected) {
+  const std::string path = "silhouette";
+  const bool images = view.row_size() > 0 && view.row(0).has_thumbnail();
+  if (images != view.has_silhouette())
+    return wrong(path, images ? "is missing" : "is there without images");
+  if (!images) return absl::OkStatus();
+  for (const schema::SignatureRow& row : view.row())
+    if (row.thumbnail().width_px() != view.silhouette().width_px() ||
+        row.thumbnail().height_px() != view.silhouette().height_px())
+      return wrong(path, "is of another size than a thumbnail");
+  std::set<std::uint32_t> seen;
+  for (const schema::PartPixels& part : view.silhouette().part())
+    if (part.part_index() >= expected.parts || !seen.insert(part.part_index()).second)
+      return wrong(path,
+                   absl::StrCat("names part ", part.part_index(), " twice, or it does not exist"));
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -227,6 +247,7 @@ absl::Status check_result(const schema::JobResult& result, const ExpectedResult&
     }
     IRSIG_STORE_TRY(check_row(row, expected, path));
   }
+  IRSIG_STORE_TRY(check_silhouette_of(result.view(), expected));
   if (!missing.empty()) {
     return wrong("row", absl::StrCat("is missing for condition ", missing.begin()->first, ", band ",
                                      missing.begin()->second));

@@ -135,6 +135,10 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_thumbnail, signature_id).status());
     IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_silhouette, signature_id).status());
+    IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_part_pixels, signature_id).status());
+    IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_profile, signature_id).status());
   }
   return absl::OkStatus();
@@ -144,7 +148,7 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
 
 absl::StatusOr<std::string> content_digest(Database& database) {
   Encoder out;
-  out.bytes('t', "irsig digest 4");
+  out.bytes('t', "irsig digest 5");
   ASSIGN_OR_RETURN(const auto sweeps, encode(database, out, First::kKey, sql::digest_sweeps));
   for (const std::int64_t sweep_id : sweeps) {
     IRSIG_STORE_TRY(encode_definitions(database, out, sweep_id));

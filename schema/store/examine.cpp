@@ -213,7 +213,9 @@ class Examination {
         modes.add(s.name);
       }
       ASSIGN_OR_RETURN(const auto thumbnail, reader_.thumbnail(s.id));
-      if (thumbnail && !check_thumbnail(*thumbnail, s.name).ok()) images.add(s.name);
+      if (thumbnail &&
+          (!check_thumbnail(*thumbnail, s.name).ok() || !reader_.silhouette(s.id).ok()))
+        images.add(s.name);
     }
     return absl::OkStatus();
   }

@@ -160,7 +160,19 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
   const schema::Thumbnail& thumbnail = row.thumbnail();
   return database.run(sql::insert_thumbnail, signature_id, thumbnail.width_px(),
                       thumbnail.height_px(), thumbnail.pixel_rad(), Blob{thumbnail.png()},
-                      Blob{thumbnail.exr()});
+                      Blob{thumbnail.exr()}, Blob{thumbnail.stderr_exr()});
+}
+
+absl::Status insert_silhouette(Database& database, const LeasedJob& job,
+                               const std::vector<std::int64_t>& parts,
+                               const schema::Silhouette& silhouette) {
+  IRSIG_STORE_TRY(database.run(sql::insert_silhouette, job.job_id, silhouette.width_px(),
+                               silhouette.height_px(), silhouette.pixel_samples()));
+  for (const schema::PartPixels& part : silhouette.part())
+    IRSIG_STORE_TRY(database.run(sql::insert_part_pixels, job.job_id, parts[part.part_index()],
+                                 part.left_px(), part.top_px(), part.width_px(), part.height_px(),
+                                 Blob{part.samples()}));
+  return absl::OkStatus();
 }
 
 absl::Status insert_direction(Database& database, std::int64_t viewpoint_id) {
@@ -247,6 +259,9 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
   for (const schema::SignatureRow& row : result.view().row()) {
     IRSIG_STORE_TRY(insert_row(database, job, parts, names, row));
   }
+  IRSIG_STORE_TRY(database.run(sql::delete_silhouette, job.job_id));
+  if (result.view().has_silhouette())
+    IRSIG_STORE_TRY(insert_silhouette(database, job, parts, result.view().silhouette()));
   IRSIG_STORE_TRY(remove_superseded(database, job));
   return savepoint->keep();
 }

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/spectral_modes.h"
 #include "core/base/status_macros.h"
+#include "schema/store/check_picture.h"
 #include "schema/store/cost.h"
 #include "schema/store/digest.h"
 #include "schema/store/find_contents.h"
@@ -124,7 +125,39 @@ absl::StatusOr<std::optional<schema::Thumbnail>> StoreReader::thumbnail(std::int
   thumbnail.set_pixel_rad(row.real());
   thumbnail.set_png(row.text());
   thumbnail.set_exr(row.text());
+  thumbnail.set_stderr_exr(row.text());
   return thumbnail;
+}
+
+absl::StatusOr<std::optional<StoredSilhouette>> StoreReader::silhouette(std::int64_t signature_id) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  schema::Silhouette silhouette;
+  std::int64_t job_id = 0;
+  {
+    ASSIGN_OR_RETURN(Rows row, database_->query(sql::silhouette_of_signature, signature_id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return std::nullopt;
+    job_id = row.integer();
+    silhouette.set_width_px(static_cast<std::uint32_t>(row.integer()));
+    silhouette.set_height_px(static_cast<std::uint32_t>(row.integer()));
+    silhouette.set_pixel_samples(static_cast<std::uint32_t>(row.integer()));
+  }
+  StoredSilhouette out{
+      silhouette.width_px(), silhouette.height_px(), silhouette.pixel_samples(), {}};
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::part_pixels_of_job, job_id));
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return out;
+    StoredSilhouette::Part& part = out.part.emplace_back();
+    part.name = row.text();
+    schema::PartPixels packed;
+    packed.set_left_px(part.left_px = static_cast<std::uint32_t>(row.integer()));
+    packed.set_top_px(part.top_px = static_cast<std::uint32_t>(row.integer()));
+    packed.set_width_px(part.width_px = static_cast<std::uint32_t>(row.integer()));
+    packed.set_height_px(part.height_px = static_cast<std::uint32_t>(row.integer()));
+    packed.set_samples(row.text());
+    ASSIGN_OR_RETURN(part.samples, unpacked_samples(silhouette, packed));
+  }
 }
 
 absl::StatusOr<std::vector<StoredProfileRow>> StoreReader::profiles(const ProfileFilter& filter) {

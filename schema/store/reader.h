@@ -52,6 +52,8 @@ class StoreReader {
   // Returns inputs in the order of the grammar; none of a sweep without [uncertainty].
   absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id);
   absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id);
+  // Returns the parts that the images of the signature's job show. DATA_LOSS: they are damaged.
+  absl::StatusOr<std::optional<StoredSilhouette>> silhouette(std::int64_t signature_id);
   // Returns rows in the order of sweeps, rows, profiles, points and numbers of reflections.
   absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter);
   absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep);

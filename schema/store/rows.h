@@ -114,6 +114,17 @@ struct StoredOutcome {
 // with std::isnan.
 inline constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();
 
+// Where a view's images show which part.
+struct StoredSilhouette {
+  std::uint32_t width_px = 0, height_px = 0, pixel_samples = 0;
+  struct Part {
+    std::string name;
+    std::uint32_t left_px = 0, top_px = 0, width_px = 0, height_px = 0;  // a box around its pixels
+    std::vector<std::uint16_t> samples;  // [row][column] of a pixel's, those that see it first
+  };
+  std::vector<Part> part;  // those that are seen, in the sweep's order
+};
+
 // One stored signature without its spectrum and images.
 struct StoredSignature {
   std::int64_t signature_id;

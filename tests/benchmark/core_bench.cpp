@@ -177,12 +177,11 @@ void against_replay(const Simulator& simulator, std::uint64_t samples, const Cas
     SourceGeometry sources;
     sources.boundary = Sea{{-target.centre.z, kEarthRadiusM}};
     sources.sun = what.suns;
-    std::vector<double> no_image;
     const AimedView aimed = make_aimed_view(target, view);
     const auto trace = [&](PathCounts& counts) {
       const PathTracer tracer(target, simulator.materials(), aimed, sources, settings);
       const double start = cpu_s();
-      tracer.trace({}, no_image, counts);
+      tracer.trace(counts);
       return cpu_s() - start;
     };
     const auto recorder = std::make_shared<Recorder>(plain);

@@ -56,6 +56,9 @@ std::vector<schema::JobResult> computed(const LoadedSweep& loaded) {
       },
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return encode_exr({width_px, height_px, pixels});
+      },
+      [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
+        return encode_error_exr({width_px, height_px, pixels});
       }};
   const auto runner = JobRunner::create(loaded.resolved, loaded.assets, loaded.heat, encoder);
   check(runner.status());

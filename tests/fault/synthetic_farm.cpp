@@ -230,12 +230,15 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       thumbnail->set_pixel_rad(1e-4);
       thumbnail->set_png(synthetic_png(128, 40, random));
       thumbnail->set_exr(synthetic_exr(128, 40, 20480, random));
+      thumbnail->set_stderr_exr(synthetic_exr(128, 40, 4096, random));
       row->set_stop_reason(schema::STOP_REASON_ACCURACY_REACHED);
       row->set_sun_azimuth_deg(150);
       row->set_sun_zenith_deg(50);
       make_plausible(*row);
     }
   }
+  if (result.view().row_size() > 0)
+    add_synthetic_silhouette(128, 40, sweep.sweep().part_size(), random, *result.mutable_view());
   result.set_samples(32 * 4096);
   result.set_replicates(32);
   result.set_target_paths(100000);

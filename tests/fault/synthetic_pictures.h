@@ -2,10 +2,14 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <random>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "schema/result.pb.h"
 
 namespace irsig {
 
@@ -77,6 +81,42 @@ inline std::string synthetic_exr(std::uint32_t width_px, std::uint32_t height_px
     out += little_endian_text(y) + little_endian_text(static_cast<std::uint32_t>(of_row(y))) +
            noise(random, of_row(y));
   return out;
+}
+
+// As schema::PartPixels has them.
+inline std::string packed_counts(const std::vector<std::uint16_t>& counts) {
+  std::string bytes;
+  for (const std::uint16_t count : counts) {
+    bytes += static_cast<char>(count & 255U);
+    bytes += static_cast<char>(count >> 8U);
+  }
+  uLongf size = compressBound(bytes.size());
+  std::string packed(size, '\0');
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+           reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  packed.resize(size);
+  return packed;
+}
+
+// Each part in a box of its own, of counts that fit 8 samples of a pixel.
+inline void add_synthetic_silhouette(std::uint32_t width_px, std::uint32_t height_px, int parts,
+                                     std::mt19937_64& random, schema::ViewJobResult& view) {
+  schema::Silhouette& out = *view.mutable_silhouette();
+  out.set_width_px(width_px);
+  out.set_height_px(height_px);
+  out.set_pixel_samples(8);
+  for (int p = 0; p < std::min(parts, static_cast<int>(height_px)); ++p) {
+    schema::PartPixels& part = *out.add_part();
+    part.set_part_index(static_cast<std::uint32_t>(p));
+    part.set_left_px(1);
+    part.set_top_px(static_cast<std::uint32_t>(p));
+    part.set_width_px(width_px - 1);
+    part.set_height_px(1);
+    std::vector<std::uint16_t> counts;
+    for (std::uint32_t x = 1; x < width_px; ++x)
+      counts.push_back(static_cast<std::uint16_t>(random() % 9));
+    part.set_samples(packed_counts(counts));
+  }
 }
 
 }  // namespace irsig

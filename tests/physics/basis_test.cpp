@@ -70,10 +70,9 @@ TEST(SpectralBasis, ExpandsWhatPathsCarry) {
   const SourceGeometry sunny = lit_by({{normalized(Vec<Body>{0.2, 0.6, -0.7}), 0.005}});
   const PathTracer few(simulator->target(), simulator->carried_materials(), view, sunny, s);
   const PathTracer all(simulator->target(), simulator->materials(), view, sunny, s);
-  std::vector<double> no_image;
   PathCounts counts[2];
-  const auto a = few.trace({}, no_image, counts[0]);
-  const auto b = all.trace({}, no_image, counts[1]);
+  const auto a = few.trace(counts[0]);
+  const auto b = all.trace(counts[1]);
   ASSERT_EQ(counts[0].rays, counts[1].rays);
   double worst = 0;
   std::vector<double> expanded(basis.nodes);
@@ -217,10 +216,9 @@ TEST(Truncation, SpectralThroughputIsThatOfTheBrightestWavelength) {
       s.max_reflections = n;
       const PathTracer tracer(simulator->target(), simulator->carried_materials(), view, {}, s);
       ASSERT_TRUE(tracer.spectral());
-      std::vector<double> no_image;
       PathCounts counts;
       ReplicateStatistics statistics(1);
-      for (const PathWeights& w : tracer.trace({}, no_image, counts)) {
+      for (const PathWeights& w : tracer.trace(counts)) {
         EXPECT_EQ(w.truncated_m2, w.beyond_m2[2]);
         statistics.add(std::vector{w.truncated_m2 / w.projected_area_m2});
       }

@@ -71,11 +71,10 @@ Orders trace(const Simulator& simulator, std::uint32_t max_reflections, std::uin
   const AimedView whole = make_aimed_view(target, {0, 0, 1e5});
   const PathTracer tracer(target, simulator.materials(), field_m > 0 ? footprint.view : whole, {},
                           settings);
-  std::vector<double> no_image;
   PathCounts counts;
   ReplicateStatistics statistics(max_reflections + 1);
   Orders out;
-  for (const PathWeights& w : tracer.trace({}, no_image, counts)) {
+  for (const PathWeights& w : tracer.trace(counts)) {
     std::vector<double> sum(max_reflections + 1, 0.0);
     double running = 0;
     for (std::uint32_t n = 0; n <= max_reflections; ++n) {

@@ -61,12 +61,11 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
   const std::uint32_t elements = by_element.emitters.count(2);
   ASSERT_GT(elements, 9000u);
 
-  std::vector<double> no_image;
   PathCounts counts[2];
   const PathTracer few(target, simulator->carried_materials(), view, by_part, settings);
   const PathTracer many(target, simulator->carried_materials(), view, by_element, settings);
-  const auto a = few.trace({}, no_image, counts[0]);
-  const auto b = many.trace({}, no_image, counts[1]);
+  const auto a = few.trace(counts[0]);
+  const auto b = many.trace(counts[1]);
   ASSERT_EQ(counts[0].rays, counts[1].rays);
   double reflected = 0;
   for (std::size_t r = 0; r < a.size(); ++r)

@@ -30,9 +30,8 @@ constexpr double kNormalReflectance = (0.2 * 0.2 + 25) / (2.2 * 2.2 + 25);
 // A tracer's replicates, summed up by whatever `value` makes of them.
 template <typename Value>
 Estimate traced(const PathTracer& tracer, PathCounts& counts, const Value& value) {
-  std::vector<double> no_image;
   ReplicateStatistics statistics(1);
-  for (const PathWeights& w : tracer.trace({}, no_image, counts)) {
+  for (const PathWeights& w : tracer.trace(counts)) {
     const double v = value(w);
     statistics.add({&v, 1});
   }
@@ -222,9 +221,8 @@ TEST(PathSettings, OrdersAddUpAndTheBackgroundFillsTheRest) {
   s.by_order = true;
   const PathTracer orders(target, simulator->materials(), footprint.view, suns, s);
   PathCounts counts[2];
-  std::vector<double> no_image;
-  const auto a = whole.trace({}, no_image, counts[0]);
-  const auto b = orders.trace({}, no_image, counts[1]);
+  const auto a = whole.trace(counts[0]);
+  const auto b = orders.trace(counts[1]);
   EXPECT_EQ(counts[0].rays, counts[1].rays);
   double largest_order = 0, background = 0;
   for (std::size_t r = 0; r < a.size(); ++r) {

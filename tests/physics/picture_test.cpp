@@ -2,9 +2,11 @@
 // the silhouette is empty or too bright, however few paths the row itself takes. Expected: a black
 // sphere of one temperature has its radiance in every inner pixel, within the rounding of float; a
 // picture adds up to its row's intensity within the errors of both; the row does not change with
-// the picture. Source: closed forms; the row.
+// the picture; parts fill the pixels that they are seen in; a pixel's standard error is the scatter
+// of pictures of other seeds, inside and on edges. Source: closed forms; the row.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tests/physics/scene_fixture.h"
 
@@ -89,6 +91,94 @@ TEST(Picture, AddsUpToARowWithReflectionsAndAHotPart) {
   const double squares = 0.5 / view->image_height_px;
   EXPECT_NEAR(sum_w_sr(*view), row.intensity_w_sr.value,
               (squares + 0.01) * row.intensity_w_sr.value);
+}
+
+// A block before a wall: each fills what it hides nobody can see of the other.
+TEST(Picture, PartsFillThePixelsThatTheyAreSeenIn) {
+  const Mesh mesh = joined(generated("box", 12, 0, 1, 4, 3),
+                           moved(generated("box", 12, 0, 0.2, 1.3, 0.7), {5, 0.4, 0.2}), "block_");
+  SceneSpec scene = scene_of(mesh, grey(1), lwir());
+  scene.part = {{"block", {"block_*"}, 0, false, false}, {"wall", {}, 0, false, false, true}};
+  const auto simulator = simulator_of(scene);
+  for (const std::uint32_t px : {1u, 7u, 100u}) {
+    const ViewResult view = simulated(*simulator, request(*simulator, 0, 0, kFarM, {300, 300}), px);
+    std::map<std::uint32_t, double> samples;
+    std::uint64_t before = 0;
+    std::map<std::uint32_t, std::uint32_t> of_pixel;
+    for (const TracedPictures::Met& met : view.seen) {
+      EXPECT_TRUE(samples.empty() || before < std::uint64_t{met.pixel} * 2 + met.part);
+      before = std::uint64_t{met.pixel} * 2 + met.part;
+      EXPECT_LT(met.pixel, view.image_width_px * view.image_height_px);
+      EXPECT_LE(of_pixel[met.pixel] += met.samples, view.pixel_samples);
+      samples[met.part] += met.samples;
+    }
+    const double pixel_m = view.pixel_rad * kFarM;
+    // Pixels are nearly square.
+    const double pixel_m2 = pixel_m * 3 / view.image_height_px;
+    EXPECT_NEAR(samples[0] / view.pixel_samples * pixel_m2, 1.3 * 0.7, 0.005 * 1.3 * 0.7) << px;
+    EXPECT_NEAR(samples[1] / view.pixel_samples * pixel_m2, 12 - 1.3 * 0.7, 0.005 * 12) << px;
+  }
+}
+
+// Of all pixels that a test of seeds compares, those of a kind.
+struct Scatter {
+  double squares = 0, pixels = 0, within = 0;
+  [[nodiscard]] double rms() const { return std::sqrt(squares / pixels); }
+};
+
+// Sun, sky, sea, a hot part and shadows, each of its own scatter.
+TEST(Picture, ErrorsAreTheScatterOfOtherSeeds) {
+  constexpr int kSeeds = 24;
+  SceneSpec scene;
+  scene.mesh = generated("frigate", 2000);
+  scene.material = {*builtin_material("hull")};
+  scene.part = {{"hot", {"funnel*"}, 0, false, true}, {"ship", {}, 0, false, false, true}};
+  scene.band = {mwir(), lwir()};
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 60, 30, 5000, {400, 300});
+  ConditionSpec& c = r.condition[0];
+  c.surroundings = {SurroundingsKind::kSea, 240, 0, 290, 0.96, 0};
+  c.sun = true;
+  c.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
+  c.sun_cos_zenith = 0.8 / std::sqrt(0.98);
+  c.sun_angular_radius_deg = 0.266;
+  c.sun_scale = 0.6;
+  r.max_reflections = 3;
+  std::vector<ViewResult> view;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    r.seed = static_cast<std::uint64_t>(seed);
+    view.push_back(simulated(*simulator, r, 96));
+  }
+  const std::size_t pixels = view[0].row[0].image_w_m2_sr.size();
+  std::vector<double> filled(pixels, 0);
+  for (const ViewResult& v : view)
+    for (const TracedPictures::Met& met : v.seen)
+      filled[met.pixel] += met.samples / (static_cast<double>(v.pixel_samples) * kSeeds);
+  for (std::size_t row = 0; row < 2; ++row) {
+    Scatter inside, edge;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      if (filled[i] == 0) continue;
+      double mean = 0;
+      for (const ViewResult& v : view)
+        mean += static_cast<double>(v.row[row].image_w_m2_sr[i]) / kSeeds;
+      for (const ViewResult& v : view) {
+        const double z = (static_cast<double>(v.row[row].image_w_m2_sr[i]) - mean) /
+                         static_cast<double>(v.row[row].image_stderr_w_m2_sr[i]) *
+                         std::sqrt(kSeeds / (kSeeds - 1.0));
+        Scatter& of = filled[i] > 1 - 1e-9 ? inside : edge;
+        of.squares += z * z;
+        of.pixels += 1;
+        of.within += std::abs(z) < 1.96 ? 1 : 0;
+      }
+    }
+    std::printf("band %zu: inside rms z %.3f, %.4f within 1.96; edges %.3f, %.4f\n", row,
+                inside.rms(), inside.within / inside.pixels, edge.rms(), edge.within / edge.pixels);
+    for (const Scatter& of : {inside, edge}) {
+      EXPECT_GT(of.rms(), 0.7);
+      EXPECT_LT(of.rms(), 1.25);
+      EXPECT_GT(of.within / of.pixels, 0.93);
+    }
+  }
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "schema/store/reader.h"
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
+#include "tests/fault/synthetic_pictures.h"
 
 namespace irsig {
 
@@ -32,6 +33,7 @@ class FakeDatabase {
   std::map<std::int64_t, std::vector<StoredInput>> input;
   std::map<std::int64_t, StoredLedger> ledgers;
   std::map<std::int64_t, schema::Thumbnail> thumbnails;
+  std::map<std::int64_t, StoredSilhouette> silhouettes;
   std::map<std::string, StoredSweep> sweeps;
   std::vector<StoredTemperature> temperatures;
 
@@ -239,7 +241,18 @@ class FakeDatabase {
       if (const auto at = given_.thumbnails.find(given); at != given_.thumbnails.end())
         must(database_->run(sql::insert_thumbnail, id, at->second.width_px(),
                             at->second.height_px(), at->second.pixel_rad(), Blob{at->second.png()},
-                            Blob{at->second.exr()}));
+                            Blob{at->second.exr()}, Blob{at->second.stderr_exr()}));
+      if (const auto at = given_.silhouettes.find(given); at != given_.silhouettes.end())
+        add(at->second,
+            *database_->integer("SELECT job_id FROM signature WHERE signature_id = ?1", id));
+    }
+
+    void add(const StoredSilhouette& silhouette, std::int64_t job) {
+      must(database_->run(sql::insert_silhouette, job, silhouette.width_px, silhouette.height_px,
+                          silhouette.pixel_samples));
+      for (const StoredSilhouette::Part& p : silhouette.part)
+        must(database_->run(sql::insert_part_pixels, job, part(p.name), p.left_px, p.top_px,
+                            p.width_px, p.height_px, Blob{packed_counts(p.samples)}));
     }
 
     void add(const StoredTemperature& t) {

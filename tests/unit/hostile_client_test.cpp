@@ -21,9 +21,9 @@
 #include "jobs/check_resolved.h"
 #include "jobs/keys/expand.h"
 #include "schema/farm.grpc.pb.h"
+#include "schema/store/reader.h"
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fault/synthetic_pictures.h"
-#include "schema/store/reader.h"
 
 namespace irsig {
 namespace {
@@ -308,6 +308,7 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
          picture.set_width_px(200);
          picture.set_png(synthetic_png(200, 40, random));
          picture.set_exr(synthetic_exr(200, 40, 100, random));
+         picture.set_stderr_exr(synthetic_exr(200, 40, 100, random));
        }},
       {"physics version 2", [](auto& r) { r.set_physics_version(2); }},
       {"determinism class", [](auto& r) { r.set_determinism_class("another"); }},
@@ -319,6 +320,24 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
          auto& spectrum = *row(r)->mutable_spectrum();
          const auto bytes = static_cast<std::size_t>(2 * spectrum.lambda_um_size());
          spectrum.set_contrast_spectral_intensity_modes(std::string(5000 * bytes, '\0'));
+       }},
+      {"silhouette is 5000 x 40 pixels",
+       [&](auto& r) { r.mutable_view()->mutable_silhouette()->set_width_px(5000); }},
+      {"states 65536 samples of a pixel, expected 1 to 65535",
+       [&](auto& r) { r.mutable_view()->mutable_silhouette()->set_pixel_samples(65536); }},
+      {"has a pixel of more than 1 samples",
+       [&](auto& r) { r.mutable_view()->mutable_silhouette()->set_pixel_samples(1); }},
+      {"has a part outside the picture",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_left_px(0xffffffffU);
+       }},
+      {"has a part with damaged samples",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_width_px(126);
+       }},
+      {"has a part with damaged samples",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_samples("no zlib");
        }},
       {"times the variance of bin 0",
        [&](auto& r) {

@@ -106,7 +106,7 @@ TEST(JobRunner, GivesTheEncoderEveryPixel) {
     EXPECT_EQ(pixels, std::size_t{width_px} * height_px);
     return "encoded";
   };
-  const auto result = first_job(disk(16), ThumbnailEncoder{size, size});
+  const auto result = first_job(disk(16), ThumbnailEncoder{size, size, size});
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_GT(pixels, 0U);
   EXPECT_EQ(result->view().row(0).thumbnail().png(), "encoded");
@@ -117,7 +117,7 @@ TEST(JobRunner, PassesOnThatTheEncoderFails) {
   const auto fail = [](std::uint32_t, std::uint32_t, const std::vector<float>&) {
     return absl::StatusOr<std::string>(absl::InternalError("no ink"));
   };
-  EXPECT_EQ(first_job(disk(16), ThumbnailEncoder{fail, fail}).status().message(), "no ink");
+  EXPECT_EQ(first_job(disk(16), ThumbnailEncoder{fail, fail, fail}).status().message(), "no ink");
 }
 
 std::string state_of(const schema::SignatureRow& row, const std::string& effect) {
@@ -517,7 +517,7 @@ TEST(JobRunner, WarnsOfLayersOfMetresOfMetal) {
   EXPECT_EQ(steel[0].key, "build_up[0].layer[0].thickness_m");
   EXPECT_THAT(steel[0].text, HasSubstr("a layer of metal of 8 m: is it in millimetres? 8 mm are"));
   EXPECT_EQ(warnings(0.3, 50, 7800).size(), 0U);
-  EXPECT_EQ(warnings(2, 1.6, 2300).size(), 0U);   // concrete
+  EXPECT_EQ(warnings(2, 1.6, 2300).size(), 0U);  // concrete
   EXPECT_EQ(warnings(50, 1.6, 2300).size(), 1U);
 }
 

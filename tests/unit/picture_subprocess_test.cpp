@@ -32,7 +32,8 @@ TEST(PictureApart, LooksPaintsAndHandsOutPixels) {
   tasks[1].paint = true;
   tasks[1].white_w_m2_sr = 8;
   tasks[2].pixels = true;
-  tasks[2].seen = PictureTask::Seen{2, 1, 5, 3};
+  const std::vector<float> filled = {0, 0.5f, 1, 0, 0.25f, 0};
+  tasks[2].seen = PictureTask::Seen{2, 1, 5, filled};
   const auto answers = read_pictures_subprocess(picture_program(), tasks);
   ASSERT_TRUE(answers.ok()) << answers.status();
   ASSERT_EQ(answers->size(), 3U);
@@ -46,7 +47,7 @@ TEST(PictureApart, LooksPaintsAndHandsOutPixels) {
   EXPECT_THAT(looked.pixel, IsEmpty());
   EXPECT_EQ((*answers)[1].png, *encode_png(image, {0, 8}));
   EXPECT_EQ((*answers)[2].width_px, 3U);
-  EXPECT_EQ((*answers)[2].pixel, seen_from(image, {2, 1, 5, 3}).radiance_w_m2_sr);
+  EXPECT_EQ((*answers)[2].pixel, seen_from(image, {2, 1, 5, filled})->radiance_w_m2_sr);
 }
 
 // One image of 1.6 MB took 4.7 GB; one that is damaged is told apart from its neighbours.
@@ -110,7 +111,7 @@ TEST_F(ReadByAnother, NoAnswerIsAnError) {
 TEST(PictureExchange, ComesBackAsItWasAndIsRefusedWhereItIsCut) {
   const std::vector<PictureTask> tasks = {
       {.exr = std::string("\0\t\n\xff", 4), .most_px = 9, .white_w_m2_sr = 2.5f},
-      {.exr = "", .most_px = 4096, .paint = true, .seen = PictureTask::Seen{1, 2, 3, 4}}};
+      {.exr = "", .most_px = 4096, .paint = true, .seen = PictureTask::Seen{1, 2, 3, {0.5f, 4}}}};
   const std::string sent = encode_tasks(tasks);
   const auto back = decode_tasks(sent);
   ASSERT_TRUE(back.ok());
@@ -118,7 +119,7 @@ TEST(PictureExchange, ComesBackAsItWasAndIsRefusedWhereItIsCut) {
   EXPECT_EQ((*back)[0].exr, tasks[0].exr);
   EXPECT_EQ((*back)[0].white_w_m2_sr, 2.5f);
   EXPECT_FALSE((*back)[0].seen);
-  EXPECT_EQ((*back)[1].seen->target_area_px, 4);
+  EXPECT_THAT((*back)[1].seen->filled, ElementsAre(0.5f, 4));
   std::vector<PictureAnswer> answers(2);
   answers[0].damage = "a\tb\nc";
   answers[1].png = std::string("\0\n", 2);

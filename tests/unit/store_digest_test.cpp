@@ -122,6 +122,15 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
         r.mutable_view()->mutable_row(2)->mutable_thumbnail()->mutable_png()->back() ^= 1;
       },
       [](auto& r) {
+        r.mutable_view()->mutable_row(2)->mutable_thumbnail()->mutable_stderr_exr()->back() ^= 1;
+      },
+      [](auto& r) { r.mutable_view()->mutable_silhouette()->set_pixel_samples(16); },
+      [](auto& r) { r.mutable_view()->mutable_silhouette()->mutable_part(1)->set_left_px(0); },
+      [](auto& r) {
+        r.mutable_view()->mutable_silhouette()->mutable_part(0)->mutable_samples()->back() ^= 1;
+      },
+      [](auto& r) { r.mutable_view()->mutable_silhouette()->mutable_part()->RemoveLast(); },
+      [](auto& r) {
         r.mutable_view()->mutable_row(2)->mutable_part(1)->mutable_intensity_w_sr()->set_value(-1);
       },
       [](auto& r) {

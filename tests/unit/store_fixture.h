@@ -214,8 +214,11 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       thumbnail.set_png(png_bytes > 0 ? noise(random, png_bytes) : synthetic_png(16, 9, random));
       thumbnail.set_exr(exr_bytes > 0 ? noise(random, exr_bytes)
                                       : synthetic_exr(16, 9, 200, random));
+      thumbnail.set_stderr_exr(synthetic_exr(16, 9, 100, random));
     }
   }
+  std::mt19937_64 random(hash);
+  add_synthetic_silhouette(16, 9, sweep.sweep().part_size(), random, *result.mutable_view());
   result.set_samples(1000 + hash % 7);
   result.set_replicates(32);
   result.set_target_paths(500 + hash % 5);
@@ -348,7 +351,5 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   sqlite3_close(handle);
   return text;
 }
-
-
 
 }  // namespace irsig

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "schema/store/examine.h"
 #include "schema/store/slice.h"
@@ -96,6 +97,10 @@ class StoreSlice : public ::testing::Test {
       absl::StrAppend(&text, s.job_key, s.warning, s.seed_hex, s.rays, s.stop_reason);
       text += reader->spectrum(s.signature_id).value().SerializeAsString();
       text += reader->thumbnail(s.signature_id).value()->SerializeAsString();
+      const StoredSilhouette seen = reader->silhouette(s.signature_id).value().value();
+      absl::StrAppend(&text, seen.width_px, "x", seen.height_px, "/", seen.pixel_samples);
+      for (const StoredSilhouette::Part& p : seen.part)
+        absl::StrAppend(&text, p.name, p.left_px, p.top_px, absl::StrJoin(p.samples, ","));
       const auto parts = reader->parts(s.signature_id).value();
       for (const StoredPart& p : parts) absl::StrAppend(&text, p.part, p.intensity_w_sr);
       const StoredLedger ledger = reader->ledger(s.signature_id).value();

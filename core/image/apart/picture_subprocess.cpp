@@ -12,7 +12,7 @@
 namespace irsig {
 namespace {
 
-constexpr std::string_view kTasks = "irsig pictures 1\n", kAnswers = "irsig answers 1\n",
+constexpr std::string_view kTasks = "irsig pictures 2\n", kAnswers = "irsig answers 1\n",
                            kRefused = "irsig none 1\n";
 
 class Writer {
@@ -119,7 +119,12 @@ std::string encode_tasks(std::span<const PictureTask> tasks) {
       out.number(static_cast<std::uint8_t>(flag));
     out.number(task.black_w_m2_sr);
     out.number(task.white_w_m2_sr);
-    out.number(task.seen.value_or(PictureTask::Seen{}));
+    out.number(task.bits);
+    const PictureTask::Seen seen = task.seen.value_or(PictureTask::Seen{});
+    for (const double number :
+         {seen.gain, seen.path_radiance_w_m2_sr, seen.background_radiance_w_m2_sr})
+      out.number(number);
+    out.list(seen.filled);
     out.list(task.exr);
   }
   return out.take();
@@ -138,9 +143,13 @@ absl::StatusOr<std::vector<PictureTask>> decode_tasks(std::string_view bytes) {
     for (bool* flag : {&task.paint, &task.pixels, &is_seen}) in.flag(*flag);
     in.number(task.black_w_m2_sr);
     in.number(task.white_w_m2_sr);
-    in.number(seen);
+    in.number(task.bits);
+    for (double* number :
+         {&seen.gain, &seen.path_radiance_w_m2_sr, &seen.background_radiance_w_m2_sr})
+      in.number(*number);
+    in.list(seen.filled);
     in.list(task.exr);
-    if (is_seen) task.seen = seen;
+    if (is_seen) task.seen = std::move(seen);
   }
   if (!in.good()) return broken;
   return out;

@@ -17,12 +17,14 @@ struct PictureTask {
   // The longest side that is decoded: what the image's sweep asked for. An image whose header
   // states more pixels is refused before any of them is read.
   std::uint32_t most_px = 0;
-  bool paint = false;   // as PNG, from black to white [W/(m2 sr)]
-  bool pixels = false;  // as they are
+  bool paint = false;     // as PNG, from black to white [W/(m2 sr)]
+  std::int32_t bits = 8;  // of its grey, 8 or 16
+  bool pixels = false;    // as they are
   float black_w_m2_sr = 0, white_w_m2_sr = 0;
   // Conditions at the sensor (core/image/image.h: SeenFrom); nullopt: the picture as it is stored.
   struct Seen {
-    double gain, path_radiance_w_m2_sr, background_radiance_w_m2_sr, target_area_px;
+    double gain = 1, path_radiance_w_m2_sr = 0, background_radiance_w_m2_sr = 0;
+    std::vector<float> filled;  // [pixel]
   };
   std::optional<Seen> seen = std::nullopt;
 };
