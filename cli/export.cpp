@@ -19,14 +19,20 @@ namespace {
 
 struct ExportCommand {
   explicit ExportCommand(CLI::App& command)
-      : filter(command), output(command, {"csv", "netcdf", "envi", "tsf", "thumbnails", "temperatures"}) {
+      : filter(command),
+        output(command, {"csv", "netcdf", "envi", "tsf", "thumbnails", "temperatures"}) {
     output.out_option()->required();
   }
   FilterOptions filter;
   OutputOptions output;
   std::string spectra;  // empty, long or wide
   std::string scale;    // of thumbnails; empty: not said
-  bool exr = false, background = false;
+  bool exr = false, background = false, masks = false, coco = false, each_part = false;
+  int bits = 8;
+  double validation = 0;
+  std::uint64_t split_seed = 1;
+  std::vector<std::string> category;
+  std::vector<const CLI::Option*> of_thumbnails;  // options of that format alone
 
   [[nodiscard]] absl::Status run() const {
     ASSIGN_OR_RETURN(auto query, filter.query());
@@ -38,9 +44,10 @@ struct ExportCommand {
       return output.write([&](std::string_view, std::ostream& out) {
         return export_temperatures(filter.database(), query.sweep, query.season, query.time, out);
       });
-    if (format != "thumbnails" && (!scale.empty() || exr || background))
-      return absl::InvalidArgumentError(
-          "--thumbnail-scale, --exr and --background: belong to the format thumbnails");
+    for (const CLI::Option* option : of_thumbnails)
+      if (format != "thumbnails" && option->count() > 0)
+        return absl::InvalidArgumentError(
+            absl::StrCat(option->get_name(), ": belongs to the format thumbnails"));
     if (!spectra.empty() && format != "csv")
       return absl::InvalidArgumentError(
           absl::StrCat("--spectra: belongs to the format csv; ", format, " has them as it is"));
@@ -60,10 +67,26 @@ struct ExportCommand {
  private:
   [[nodiscard]] absl::Status write_thumbnails(StoreReader& reader, const Query& query) const {
     if (output.out() == "-") return absl::InvalidArgumentError("--out -: thumbnails need a folder");
-    ASSIGN_OR_RETURN(const auto images, export_thumbnails(reader,
-                                                          {query, scale.empty() ? "common" : scale,
-                                                           exr, background, filter.text()},
-                                                          output.out(), read_pictures));
+    ThumbnailsAsked asked;
+    asked.query = query;
+    asked.said = filter.text();
+    if (!scale.empty()) asked.scale = scale;
+    asked.bits = bits;
+    asked.exr = exr;
+    asked.background = background;
+    asked.masks = masks;
+    asked.coco = coco;
+    asked.each_part = each_part;
+    asked.validation = validation;
+    asked.split_seed = split_seed;
+    for (const std::string& text : category) {
+      ASSIGN_OR_RETURN(auto one, parse_category(text));
+      asked.categories.push_back(std::move(one));
+    }
+    if (!coco && (each_part || !category.empty()))
+      return absl::InvalidArgumentError("--category and --each-part: belong to --coco");
+    ASSIGN_OR_RETURN(const auto images,
+                     export_thumbnails(reader, asked, output.out(), read_pictures));
     print_note("irsig: {}: {} images\n", output.out(), images);
     return absl::OkStatus();
   }
@@ -88,16 +111,46 @@ void add_export(CLI::App& app, int& exit_code) {
           "of the --quantity and of its standard error; one --band)")
       ->type_name("FORM")
       ->check(CLI::IsMember({"long", "wide"}));
-  command
-      ->add_option(
-          "--thumbnail-scale", options->scale,
-          "Black and white of thumbnails: common (0 to the hottest pixel of all that are "
-          "exported, by sweep and band; default), own (of each), or BLACK,WHITE in W/(m2 sr)")
+  const auto of_thumbnails = [&](CLI::Option* option) {
+    options->of_thumbnails.push_back(option);
+    return option;
+  };
+  of_thumbnails(command->add_option(
+                    "--thumbnail-scale", options->scale,
+                    "Black and white of thumbnails: common (0 to the hottest pixel of all that are "
+                    "exported, by sweep and band; default), own (of each), or BLACK,WHITE in "
+                    "W/(m2 sr)"))
       ->type_name("SCALE");
-  command->add_flag("--exr", options->exr,
-                    "With thumbnails also their radiances at the target, as EXR");
-  command->add_flag("--background", options->background,
-                    "Thumbnails as the sensor has them: behind the air, before the background");
+  of_thumbnails(command->add_option("--bits", options->bits, "Bits of the pictures' grey, 8 or 16"))
+      ->type_name("BITS")
+      ->check(CLI::IsMember({8, 16}));
+  of_thumbnails(command->add_flag(
+      "--exr", options->exr,
+      "With thumbnails also their radiances at the target and the standard errors, as EXR"));
+  of_thumbnails(command->add_flag(
+      "--background", options->background,
+      "Thumbnails as the sensor has them: behind the air, before the background"));
+  of_thumbnails(command->add_flag("--masks", options->masks,
+                                  "Beside each thumbnail a picture of the parts that it shows, and "
+                                  "parts.csv with their numbers"));
+  of_thumbnails(command->add_flag("--coco", options->coco,
+                                  "Labels of what the thumbnails show, too, as COCO's JSON: masks, "
+                                  "boxes, rectangles"));
+  CLI::Option* category = of_thumbnails(command->add_option(
+      "--category", options->category,
+      "Of --coco: a class of objects and patterns of its parts, as funnel=funnel*,mast_hot; may be "
+      "given several times (default: target=*)"));
+  category->type_name("NAME=PATTERNS")->take_all();
+  of_thumbnails(command->add_flag("--each-part", options->each_part,
+                                  "Of --coco: each part is a class of its own"))
+      ->excludes(category);
+  of_thumbnails(command->add_option("--validation", options->validation,
+                                    "Fraction of the viewpoints whose thumbnails are for "
+                                    "validation, the others for training"))
+      ->type_name("FRACTION");
+  of_thumbnails(command->add_option("--split-seed", options->split_seed,
+                                    "Chooses the viewpoints of --validation"))
+      ->type_name("N");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

@@ -52,6 +52,8 @@ struct PlotCommand {
       });
     if (kind == "picture")
       return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures));
+    if (kind == "sheet")
+      return write_picture(sheet_picture(*reader, query, range, pixels, read_pictures));
     if (kind == "temperatures")
       return write_picture(
           temperature_picture(filter.database(), query, range, pixels.value_or(kPixels)));
@@ -78,8 +80,8 @@ struct PlotCommand {
 
   [[nodiscard]] absl::Status check_options() const {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
-    status.Update(belongs(!scale.empty(), "--scale", {"picture", "temperatures"}));
-    status.Update(belongs(pixels.has_value(), "--pixels", {"picture", "temperatures"}));
+    status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures"}));
+    status.Update(belongs(pixels.has_value(), "--pixels", {"picture", "sheet", "temperatures"}));
     return status;
   }
 
@@ -108,29 +110,33 @@ void add_plot(CLI::App& app, int& exit_code) {
       "against the time of day, and the temperatures that were computed for them; also csv and "
       "json), of the source intensity or of --quantity; transmittance (of the air, from one "
       "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
-      "and apparent temperature) or temperatures (of the target's facets, from any --aspect)");
+      "and apparent temperature), sheet (the images of many, side by side) or temperatures (of the "
+      "target's facets, from any --aspect)");
   const auto options = std::make_shared<PlotCommand>(*command);
   command
       ->add_option("--kind", options->kind,
-                   "polar, spectrum, map, hours, transmittance, picture or temperatures")
+                   "polar, spectrum, map, hours, transmittance, picture, sheet or temperatures")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember(
-          {"polar", "spectrum", "map", "hours", "transmittance", "picture", "temperatures"}));
+      ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "transmittance", "picture",
+                             "sheet", "temperatures"}));
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
       ->type_name("DEG");
   command
       ->add_option("--scale", options->scale,
-                   "Values at the ends of the colours of picture [W/(m2 sr)] and temperatures [K]; "
-                   "default: the smallest and largest of its pixels")
+                   "Values at the ends of the colours of picture and sheet [W/(m2 sr)] and "
+                   "temperatures [K]; "
+                   "default: the 1st and 99th percentile of their pixels; of temperatures: the "
+                   "smallest and largest")
       ->type_name("LOW,HIGH");
   command
-      ->add_option("--pixels", options->pixels,
-                   "Long side of temperatures, default: " + std::to_string(PlotCommand::kPixels) +
-                       "; of picture, of whose stored pixels squares are averaged, default: all "
-                       "that are stored")
+      ->add_option(
+          "--pixels", options->pixels,
+          "Long side of temperatures, default: " + std::to_string(PlotCommand::kPixels) +
+              "; of picture and sheet, of whose stored pixels squares are averaged, default: all "
+              "that are stored")
       ->type_name("N")
       ->check(CLI::Range(16, 2048));
   options->filter.add_ranges(*command);

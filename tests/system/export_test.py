@@ -17,8 +17,8 @@ def table(text):
     return list(csv.DictReader(io.StringIO(text)))
 
 
-def grey(path):
-    """Pixels of an 8 bit grey PNG, by the specification."""
+def grey(path, bits=8):
+    """Pixels of a grey PNG, by the specification."""
     data, at, packed = path.read_bytes(), 8, b""
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     while at < len(data):
@@ -27,19 +27,21 @@ def grey(path):
         at += 12 + size
         if name == b"IHDR":
             width, height, depth, kind = struct.unpack(">IIBB", body[:10])
-            assert (depth, kind) == (8, 0)
+            assert (depth, kind) == (bits, 0)
         elif name == b"IDAT":
             packed += body
-    raw, rows, before = zlib.decompress(packed), [], bytes(width)
+    step = bits // 8
+    size = width * step
+    raw, rows, before = zlib.decompress(packed), [], bytes(size)
     for y in range(height):
-        how, line = raw[y * (width + 1)], bytearray(raw[y * (width + 1) + 1:(y + 1) * (width + 1)])
-        for x in range(width):
-            left, up, corner = (line[x - 1] if x else 0), before[x], (before[x - 1] if x else 0)
+        how, line = raw[y * (size + 1)], bytearray(raw[y * (size + 1) + 1:(y + 1) * (size + 1)])
+        for x in range(size):
+            left, up, corner = (line[x - step] if x >= step else 0), before[x], (before[x - step] if x >= step else 0)
             p = left + up - corner
             paeth = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))[2]
             line[x] = (line[x] + (0, left, up, (left + up) // 2, paeth)[how]) & 255
-        rows.append(bytes(line))
-        before = rows[-1]
+        rows.append(struct.unpack(f">{width}{'BH'[step - 1]}", line))
+        before = line
     return rows
 
 
@@ -141,7 +143,7 @@ class Export(unittest.TestCase):
     def pixels(self, exr):
         """As core/image/apart/picture_subprocess.h has it."""
         image = exr.read_bytes()
-        task = b"irsig pictures 1\n" + struct.pack("=I3B2f4dQ", 4096, 0, 1, 0, 0, 0, 0, 0, 0, 0, len(image)) + image
+        task = b"irsig pictures 2\n" + struct.pack("=I3B2fi3d2Q", 4096, 0, 1, 0, 0, 0, 8, 0, 0, 0, 0, len(image)) + image
         done = subprocess.run([PICTURE, str(len(task))], input=task, capture_output=True, check=True)
         head = b"irsig answers 1\n"
         self.assertEqual(done.stdout[:len(head)], head)
@@ -199,19 +201,114 @@ class Export(unittest.TestCase):
             area_px = float(label["target_area_px"])
             self.assertAlmostEqual(area_px * pixel_m2, r["projected_area_m2"], delta=1e-9 * r["projected_area_m2"])
             path, sea = r["path_radiance_w_m2_sr"], r["background_radiance_w_m2_sr"]
-            self.assertAlmostEqual(255 * sea / white, shades[0][0], delta=0.51)
             gain = (r["apparent_intensity_w_sr"] - r["projected_area_m2"] * path) / r["intensity_w_sr"]
-            height, width = len(stored), len(stored[0])
-            lit = lambda x, y: 0 <= x < width and 0 <= y < height and stored[y][x] != 0
-            inside = {(x, y) for y in range(height) for x in range(width)
-                      if all(lit(x + i, y + j) for i, j in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)))}
-            edge = int(label["target_px"]) - len(inside)
-            of_edge = min(1, max(0, (area_px - len(inside)) / edge))
-            for y in range(height):
-                for x in range(width):
-                    share = 1 if (x, y) in inside else of_edge if lit(x, y) else 0
-                    is_ = gain * stored[y][x] + share * path + (1 - share) * sea
+            filled = self.filled(label["row"])
+            self.assertAlmostEqual(sum(map(sum, filled)), area_px, delta=0.02 * area_px)
+            for y, line in enumerate(stored):
+                for x, radiance in enumerate(line):
+                    is_ = gain * radiance + filled[y][x] * path + (1 - filled[y][x]) * sea
                     self.assertLessEqual(abs(shades[y][x] - 255 * is_ / white), 0.51, (label["image"], x, y))
+
+    def filled(self, row, has=lambda part: True):
+        """[row][column] Fraction of each pixel that the parts fill, by the description of the tables."""
+        with sqlite3.connect(f"file:{self.db}?mode=ro", uri=True) as db:
+            job, = db.execute("SELECT s.job_id FROM signature s JOIN signature_view v USING (signature_id) "
+                              "WHERE v.row = ? AND v.sweep = 'quickstart'", (int(row),)).fetchone()
+            width, height, samples = db.execute("SELECT width_px, height_px, pixel_samples FROM silhouette WHERE job_id = ?", (job,)).fetchone()
+            out = [[0.0] * width for _ in range(height)]
+            for part, left, top, w, h, packed in db.execute(
+                    "SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples FROM part_pixels x JOIN part p USING (part_id) "
+                    "WHERE x.job_id = ?", (job,)):
+                counts = struct.unpack(f"<{w * h}H", zlib.decompress(packed))
+                for i, count in enumerate(counts):
+                    out[top + i // w][left + i % w] += count / samples if has(part) else 0
+        return out
+
+    def test_masks_and_objects_are_those_of_the_silhouette(self):
+        funnel = lambda part: part.startswith("funnel")
+        folder = self.export("coco", "--thumbnails", "--sweep", "quickstart", "--masks", "--coco", "--bits", "16", "--thumbnail-scale", "0,40",
+                             "--category", "ship=*", "--category", "stack=funnel*,nothing", "--validation", "0.4", "--split-seed", "3")
+        value = {r["part"]: int(r["value"]) for r in table((folder / "parts.csv").read_text())}
+        rows = self.labels(folder)
+        self.assertEqual({r["split"] for r in rows}, {"train", "validation"})
+        side = {}
+        for r in rows:  # all images of a viewpoint are on one side
+            self.assertEqual(side.setdefault((r["aspect_azimuth_deg"], r["aspect_elevation_deg"]), r["split"]), r["split"])
+        seen = 0
+        for split in ("train", "validation"):
+            labels = json.loads((folder / f"{split}.json").read_text())
+            self.assertEqual([c["name"] for c in labels["categories"]], ["ship", "stack"])
+            images = {i["id"]: i for i in labels["images"]}
+            self.assertEqual([i["file_name"] for i in labels["images"]], [r["image"] for r in rows if r["split"] == split])
+            ids = [a["id"] for a in labels["annotations"]]
+            self.assertEqual(len(set(ids)), len(ids))
+            for a in labels["annotations"]:
+                seen += 1
+                image = images[a["image_id"]]
+                filled = self.filled(image["row"], funnel if a["category_id"] == 2 else lambda part: True)
+                self.assertAlmostEqual(a["area"], sum(map(sum, filled)), delta=1e-5 * a["area"])
+                inside = {(x, y) for y, line in enumerate(filled) for x, f in enumerate(line) if f >= 0.5 - 1e-9}
+                # Runs outside and inside by turns, down the columns.
+                height, width = a["segmentation"]["size"]
+                self.assertEqual((width, height), (image["width"], image["height"]))
+                flat = [bool(i % 2) for i, n in enumerate(a["segmentation"]["counts"]) for _ in range(n)]
+                self.assertEqual(len(flat), width * height)
+                self.assertEqual({(i // height, i % height) for i, on in enumerate(flat) if on}, inside)
+                left, top = min(x for x, _ in inside), min(y for _, y in inside)
+                self.assertEqual(a["bbox"], [left, top, max(x for x, _ in inside) - left + 1, max(y for _, y in inside) - top + 1])
+                self.hold(a["rectangle"], inside, a["bbox"])
+                if a["category_id"] == 1:
+                    mask = grey(folder / "masks" / pathlib.Path(image["file_name"]).name)
+                    self.assertEqual({(x, y) for y, line in enumerate(mask) for x, v in enumerate(line) if v}, inside)
+                    self.assertLessEqual({v for line in mask for v in line}, {0, *value.values()})
+                    stack = {v for part, v in value.items() if funnel(part)}
+                    alone = {(x, y) for y, line in enumerate(self.filled(image["row"], funnel)) for x, f in enumerate(line) if f > 0.5}
+                    self.assertLessEqual(alone, {(x, y) for y, line in enumerate(mask) for x, v in enumerate(line) if v in stack})
+        self.assertGreater(seen, 18)
+        pixels, shades = self.pixels_of(rows[0]), grey(folder / rows[0]["image"], 16)
+        for line, shade in zip(pixels, shades, strict=True):
+            for radiance, is_ in zip(line, shade, strict=True):
+                self.assertLessEqual(abs(65535 * min(radiance, 40) / 40 - is_), 0.51)
+
+    def hold(self, rectangle, inside, box):
+        """All pixels are in the rectangle, which is no larger than the box."""
+        corners = list(zip(rectangle[::2], rectangle[1::2]))
+        a, b, _, d = corners
+        u, v = (b[0] - a[0], b[1] - a[1]), (d[0] - a[0], d[1] - a[1])
+        uu, vv = u[0] ** 2 + u[1] ** 2, v[0] ** 2 + v[1] ** 2
+        self.assertAlmostEqual(u[0] * v[0] + u[1] * v[1], 0, delta=1e-3 * (uu * vv) ** 0.5)
+        self.assertLessEqual((uu * vv) ** 0.5, box[2] * box[3] * (1 + 1e-4))
+        for x, y in inside:
+            for p in ((x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)):
+                for w, ww in ((u, uu), (v, vv)):
+                    along = ((p[0] - a[0]) * w[0] + (p[1] - a[1]) * w[1]) / ww
+                    self.assertTrue(-1e-3 < along < 1 + 1e-3, (rectangle, p))
+
+    def pixels_of(self, label):
+        folder = self.path / "radiances"
+        if not folder.exists():
+            self.export("radiances", "--thumbnails", "--exr", "--sweep", "quickstart")
+        return self.pixels((folder / label["image"]).with_suffix(".exr"))
+
+    def test_pixels_have_errors(self):
+        folder = self.export("errors", "--thumbnails", "--exr", "--sweep", "quickstart")
+        for label in self.labels(folder):
+            path = folder / label["image"]
+            radiance, error = self.pixels(path.with_suffix(".exr")), self.pixels(path.with_suffix(".stderr.exr"))
+            filled = self.filled(label["row"])
+            inner = [(r, e) for lines in zip(radiance, error, filled, strict=True) for r, e, f in zip(*lines, strict=True) if f == 1]
+            self.assertTrue(all(e > 0 for _, e in inner), label["image"])
+            self.assertLess(sorted(e / r for r, e in inner)[len(inner) // 2], 0.05, label["image"])
+
+    def test_what_is_of_thumbnails_is_refused_elsewhere(self):
+        for options in (("--masks",), ("--coco",), ("--bits", "16"), ("--validation", "0.2"), ("--exr",)):
+            said = irsig("export", self.db, "--out", self.path / "no.csv", *options, expect=2).stderr
+            self.assertIn(f"{options[0]}: belongs to the format thumbnails", said)
+        for options, why in ((("--category", "ship=*"), "belong to --coco"), (("--coco", "--category", "ship"), "expected NAME=PATTERN,PATTERN"),
+                             (("--validation", "1"), "expected a fraction"), (("--bits", "12"), "12 not in"),
+                             (("--coco", "--each-part", "--category", "ship=*"), "excludes")):
+            self.assertIn(why, irsig("export", self.db, "--thumbnails", "--out", self.path / "no", *options, expect=2).stderr)
+            self.assertFalse((self.path / "no").exists() or (self.path / "no.partial").exists())
 
     def test_an_export_that_was_killed_goes_on(self):
         question = ("--thumbnails", "--exr", "--out", self.path / "k")
@@ -440,7 +537,7 @@ class Export(unittest.TestCase):
             self.assertIn(text, irsig("export", self.db, "--thumbnails", "--out", self.path / "x", *options, expect=2).stderr)
         self.assertIn("exists already", irsig("export", self.db, "--thumbnails", "--out", self.path, expect=2).stderr)
         self.assertIn("need a folder", irsig("export", self.db, "--thumbnails", "--out", "-", expect=2).stderr)
-        self.assertIn("belong to the format thumbnails", irsig("export", self.db, "--exr", "--out", self.path / "x.csv", expect=2).stderr)
+        self.assertIn("belongs to the format thumbnails", irsig("export", self.db, "--exr", "--out", self.path / "x.csv", expect=2).stderr)
         self.assertIn("5000 comes twice", irsig("query", self.db, "--range-m", "5000,5000", expect=2).stderr)
         self.assertEqual(sorted(os.listdir(self.path)), before)
 

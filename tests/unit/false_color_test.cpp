@@ -2,7 +2,6 @@
 // its value, and the embedded images must be PNG that others read. Expected: colour -> place on the
 // bar -> value, within half of one of 255 levels; checksums as the specifications have them.
 // Source: ISO/IEC 15948 (PNG), RFC 1950; their checksums of known texts.
-#include "schema/store/check_picture.h"
 #include "view/draw/false_color.h"
 
 #include <gmock/gmock.h>
@@ -17,6 +16,7 @@
 #include "absl/strings/escaping.h"
 #include "core/spectral/planck.h"
 #include "fake_database.h"
+#include "schema/store/check_picture.h"
 #include "view/draw/png.h"
 #include "view/draw/svg.h"
 #include "view/pictures/plot_picture.h"
@@ -175,6 +175,12 @@ absl::StatusOr<std::vector<PictureAnswer>> pixels(std::uint32_t width_px, std::u
   return out;
 }
 
+// One part that 8 samples of each pixel meet so often.
+StoredSilhouette filled(std::uint32_t width_px, std::uint32_t height_px,
+                        std::vector<std::uint16_t> samples) {
+  return {width_px, height_px, 8, {{"hull", 0, 0, width_px, height_px, std::move(samples)}}};
+}
+
 // A hot and a cold pixel of target and one of background.
 struct Stored {
   FakeDatabase db = fake_database();
@@ -189,7 +195,12 @@ struct Stored {
       db.thumbnails[s.signature_id].set_pixel_rad(1 / s.range_m);  // 1 m
       s.target_paths = 1000;
       s.projected_area_m2 = 2;
+      s.plume_w_sr = std::numeric_limits<double>::quiet_NaN();
     }
+    show(filled(3, 1, {0, 8, 8}));
+  }
+  void show(const StoredSilhouette& silhouette) {
+    for (const auto& s : db.signatures) db.silhouettes[s.signature_id] = silhouette;
   }
 };
 
@@ -214,19 +225,75 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   EXPECT_EQ(scaled->range.high, 80);
 }
 
-// Pixels at an edge are covered in part: dark there, or bright where a path has met little.
-TEST(RadiancePicture, TheScaleIsOfPixelsThatAreCovered) {
+// Those that are filled in part show the target's own radiance, or nothing of it; a target smaller
+// than a pixel is shown all the same; gas has no silhouette.
+TEST(RadiancePicture, PixelsShowTheTargetAlone) {
   Stored stored;
-  for (auto& s : stored.db.signatures) s.target_paths = 100000;
-  stored.read = [](const std::vector<PictureTask>&) {
-    return pixels(4, 4, {0, 5, 5, 0, 5, 30, 40, 5, 5, 35, 50, 900, 5, 5, 5, 5});
-  };
+  stored.read = [](const std::vector<PictureTask>&) { return pixels(3, 1, {30, 15, 10}); };
+  stored.show(filled(3, 1, {8, 4, 3}));
   const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();
-  // Of the inner four, those beside a corner without a path are not sure to be covered.
-  EXPECT_EQ(picture->range.low, 35);
-  EXPECT_EQ(picture->range.high, 50);
-  EXPECT_THAT(picture->subtitle, HasSubstr("edges are covered in part"));
+  EXPECT_EQ(picture->value[0], 30);
+  EXPECT_EQ(picture->value[1], 30);
+  EXPECT_TRUE(std::isnan(picture->value[2]));
+  stored.show(filled(3, 1, {0, 2, 1}));
+  const auto small = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
+  ASSERT_TRUE(small.ok()) << small.status();
+  EXPECT_TRUE(std::isnan(small->value[0]));
+  EXPECT_EQ(small->value[1], 60);
+  EXPECT_EQ(small->value[2], 80);
+  for (auto& s : stored.db.signatures) s.plume_w_sr = 1;
+  const auto gas = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
+  ASSERT_TRUE(gas.ok()) << gas.status();
+  EXPECT_THAT(gas->value, testing::ElementsAre(30, 15, 10));
+  stored.show(filled(1, 3, {0, 2, 1}));
+  EXPECT_EQ(radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read).status().code(),
+            absl::StatusCode::kDataLoss);
+}
+
+// One pixel of 400 is hot.
+TEST(RadiancePicture, AHotPixelLeavesTheOthersTheirColours) {
+  Stored stored;
+  stored.read = [](const std::vector<PictureTask>&) {
+    std::vector<float> pixel;
+    for (int i = 0; i < 400; ++i) pixel.push_back(30 + 0.01f * static_cast<float>(i));
+    pixel[57] = 9000;
+    return pixels(20, 20, pixel);
+  };
+  stored.show(filled(20, 20, std::vector<std::uint16_t>(400, 8)));
+  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  EXPECT_NEAR(picture->range.low, 30.04, 0.011);
+  EXPECT_NEAR(picture->range.high, 33.96, 0.011);
+  EXPECT_THAT(picture->subtitle, HasSubstr("1st to the 99th percentile"));
+}
+
+TEST(SheetPicture, HasEachImageWithWhatIsItsOwn) {
+  Stored stored;
+  stored.read = [](const std::vector<PictureTask>& tasks) {
+    std::vector<PictureAnswer> out;
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+      out.push_back(pixels(3, 1, {0, 30, 30 + 10 * static_cast<float>(i)})->front());
+    return out;
+  };
+  Query few{.band = "lwir"};
+  few.aspect = SignatureFilter::Direction{0, 10};
+  few.nearest = 5;
+  const auto sheet = sheet_picture(stored.db, few, {}, {}, stored.read);
+  ASSERT_TRUE(sheet.ok()) << sheet.status();
+  const auto rows = run_query(stored.db, few);
+  ASSERT_TRUE(rows.ok());
+  ASSERT_GT(rows->size(), 1U);
+  EXPECT_EQ(sheet->label.size(), rows->size());
+  std::size_t shown = 0;
+  for (const float v : sheet->value) shown += std::isnan(v) ? 0 : 1;
+  EXPECT_EQ(shown, 2 * rows->size());
+  EXPECT_THAT(draw_false_color(*sheet), HasSubstr(sheet->label[0].text + "</text>"));
+  few.band.clear();
+  const auto mixed = sheet_picture(stored.db, few, {}, {}, stored.read);
+  EXPECT_THAT(std::string(mixed.status().message()), HasSubstr("one sweep and band"));
+  const auto many = sheet_picture(stored.db, {.band = "lwir"}, {}, {}, stored.read);
+  EXPECT_THAT(std::string(many.status().message()), HasSubstr("expected at most 200"));
 }
 
 TEST(RadiancePicture, TheTemperaturesOfABandWithAResponseAreItsOwn) {
@@ -252,11 +319,14 @@ TEST(RadiancePicture, PixelsAreAveragedWhereFewerAreWanted) {
       pixel.push_back(i % 5 < 4 && (i / 5 + i % 5) % 2 == 0 ? 60.0F : 0.0F);
     return pixels(5, 4, pixel);
   };
+  std::vector<std::uint16_t> samples;
+  for (int i = 0; i < 20; ++i) samples.push_back(i % 5 < 4 && (i / 5 + i % 5) % 2 == 0 ? 8 : 0);
+  stored.show(filled(5, 4, samples));
   const auto picture = radiance_picture(stored.db, {.row = 2}, {}, 3, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();
   EXPECT_EQ(picture->width_px, 3U);
   EXPECT_EQ(picture->height_px, 2U);
-  for (const std::size_t i : {0U, 1U, 3U, 4U}) EXPECT_EQ(picture->value[i], 30);
+  for (const std::size_t i : {0U, 1U, 3U, 4U}) EXPECT_EQ(picture->value[i], 60);
   EXPECT_TRUE(std::isnan(picture->value[2])) << "nothing of the target";
   const auto as_stored = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(as_stored.ok());

@@ -21,6 +21,12 @@ struct ColorRange {
   double low, high;
 };
 
+// A text in a picture, its beginning at a place in pixels from the top left corner.
+struct PictureLabel {
+  double x_px, y_px;
+  std::string text;
+};
+
 // Values of one quantity, row by row from the top left; NaN: nothing is there.
 struct FalseColorPicture {
   std::string title, subtitle;
@@ -29,6 +35,7 @@ struct FalseColorPicture {
   ColorRange range{};  // what is outside has the colour of its end
   BarAxis axis;
   std::optional<BarAxis> other{};  // of a quantity that the first determines, on the other side
+  std::vector<PictureLabel> label{};
 };
 
 // Returns the range from the smallest to the largest value; around a single value, a little more.

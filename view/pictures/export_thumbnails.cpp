@@ -2,10 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
@@ -17,11 +20,15 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "core/base/printable.h"
+#include "core/base/sobol.h"
 #include "core/base/status_macros.h"
+#include "core/image/image.h"
 #include "schema/store/check_picture.h"
 #include "view/base/atomic_file.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
+#include "view/pictures/masks.h"
 
 namespace irsig {
 namespace {
@@ -53,16 +60,28 @@ absl::StatusOr<Scale> parse_scale(const std::string& text) {
 
 using SweepBand = std::pair<std::string, std::string>;
 
+// Files to which every step adds lines. Those of COCO's entries become one file at the end.
+enum Growing : std::size_t {
+  kLabels,
+  kTrainImages,
+  kTrainObjects,
+  kValidationImages,
+  kValidationObjects
+};
+constexpr std::array<const char*, 5> kGrowing = {"labels.csv", "train.images", "train.objects",
+                                                 "validation.images", "validation.objects"};
+
 // How far an earlier call has come: a text of lines.
 struct Journal {
   std::string asked;                  // of the question and of the rows
   std::size_t seen = 0, painted = 0;  // rows
-  std::uint64_t labels_bytes = 0, images = 0;
-  std::map<SweepBand, double> hottest;  // of the rows seen
+  std::uint64_t images = 0, annotations = 0;
+  std::array<std::uint64_t, kGrowing.size()> bytes{};  // of the files that grow
+  std::map<SweepBand, double> hottest;                 // of the rows seen
 
   [[nodiscard]] std::string text() const {
-    std::string out = fmt::format("{}\n{} {} {} {} {}\n", asked, seen, painted, labels_bytes,
-                                  images, hottest.size());
+    std::string out = fmt::format("{}\n{} {} {} {} {} {}\n", asked, seen, painted, images,
+                                  annotations, fmt::join(bytes, " "), hottest.size());
     for (const auto& [of, value] : hottest)
       out += fmt::format("{}\n{}\n{:.17g}\n", of.first, of.second, value);
     return out;
@@ -74,7 +93,9 @@ struct Journal {
     std::string line;
     const auto rest = [&] { std::getline(file, line); };
     if (!std::getline(file, out.asked)) return std::nullopt;
-    file >> out.seen >> out.painted >> out.labels_bytes >> out.images >> scales;
+    file >> out.seen >> out.painted >> out.images >> out.annotations;
+    for (std::uint64_t& b : out.bytes) file >> b;
+    file >> scales;
     rest();
     for (std::size_t i = 0; i < scales && file; ++i) {
       SweepBand of;
@@ -118,6 +139,7 @@ class FolderLock {
 struct Image {
   StoredSignature signature;
   schema::Thumbnail thumbnail;
+  StoredSilhouette silhouette;
 };
 
 class ThumbnailFolder {
@@ -153,6 +175,7 @@ class ThumbnailFolder {
       return absl::NotFoundError(
           "none of the signatures was computed with an image (output.thumbnail_px = 0)");
     }
+    RETURN_IF_ERROR(finish_labels());
     fs::remove(journal_path(), error);
     fs::rename(partial_, folder_, error);
     if (error) return cannot(folder_, error);
@@ -161,7 +184,7 @@ class ThumbnailFolder {
 
  private:
   [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
-  [[nodiscard]] std::string labels_path() const { return partial_ + "/labels.csv"; }
+  [[nodiscard]] std::string path_of(Growing file) const { return partial_ + "/" + kGrowing[file]; }
 
   // Of a row whose picture cannot be: the same call would end there again, and another is refused.
   absl::Status never(absl::Status why) {
@@ -172,9 +195,9 @@ class ThumbnailFolder {
   // What this wrote; a folder that holds more stays.
   void remove_partial() const {
     std::error_code error;
-    fs::remove_all(partial_ + "/images", error);
-    for (const std::string& path : {labels_path(), journal_path(), partial_})
-      fs::remove(path, error);
+    for (const char* folder : {"/images", "/masks"}) fs::remove_all(partial_ + folder, error);
+    for (const char* file : kGrowing) fs::remove(partial_ + "/" + file, error);
+    for (const std::string& path : {journal_path(), partial_}) fs::remove(path, error);
   }
 
   // In the order of sweeps and of their lists.
@@ -202,8 +225,11 @@ class ThumbnailFolder {
     if (error) return cannot(partial_, error);
     auto lock = FolderLock::take(partial_);
     if (!lock.ok()) return lock;
-    fs::create_directory(partial_ + "/images", error);
-    if (error) return cannot(partial_ + "/images", error);
+    for (const std::string& folder : {partial_ + "/images", partial_ + "/masks"}) {
+      if (folder.ends_with("/masks") && !asked_.masks) continue;
+      fs::create_directory(folder, error);
+      if (error) return cannot(folder, error);
+    }
     ASSIGN_OR_RETURN(const auto progress, reader_.progress());
     std::uint64_t hash = 14695981039346656037u;  // FNV-1a
     const auto add = [&](std::uint64_t value) {
@@ -213,11 +239,16 @@ class ThumbnailFolder {
     for (const std::int64_t id : ids_) add(static_cast<std::uint64_t>(id));
     for (const SweepProgress& p : progress)
       for (const char c : p.sweep_sha256) add(static_cast<unsigned char>(c));
-    journal_.asked = fmt::format("{} scale {}{}{}, {} rows {:016x}", asked_.said, asked_.scale,
-                                 asked_.exr ? " exr" : "", asked_.background ? " background" : "",
-                                 ids_.size(), hash);
+    journal_.asked =
+        fmt::format("{} scale {} of {} bits{}{}{}{}{} validation {} by {}, {} rows {:016x}",
+                    asked_.said, asked_.scale, asked_.bits, asked_.exr ? " exr" : "",
+                    asked_.masks ? " masks" : "", asked_.coco ? " coco" : "",
+                    asked_.each_part ? " each part" : "", asked_.background ? " background" : "",
+                    asked_.validation, asked_.split_seed, ids_.size(), hash);
+    for (const CocoCategory& c : asked_.categories)
+      journal_.asked += fmt::format(" {}={}", printable(c.name), fmt::join(c.pattern, ","));
     if (!fs::exists(journal_path(), error)) {
-      fs::remove(labels_path(), error);
+      for (const char* file : kGrowing) fs::remove(partial_ + "/" + file, error);
       return lock;
     }
     auto earlier = Journal::read(journal_path());
@@ -226,8 +257,11 @@ class ThumbnailFolder {
           "{} is of another export: expected the same question again, or that it is removed",
           partial_));
     journal_ = *std::move(earlier);
-    fs::resize_file(labels_path(), journal_.labels_bytes, error);
-    if (error && journal_.labels_bytes > 0) return cannot(labels_path(), error);
+    for (std::size_t i = 0; i < kGrowing.size(); ++i) {
+      const std::string path = partial_ + "/" + kGrowing[i];
+      fs::resize_file(path, journal_.bytes[i], error);
+      if (error && journal_.bytes[i] > 0) return cannot(path, error);
+    }
     return lock;
   }
 
@@ -237,7 +271,15 @@ class ThumbnailFolder {
     std::vector<Image> out;
     for (StoredSignature& s : rows) {
       ASSIGN_OR_RETURN(auto thumbnail, reader_.thumbnail(s.signature_id));
-      if (thumbnail.has_value()) out.push_back({std::move(s), *std::move(thumbnail)});
+      if (!thumbnail.has_value()) continue;
+      auto silhouette = reader_.silhouette(s.signature_id);
+      if (silhouette.ok() && !silhouette->has_value())
+        silhouette = absl::DataLossError("it has no silhouette");
+      if (!silhouette.ok()) {
+        if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
+        return damaged(s, std::string(silhouette.status().message()));
+      }
+      out.push_back({std::move(s), *std::move(thumbnail), **std::move(silhouette)});
     }
     return out;
   }
@@ -251,9 +293,9 @@ class ThumbnailFolder {
   absl::StatusOr<PictureTask> picture(const Image& image) {
     const StoredSignature& s = image.signature;
     const auto most_px = most_px_.find(s.sweep);
-    PictureTask out{.exr = image.thumbnail.exr(),
-                    .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels
-                                                                         : most_px->second};
+    PictureTask out{
+        .exr = image.thumbnail.exr(),
+        .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels : most_px->second};
     if (!asked_.background) return out;
     if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
       return never(absl::FailedPreconditionError(fmt::format(
@@ -269,7 +311,7 @@ class ThumbnailFolder {
         s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
     out.seen = PictureTask::Seen{
         s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
-        s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, area_px(image)};
+        s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, filled_fractions(image.silhouette)};
     return out;
   }
 
@@ -281,13 +323,15 @@ class ThumbnailFolder {
       return absl::InternalError(
           fmt::format("{} of {} images were painted", facts.size(), pictures.size()));
     for (std::size_t i = 0; i < images.size(); ++i) {
-      if (facts[i].damage.empty()) continue;
-      const StoredSignature& s = images[i].signature;
-      return never(absl::DataLossError(fmt::format(
-          "the stored image of row {}{} ({}.png) is damaged: {}", s.row,
-          place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), facts[i].damage)));
+      if (!facts[i].damage.empty()) return damaged(images[i].signature, facts[i].damage);
     }
     return facts;
+  }
+
+  absl::Status damaged(const StoredSignature& s, const std::string& how) {
+    return never(absl::DataLossError(
+        fmt::format("the stored image of row {}{} ({}.png) is damaged: {}", s.row,
+                    place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), how)));
   }
 
   // Of all rows, before the first is painted.
@@ -341,8 +385,11 @@ class ThumbnailFolder {
     for (const Image& image : some) {
       ASSIGN_OR_RETURN(auto one, picture(image));
       const StoredSignature& s = image.signature;
-      if (asked_.exr)
+      if (asked_.exr) {
         RETURN_IF_ERROR(plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr()));
+        RETURN_IF_ERROR(
+            plain_file(partial_ + "/" + name_of(s) + ".stderr.exr", image.thumbnail.stderr_exr()));
+      }
       one.black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
       one.white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
                                                  ? journal_.hottest[{s.sweep, s.band}]
@@ -354,14 +401,107 @@ class ThumbnailFolder {
       for (std::size_t i = 0; i < pictures.size(); ++i)
         pictures[i].white_w_m2_sr = facts[i].hottest_w_m2_sr;
     }
-    for (PictureTask& picture : pictures) picture.paint = true;
+    for (PictureTask& picture : pictures) {
+      picture.paint = true;
+      picture.bits = asked_.bits;
+    }
     ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
     for (std::size_t i = 0; i < some.size(); ++i)
       RETURN_IF_ERROR(
           plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", facts[i].png));
+    if (asked_.masks) RETURN_IF_ERROR(write_masks(some));
+    if (asked_.coco) RETURN_IF_ERROR(write_objects(some));
     std::ostringstream lines;
     RETURN_IF_ERROR(write_labels(some, pictures, facts, lines));
-    return append_labels(lines.str());
+    // Every table has its heading; the file has the first's.
+    const std::string table = lines.str();
+    return append(kLabels,
+                  journal_.bytes[kLabels] == 0 ? table : table.substr(table.find('\n') + 1));
+  }
+
+  absl::Status write_masks(const std::vector<Image>& some) {
+    for (const Image& image : some) {
+      const std::vector<std::uint16_t> mask = part_mask(image.silhouette, parts_);
+      if (*std::max_element(mask.begin(), mask.end()) > parts_.size())
+        return never(absl::FailedPreconditionError(
+            fmt::format("row {} is of an earlier version of its sweep, with other parts: run the "
+                        "sweep again",
+                        image.signature.row)));
+      ASSIGN_OR_RETURN(const auto png,
+                       encode_grey_png(image.silhouette.width_px, image.silhouette.height_px, mask,
+                                       mask_bits()));
+      RETURN_IF_ERROR(plain_file(partial_ + "/" + mask_of(image.signature), png));
+    }
+    return absl::OkStatus();
+  }
+  [[nodiscard]] int mask_bits() const { return parts_.size() < 256 ? 8 : 16; }
+  [[nodiscard]] std::string mask_of(const StoredSignature& s) const {
+    return "masks" + name_of(s).substr(std::string_view("images").size()) + ".png";
+  }
+
+  [[nodiscard]] std::vector<CocoCategory> categories() const {
+    if (!asked_.categories.empty()) return asked_.categories;
+    if (!asked_.each_part) return {{"target", {"*"}}};
+    std::vector<CocoCategory> out;
+    for (const std::string& part : parts_) out.push_back({part, {part}});
+    return out;
+  }
+
+  // By the place of the viewpoint: all of its pictures are on one side.
+  [[nodiscard]] bool is_for_validation(const StoredSignature& s) const {
+    std::uint64_t hash = mix64(asked_.split_seed);
+    for (const double place : {s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m})
+      hash = mix64(hash ^ std::bit_cast<std::uint64_t>(place));
+    return std::ldexp(static_cast<double>(hash), -64) < asked_.validation;
+  }
+
+  absl::Status write_objects(const std::vector<Image>& some) {
+    const std::vector<CocoCategory> classes = categories();
+    std::array<std::string, kGrowing.size()> lines;
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const StoredSignature& s = some[i].signature;
+      const bool validation = is_for_validation(s);
+      const CocoImage image{journal_.images + i + 1, name_of(s) + ".png",
+                            some[i].thumbnail.width_px(), some[i].thumbnail.height_px()};
+      const std::string more =
+          fmt::format(R"("sweep": {}, "row": {}, "season": {}, "time_utc": {}, "band": {}, )"
+                      R"("aspect_azimuth_deg": {}, "aspect_elevation_deg": {}, "range_m": {})",
+                      json_string(s.sweep), s.row, json_string(s.season), json_string(s.time_utc),
+                      json_string(s.band), s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m);
+      lines[validation ? kValidationImages : kTrainImages] += coco_entry(image, more) + "\n";
+      for (std::size_t c = 0; c < classes.size(); ++c) {
+        const auto object = seen_object(
+            some[i].silhouette, [&](const std::string& part) { return classes[c].has(part); });
+        if (!object) continue;
+        lines[validation ? kValidationObjects : kTrainObjects] +=
+            coco_entry(++journal_.annotations, image, c + 1, *object) + "\n";
+      }
+    }
+    for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
+      RETURN_IF_ERROR(append(static_cast<Growing>(file), lines[file]));
+    return absl::OkStatus();
+  }
+
+  // What stands beside the pictures, once they are all there.
+  absl::Status finish_labels() {
+    if (asked_.masks) {
+      std::ostringstream text;
+      ASSIGN_OR_RETURN(auto table, make_table_writer("csv", {{"value"}, {"part"}}, text));
+      for (std::size_t p = 0; p < parts_.size(); ++p) table->row({std::uint64_t{p + 1}, parts_[p]});
+      RETURN_IF_ERROR(table->finish());
+      RETURN_IF_ERROR(plain_file(partial_ + "/parts.csv", text.str()));
+    }
+    if (!asked_.coco) return absl::OkStatus();
+    const bool divided = asked_.validation > 0;
+    RETURN_IF_ERROR(write_coco(path_of(kTrainImages), path_of(kTrainObjects), categories(),
+                               partial_ + (divided ? "/train.json" : "/annotations.json")));
+    if (divided)
+      RETURN_IF_ERROR(write_coco(path_of(kValidationImages), path_of(kValidationObjects),
+                                 categories(), partial_ + "/validation.json"));
+    std::error_code error;
+    for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
+      fs::remove(path_of(static_cast<Growing>(file)), error);
+    return absl::OkStatus();
   }
 
   // In the folder that nobody reads yet.
@@ -373,15 +513,13 @@ class ThumbnailFolder {
     return file ? absl::OkStatus() : write_failure(path);
   }
 
-  absl::Status append_labels(const std::string& table) {
-    // Every table has its heading; the file has the first's.
-    const std::size_t from = journal_.labels_bytes == 0 ? 0 : table.find('\n') + 1;
+  absl::Status append(Growing to, const std::string& lines) {
     errno = 0;
-    std::ofstream file(labels_path(), std::ios::binary | std::ios::app);
-    file.write(table.data() + from, static_cast<std::streamsize>(table.size() - from));
+    std::ofstream file(path_of(to), std::ios::binary | std::ios::app);
+    file << lines;
     file.close();
-    if (!file) return write_failure(labels_path());
-    journal_.labels_bytes += table.size() - from;
+    if (!file) return write_failure(path_of(to));
+    journal_.bytes[to] += lines.size();
     return absl::OkStatus();
   }
 
@@ -408,7 +546,10 @@ class ThumbnailFolder {
         {"projected_area_m2", &S::projected_area_m2}};
     std::vector<Column> heads;
     const auto head = [&](std::string name) { heads.push_back({std::move(name)}); };
-    for (const char* name : {"image", "sweep", "row", "season", "time_utc", "band"}) head(name);
+    head("image");
+    if (asked_.masks) head("mask");
+    if (asked_.validation > 0) head("split");
+    for (const char* name : {"sweep", "row", "season", "time_utc", "band"}) head(name);
     for (const Number& n : kAspect) head(n.name);
     for (const char* name :
          {"width_px", "height_px", "pixel_rad", "black_w_m2_sr", "white_w_m2_sr", "target_area_px",
@@ -425,7 +566,10 @@ class ThumbnailFolder {
       const S& s = some[i].signature;
       const schema::Thumbnail& t = some[i].thumbnail;
       const PictureAnswer& f = facts[i];
-      std::vector<Cell> line{name_of(s) + ".png", s.sweep, s.row, s.season, s.time_utc, s.band};
+      std::vector<Cell> line{name_of(s) + ".png"};
+      if (asked_.masks) line.emplace_back(mask_of(s));
+      if (asked_.validation > 0) line.emplace_back(is_for_validation(s) ? "validation" : "train");
+      line.insert(line.end(), {s.sweep, s.row, s.season, s.time_utc, s.band});
       for (const Number& n : kAspect) line.push_back(known(s.*n.member));
       for (const std::uint32_t n : {t.width_px(), t.height_px()})
         line.emplace_back(std::uint64_t{n});
@@ -473,6 +617,8 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
   if (!asked.query.range_m.empty())
     return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
   ASSIGN_OR_RETURN(const auto scale, parse_scale(asked.scale));
+  if (!(asked.validation >= 0 && asked.validation < 1))
+    return absl::InvalidArgumentError("--validation: expected a fraction of at least 0, below 1");
   std::string path = folder;
   while (path.size() > 1 && path.ends_with('/')) path.pop_back();
   return ThumbnailFolder(reader, asked, scale, path, read).write();

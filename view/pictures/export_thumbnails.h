@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "view/pictures/coco.h"
 #include "view/pictures/thumbnail.h"
 #include "view/query/query.h"
 
@@ -16,13 +17,23 @@ struct ThumbnailsAsked {
   // "common": from 0 to the hottest pixel of all of them in the same sweep and band; "own": each
   // to its own; or "BLACK,WHITE" [W/(m2 sr)].
   std::string scale = "common";
-  bool exr = false;         // beside each picture, as stored
+  int bits = 8;                          // of a picture's grey: 8 or 16
+  bool exr = false;                      // beside each picture, as stored, and its standard errors
+  bool masks = false;                    // beside each picture, which part a pixel shows
+  bool coco = false;                     // labels of objects as COCO's JSON, too
+  std::vector<CocoCategory> categories;  // of these objects; none: "target", of all parts
+  bool each_part = false;                // or each part is a category
+  // Fraction of the viewpoints whose pictures are for validation, chosen by their directions and a
+  // seed alone: 0 to 1. 0: the pictures are not divided.
+  double validation = 0;
+  std::uint64_t split_seed = 1;
   bool background = false;  // pictures as the sensor has them, before the row's background
   std::string said;         // the question, for who resumes
 };
 
 // A folder of the stored images of all rows that a query selects: labels.csv, one line for each
-// (the columns are in docs/reference/export.md), and images/ with its pictures. The folder appears
+// (the columns are in docs/reference/export.md), images/ with its pictures, and what else is asked
+// for (docs/reference/export.md). The folder appears
 // when it is complete. Until then it is FOLDER.partial, which the same call goes on with after an
 // end of any kind; INVALID_ARGUMENT if that one is of another question, or the folder is there.
 // Rows without an image are left out. NOT_FOUND: none has one. What going on cannot mend leaves no

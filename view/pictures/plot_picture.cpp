@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/base/status_macros.h"
 #include "core/spectral/band.h"
 #include "core/spectral/planck.h"
 #include "view/draw/axis.h"
+#include "view/pictures/masks.h"
 #include "view/pictures/thumbnail.h"
 #include "view/plot/plot_frame.h"
 
@@ -63,43 +65,132 @@ BarAxis temperature_axis(const BandQuadrature& band, const ColorRange& range) {
   return out;
 }
 
-// Row by row from the top left. [W/(m2 sr)]
+// Row by row from the top left. [W/(m2 sr)]; NaN: nothing of the target.
 struct Pixels {
-  std::uint32_t width_px, height_px;
+  std::uint32_t width_px = 0, height_px = 0;
   std::vector<float> radiance_w_m2_sr;
 };
 
 // Means over squares of `side` x `side` pixels; beyond the edges is nothing.
-Pixels coarser(const PictureAnswer& fine, std::uint32_t side) {
-  Pixels out{(fine.width_px + side - 1) / side, (fine.height_px + side - 1) / side, {}};
-  std::vector<double> sum(static_cast<std::size_t>(out.width_px) * out.height_px, 0.0);
-  for (std::uint32_t y = 0; y < fine.height_px; ++y)
-    for (std::uint32_t x = 0; x < fine.width_px; ++x)
-      sum[static_cast<std::size_t>(y / side) * out.width_px + x / side] += static_cast<double>(
-          fine.pixel[static_cast<std::size_t>(y) * fine.width_px + x]);
-  for (const double s : sum)
-    out.radiance_w_m2_sr.push_back(static_cast<float>(s / (static_cast<double>(side) * side)));
+std::vector<double> coarser(const std::vector<float>& fine, std::uint32_t width_px,
+                            std::uint32_t height_px, std::uint32_t side) {
+  const std::uint32_t columns = (width_px + side - 1) / side;
+  std::vector<double> out(std::size_t{columns} * ((height_px + side - 1) / side), 0.0);
+  for (std::uint32_t y = 0; y < height_px; ++y)
+    for (std::uint32_t x = 0; x < width_px; ++x)
+      out[std::size_t{y / side} * columns + x / side] +=
+          static_cast<double>(fine[std::size_t{y} * width_px + x]) /
+          (static_cast<double>(side) * side);
   return out;
 }
 
-// Of the pixels that the target covers: those with no path beside them may be covered in part, and
-// are dark for it. If there are none but those, of all.
-absl::StatusOr<ColorRange> own_range(const FalseColorPicture& picture) {
-  const auto at = [&](std::uint32_t x, std::uint32_t y) {
-    return picture.value[static_cast<std::size_t>(y) * picture.width_px + x];
-  };
-  const auto covered = [&](std::uint32_t x, std::uint32_t y) {
-    for (std::uint32_t v = y - 1; v <= y + 1; ++v)
-      for (std::uint32_t u = x - 1; u <= x + 1; ++u)
-        if (std::isnan(at(u, v))) return false;
-    return true;
-  };
-  std::vector<float> inside;
-  for (std::uint32_t y = 1; y + 1 < picture.height_px; ++y)
-    for (std::uint32_t x = 1; x + 1 < picture.width_px; ++x)
-      if (covered(x, y)) inside.push_back(at(x, y));
-  return range_of(inside.empty() ? picture.value : inside);
+// The target's own radiance where it fills at least half of a pixel; of a target that does so
+// nowhere, wherever it is seen. Before and behind gas: what is sent, by target and gas together.
+Pixels shown(const PictureAnswer& stored, const StoredSilhouette& silhouette, bool gas,
+             std::uint32_t side) {
+  Pixels out{(stored.width_px + side - 1) / side, (stored.height_px + side - 1) / side, {}};
+  const std::vector<double> sent = coarser(stored.pixel, stored.width_px, stored.height_px, side);
+  const std::vector<double> filled =
+      coarser(filled_fractions(silhouette), stored.width_px, stored.height_px, side);
+  const double most = *std::max_element(filled.begin(), filled.end());
+  const double least = most < 0.5 ? std::numeric_limits<double>::min() : 0.5 - 1e-9;
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    const double value = gas ? sent[i] : sent[i] / filled[i];
+    const bool seen = gas ? sent[i] != 0 : filled[i] >= least;
+    out.radiance_w_m2_sr.push_back(seen ? static_cast<float>(value)
+                                        : std::numeric_limits<float>::quiet_NaN());
+  }
+  return out;
 }
+
+// A row with the stored image that it shall show.
+struct StoredImage {
+  StoredSignature signature;
+  schema::Thumbnail thumbnail;
+  StoredSilhouette silhouette;
+};
+
+absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<QueryRow>& row) {
+  ASSIGN_OR_RETURN(auto thumbnail, stored_thumbnail(reader, row));
+  const StoredSignature& s = row.front().signature;
+  ASSIGN_OR_RETURN(auto silhouette, reader.silhouette(s.signature_id));
+  if (!silhouette)
+    return absl::DataLossError(fmt::format("the stored image of row {} has no silhouette", s.row));
+  return StoredImage{s, std::move(thumbnail), *std::move(silhouette)};
+}
+
+//   long_side_px  absent: as it is stored
+absl::StatusOr<std::vector<Pixels>> pixels_of(StoreReader& reader,
+                                              const std::vector<StoredImage>& images,
+                                              const std::optional<std::uint32_t>& long_side_px,
+                                              const ReadPictures& read) {
+  std::vector<PictureTask> tasks;
+  for (const StoredImage& image : images) {
+    ASSIGN_OR_RETURN(const auto most_px, most_px_of(reader, image.signature));
+    tasks.push_back(
+        {.exr = image.thumbnail.exr(), .most_px = most_px, .paint = false, .pixels = true});
+  }
+  ASSIGN_OR_RETURN(const auto answers, read(tasks));
+  if (answers.size() != images.size())
+    return absl::InternalError(
+        fmt::format("{} of {} images were read", answers.size(), images.size()));
+  std::vector<Pixels> out;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const StoredSignature& s = images[i].signature;
+    const PictureAnswer& stored = answers[i];
+    const StoredSilhouette& silhouette = images[i].silhouette;
+    if (stored.damage.empty() &&
+        (silhouette.width_px != stored.width_px || silhouette.height_px != stored.height_px))
+      return absl::DataLossError(
+          fmt::format("the silhouette of row {} is of another size than its image", s.row));
+    if (!stored.damage.empty())
+      return absl::DataLossError(
+          fmt::format("the stored image of row {} is damaged: {}", s.row, stored.damage));
+    const std::uint32_t longest = std::max(stored.width_px, stored.height_px);
+    if (long_side_px && *long_side_px > longest)
+      return absl::InvalidArgumentError(
+          fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
+    const std::uint32_t side = long_side_px ? (longest + *long_side_px - 1) / *long_side_px : 1;
+    out.push_back(shown(stored, silhouette, !std::isnan(s.plume_w_sr), side));
+  }
+  return out;
+}
+
+// From the first to the 99th percentile, so that few hot pixels leave the others their colours; of
+// pixels that are alike, from the smallest to the largest.
+absl::StatusOr<ColorRange> range_of_most(const std::vector<float>& values) {
+  std::vector<float> sorted;
+  for (const float v : values)
+    if (!std::isnan(v)) sorted.push_back(v);
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t tail = sorted.size() / 100;
+  if (tail == 0 || !(sorted[tail] < sorted[sorted.size() - 1 - tail])) return range_of(values);
+  return ColorRange{static_cast<double>(sorted[tail]),
+                    static_cast<double>(sorted[sorted.size() - 1 - tail])};
+}
+
+// Title, colours and axes of a picture whose pixels are there.
+absl::Status finish(StoreReader& reader, const StoredSignature& s,
+                    const std::optional<ColorRange>& range, FalseColorPicture& picture) {
+  ASSIGN_OR_RETURN(const auto band, band_of(reader, s));
+  ASSIGN_OR_RETURN(const auto own, range_of_most(picture.value));
+  picture.range = range.value_or(own);
+  picture.axis = bar_axis("In-band radiance in W/(m\u00b2 sr)", picture.range);
+  picture.other = temperature_axis(band, picture.range);
+  return absl::OkStatus();
+}
+
+std::string aspect_title(const StoredSignature& s) {
+  return fmt::format("azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0", s.aspect_azimuth_deg,
+                     s.aspect_elevation_deg);
+}
+
+constexpr const char* kWhatIsShown =
+    "Radiance at the target, without the air. Colours from the 1st to the 99th percentile unless "
+    "stated. Grey: less than half of the pixel is target";
+
+// Pictures in a sheet.
+constexpr std::size_t kMostInSheet = 200;
 
 }  // namespace
 
@@ -110,41 +201,90 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
   ASSIGN_OR_RETURN(const auto rows, run_query(reader, asked));
-  ASSIGN_OR_RETURN(const auto thumbnail, stored_thumbnail(reader, rows));
-  const StoredSignature& s = rows.front().signature;
-  ASSIGN_OR_RETURN(const auto most_px, most_px_of(reader, s));
-  const auto answers =
-      read({{.exr = thumbnail.exr(), .most_px = most_px, .paint = false, .pixels = true}});
-  if (!answers.ok()) return answers.status();
-  if (answers->size() != 1) return absl::InternalError("one image was asked for");
-  const PictureAnswer& stored = (*answers)[0];
-  if (!stored.damage.empty())
-    return absl::DataLossError(
-        fmt::format("the stored image of row {} is damaged: {}", s.row, stored.damage));
-  const std::uint32_t longest = std::max(stored.width_px, stored.height_px);
-  if (long_side_px && *long_side_px > longest)
-    return absl::InvalidArgumentError(
-        fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
-  const std::uint32_t side = long_side_px ? (longest + *long_side_px - 1) / *long_side_px : 1;
-  Pixels pixels = coarser(stored, side);
-  ASSIGN_OR_RETURN(const auto band, band_of(reader, s));
-
+  ASSIGN_OR_RETURN(auto image, image_of(reader, rows));
+  const StoredSignature s = image.signature;
+  std::vector<StoredImage> images;
+  images.push_back(std::move(image));
+  ASSIGN_OR_RETURN(auto pixels, pixels_of(reader, images, long_side_px, read));
   FalseColorPicture out;
-  out.title = fmt::format("{}, {} {}, {}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0, {}",
-                          s.sweep, s.season, s.time_utc, band_title(s), s.aspect_azimuth_deg,
-                          s.aspect_elevation_deg, range_title(s.range_m));
-  out.subtitle =
-      "Radiance at the target, without the air. Grey: nothing of the target; pixels at edges are "
-      "covered in part";
-  out.width_px = pixels.width_px;
-  out.height_px = pixels.height_px;
-  out.value = std::move(pixels.radiance_w_m2_sr);
-  for (float& v : out.value)
-    if (v == 0) v = std::numeric_limits<float>::quiet_NaN();
-  ASSIGN_OR_RETURN(const auto own, own_range(out));
-  out.range = range.value_or(own);
-  out.axis = bar_axis("In-band radiance in W/(m\u00b2 sr)", out.range);
-  out.other = temperature_axis(band, out.range);
+  out.title = fmt::format("{}, {} {}, {}, {}, {}", s.sweep, s.season, s.time_utc, band_title(s),
+                          aspect_title(s), range_title(s.range_m));
+  out.subtitle = kWhatIsShown;
+  out.width_px = pixels[0].width_px;
+  out.height_px = pixels[0].height_px;
+  out.value = std::move(pixels[0].radiance_w_m2_sr);
+  RETURN_IF_ERROR(finish(reader, s, range, out));
+  return out;
+}
+
+absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query& query,
+                                                const std::optional<ColorRange>& range,
+                                                const std::optional<std::uint32_t>& long_side_px,
+                                                const ReadPictures& read) {
+  if (query.interpolate)
+    return absl::InvalidArgumentError("--kind sheet: images are not interpolated, use --nearest");
+  ASSIGN_OR_RETURN(const auto rows, run_query(reader, query));
+  if (rows.empty()) return absl::NotFoundError("nothing to draw: no signature matches the filters");
+  if (rows.size() > kMostInSheet)
+    return absl::InvalidArgumentError(
+        fmt::format("a sheet of {} images: expected at most {}: choose some with --season, --time, "
+                    "--nearest or --within-deg",
+                    rows.size(), kMostInSheet));
+  const StoredSignature& first = rows.front().signature;
+  bool one_season = true, one_time = true, one_place = true;
+  std::vector<StoredImage> images;
+  for (const QueryRow& row : rows) {
+    const StoredSignature& s = row.signature;
+    if (s.sweep != first.sweep || s.band != first.band)
+      return absl::InvalidArgumentError(
+          "a sheet has images of one sweep and band: choose them with --sweep and --band");
+    one_season &= s.season == first.season;
+    one_time &= s.time_utc == first.time_utc;
+    one_place &= s.aspect_azimuth_deg == first.aspect_azimuth_deg &&
+                 s.aspect_elevation_deg == first.aspect_elevation_deg;
+    ASSIGN_OR_RETURN(auto image, image_of(reader, {row}));
+    images.push_back(std::move(image));
+  }
+  ASSIGN_OR_RETURN(const auto pixels, pixels_of(reader, images, long_side_px, read));
+  std::uint32_t width = 0, height = 0;
+  for (const Pixels& p : pixels) {
+    width = std::max(width, p.width_px);
+    height = std::max(height, p.height_px);
+  }
+  // A sheet that is about as wide as 1.5 times its height, with room for a label above each image.
+  const std::uint32_t label_px = std::max(8u, width / 6), gap_px = std::max(2u, width / 30);
+  const std::uint32_t cell_x = width + gap_px, cell_y = height + label_px;
+  const auto count = static_cast<std::uint32_t>(images.size());
+  const auto columns = std::clamp(
+      static_cast<std::uint32_t>(std::lround(std::sqrt(1.5 * count * cell_y / cell_x))), 1u, count);
+  FalseColorPicture out;
+  out.width_px = columns * cell_x;
+  out.height_px = (count + columns - 1) / columns * cell_y;
+  out.value.assign(std::size_t{out.width_px} * out.height_px,
+                   std::numeric_limits<float>::quiet_NaN());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Pixels& p = pixels[i];
+    const StoredSignature& s = images[i].signature;
+    const std::uint32_t left = i % columns * cell_x, top = i / columns * cell_y + label_px;
+    for (std::uint32_t y = 0; y < p.height_px; ++y)
+      std::copy_n(p.radiance_w_m2_sr.begin() + std::ptrdiff_t{y} * p.width_px, p.width_px,
+                  out.value.begin() + (std::ptrdiff_t{top} + y) * out.width_px + left);
+    std::string text;
+    const auto add = [&](bool same, const std::string& what) {
+      if (!same) text += (text.empty() ? "" : ", ") + what;
+    };
+    add(one_season, s.season);
+    add(one_time || !one_season, s.time_utc);
+    add(one_place,
+        fmt::format("{:.0f}\u00b0, {:.0f}\u00b0", s.aspect_azimuth_deg, s.aspect_elevation_deg));
+    out.label.push_back({static_cast<double>(left), top - 0.25 * label_px, text});
+  }
+  out.title = fmt::format("{}, {}, {}", first.sweep, band_title(first), range_title(first.range_m));
+  if (one_season) out.title += ", " + first.season;
+  if (one_time) out.title += " " + first.time_utc;
+  if (one_place) out.title += ", " + aspect_title(first);
+  out.subtitle = kWhatIsShown;
+  RETURN_IF_ERROR(finish(reader, first, range, out));
   return out;
 }
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/store/rows.h"
+
+namespace irsig {
+
+// [pixel, row by row from the top left] Returns the fraction of it that the target fills.
+[[nodiscard]] std::vector<float> filled_fractions(const StoredSilhouette& silhouette);
+
+// [pixel] Returns 1 + the place in `parts` of the part that most of its samples meet; 0 where the
+// target fills less than half of it.
+[[nodiscard]] std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
+                                                   const std::vector<std::string>& parts);
+
+// Seen pixels of some parts: those of which the parts together fill at least half; where there are
+// none, as of a target smaller than a pixel, those that show any of it.
+struct SeenObject {
+  double area_px = 0;  // of its fractions of all pixels
+  std::uint32_t left_px = 0, top_px = 0, width_px = 0, height_px = 0;  // box around its pixels
+  // Corners of the smallest rectangle around its pixels, whatever its direction: x and y of each,
+  // from the image's top left corner.
+  std::array<double, 8> rectangle_px{};
+  // Lengths of runs of pixels outside and inside by turns, column by column from the top left.
+  std::vector<std::uint32_t> runs;
+};
+//   has  whether a part belongs to the object
+// Returns nothing if no sample meets such a part.
+[[nodiscard]] std::optional<SeenObject> seen_object(
+    const StoredSilhouette& silhouette, const std::function<bool(const std::string&)>& has);
+
+}  // namespace irsig
