@@ -229,7 +229,7 @@ void add_pictures(const ViewPictures& pictures, const PictureFrame& frame,
   // Solid angle of a pixel times range^2, on the image plane's axis; the paths' own Jacobian is in
   // their weights.
   const double pixel_m = frame.rectangle.width_m / frame.width_px;
-  const double pixel_area_m2 = pixel_m * frame.rectangle.height_m / frame.height_px;
+  const double pixel_area_m2 = pixel_m * pixel_m;
   out.pixel_rad = pixel_m / frame.plane_m;
   const double plane_scale = std::pow(request.viewpoint.range_m / frame.plane_m, 2);
   const double scale = 1.0 / (pixel_area_m2 * plane_scale);

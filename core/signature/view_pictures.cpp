@@ -100,13 +100,18 @@ PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
     }
     out.rectangle = {all[0].low, all[1].low, all[0].length(), all[1].length()};
   }
-  const double longest = std::max(out.rectangle.width_m, out.rectangle.height_m);
-  const auto side = [&](double s) {
-    return std::max<std::uint32_t>(
-        1, static_cast<std::uint32_t>(std::lround(s / longest * request.thumbnail_px)));
+  // Pixels are squares: the short side grows to a whole number of them.
+  PlaneRectangle& r = out.rectangle;
+  const double pixel_m = std::max(r.width_m, r.height_m) / request.thumbnail_px;
+  const auto in_pixels = [&](double& from_m, double& length_m) {
+    const auto px = std::max<std::uint32_t>(
+        1, static_cast<std::uint32_t>(std::ceil(length_m / pixel_m - 1e-6)));
+    from_m -= 0.5 * (px * pixel_m - length_m);
+    length_m = px * pixel_m;
+    return px;
   };
-  out.width_px = side(out.rectangle.width_m);
-  out.height_px = side(out.rectangle.height_m);
+  out.width_px = in_pixels(r.x0_m, r.width_m);
+  out.height_px = in_pixels(r.y0_m, r.height_m);
   return out;
 }
 

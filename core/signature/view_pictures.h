@@ -18,7 +18,8 @@ struct PictureFrame {
   std::uint32_t width_px = 0, height_px = 0;  // 0: there are none
 };
 
-// The long side has request.thumbnail_px pixels. Without hot gas the rectangle is the target's own.
+// The long side has request.thumbnail_px pixels, which are squares. Without hot gas the rectangle is
+// the target's own, and less than a pixel beside it.
 // Else it is the smallest one that holds that and, of each field of the request's conditions, 99 %
 // of what the voxels would send at 4.3 and at 10 um if they were thin, but no further from the
 // target's than makes its long side eight times as long: of a small target are left 16 of 128

@@ -87,10 +87,7 @@ TEST(Picture, AddsUpToARowWithReflectionsAndAHotPart) {
   EXPECT_EQ(row.intensity_w_sr.value, bare->row[0].intensity_w_sr.value);
   EXPECT_EQ(row.numerical_error_w_sr, bare->row[0].numerical_error_w_sr);
   EXPECT_GT(view->rays, bare->rays) << "its rays are counted";
-  // Pixels are nearly square: their height is that of the width within half a pixel in all.
-  const double squares = 0.5 / view->image_height_px;
-  EXPECT_NEAR(sum_w_sr(*view), row.intensity_w_sr.value,
-              (squares + 0.01) * row.intensity_w_sr.value);
+  EXPECT_NEAR(sum_w_sr(*view), row.intensity_w_sr.value, 0.005 * row.intensity_w_sr.value);
 }
 
 // A block before a wall: each fills what it hides nobody can see of the other.
@@ -112,9 +109,7 @@ TEST(Picture, PartsFillThePixelsThatTheyAreSeenIn) {
       EXPECT_LE(of_pixel[met.pixel] += met.samples, view.pixel_samples);
       samples[met.part] += met.samples;
     }
-    const double pixel_m = view.pixel_rad * kFarM;
-    // Pixels are nearly square.
-    const double pixel_m2 = pixel_m * 3 / view.image_height_px;
+    const double pixel_m2 = std::pow(view.pixel_rad * kFarM, 2);
     EXPECT_NEAR(samples[0] / view.pixel_samples * pixel_m2, 1.3 * 0.7, 0.005 * 1.3 * 0.7) << px;
     EXPECT_NEAR(samples[1] / view.pixel_samples * pixel_m2, 12 - 1.3 * 0.7, 0.005 * 12) << px;
   }

@@ -15,9 +15,9 @@ namespace irsig {
 
 // The stored image of the only row that a query selects (an aspect alone: the nearest viewpoint) in
 // false colours: in-band radiance at the target, without the air, from the first to the
-// 99th percentile of the target's pixels or over `range` [W/(m2 sr)]; beside it the temperature of the blackbody
-// with the same in-band radiance. Errors: those of run_query and of stored_thumbnail (thumbnail.h);
-// NOT_FOUND: it shows nothing of the target.
+// 99th percentile of the target's pixels or over `range` [W/(m2 sr)]; beside it the temperature of
+// the blackbody with the same in-band radiance. Errors: those of run_query and of stored_thumbnail
+// (thumbnail.h); NOT_FOUND: it shows nothing of the target.
 //
 //   long_side_px  at most: pixels are means over squares of stored ones; without: as many as are
 //                 stored. INVALID_ARGUMENT: more than are stored
