@@ -14,7 +14,7 @@ namespace {
 constexpr double kFixedBytes = 0.6e6;
 constexpr double kBytesOfRow = 2000, kBytesOfPart = 40;  // scalars, ledger; one part's intensity
 constexpr double kBytesOfWavelength = 20 * 4 * 1.5;      // arrays of float32
-constexpr double kBytesOfSquarePixel = 1.2;  // both images, over the square of the long side
+constexpr double kBytesOfSquarePixel = 1.7;  // all images, over the square of the long side
 constexpr double kBytesOfProfileRow = 250;
 
 std::uint64_t rows_of_view(const schema::Profile& profile) {

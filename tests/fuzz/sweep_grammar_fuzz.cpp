@@ -315,7 +315,7 @@ TEST(SweepGrammarFuzz, NoFileEndsTheProgramAndEveryRefusalHasAPlace) {
   const std::uint64_t from = first != nullptr ? std::strtoull(first, nullptr, 10) : 0;
   constexpr std::uint64_t kInAProcess = 200;
   int found = 0;
-  for (fuzz::Turns turn(2); turn.next() && found < 20;) {
+  for (fuzz::Turns turn(4); turn.next() && found < 20;) {
     std::uint64_t begin = from + kInAProcess * static_cast<std::uint64_t>(turn.index());
     const std::uint64_t end = begin + kInAProcess;
     while (begin < end && found < 20) {

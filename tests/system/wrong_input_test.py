@@ -144,7 +144,7 @@ COMMANDS = [
     (["plot", "DB", "--kind", "map", "--out", "a.csv"], r"--kind map is drawn as svg alone"),
     (["plot", "DB", "--kind", "hours", "--out", "a.svg"], r"one viewpoint of one sweep: choose it with --aspect"),
     (["plot", "DB", "--kind", "hours", "--row", "1", "--out", "a.svg"], r"needs two times or more of a day"),
-    (["plot", "DB", "--kind", "map", "--scale", "1,2", "--out", "a.svg"], r"--scale belongs to --kind picture or temperatures"),
+    (["plot", "DB", "--kind", "map", "--scale", "1,2", "--out", "a.svg"], r"--scale belongs to --kind picture or sheet or temperatures"),
     (["plot", "DB", "--kind", "picture", "--row", "1", "--scale", "2,1", "--out", "a.svg"], r"expected LOW,HIGH, the smaller one first"),
     (["plot", "DB", "--kind", "temperatures", "--out", "a.svg"], r"needs --aspect AZ,EL, or the --row of a signature"),
     (["plot", "DB", "--kind", "temperatures", "--row", "1", "--band", "lwir", "--out", "a.svg"], r"and no other filter"),

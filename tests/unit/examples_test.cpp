@@ -61,7 +61,8 @@ TEST(Examples, AllOfThemResolveAndExpand) {
   EXPECT_THAT(names, UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk",
                                           "primitives", "sphere", "box", "cylinder", "cone",
                                           "cavity", "cooling_tower", "painted_sphere", "houses",
-                                          "frigate_day", "frigate_plume", "plume_column", "drone"));
+                                          "frigate_day", "frigate_plume", "plume_column", "drone",
+                                          "training_images"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.

@@ -113,10 +113,14 @@ struct StoredImage {
 absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<QueryRow>& row) {
   ASSIGN_OR_RETURN(auto thumbnail, stored_thumbnail(reader, row));
   const StoredSignature& s = row.front().signature;
-  ASSIGN_OR_RETURN(auto silhouette, reader.silhouette(s.signature_id));
-  if (!silhouette)
-    return absl::DataLossError(fmt::format("the stored image of row {} has no silhouette", s.row));
-  return StoredImage{s, std::move(thumbnail), *std::move(silhouette)};
+  auto silhouette = reader.silhouette(s.signature_id);
+  if (silhouette.ok() && !silhouette->has_value())
+    silhouette = absl::DataLossError("it has no silhouette");
+  if (absl::IsDataLoss(silhouette.status()))
+    return absl::DataLossError(fmt::format("the stored image of row {} is damaged: {}", s.row,
+                                           std::string(silhouette.status().message())));
+  if (!silhouette.ok()) return silhouette.status();
+  return StoredImage{s, std::move(thumbnail), **std::move(silhouette)};
 }
 
 //   long_side_px  absent: as it is stored
