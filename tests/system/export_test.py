@@ -311,9 +311,10 @@ class Export(unittest.TestCase):
             self.assertFalse((self.path / "no").exists() or (self.path / "no.partial").exists())
 
     def test_an_export_that_was_killed_goes_on(self):
-        question = ("--thumbnails", "--exr", "--out", self.path / "k")
+        chosen = ("--thumbnails", "--exr", "--masks", "--coco", "--validation", "0.4")
+        question = (*chosen, "--out", self.path / "k")
         partial = self.path / "k.partial"
-        whole = self.export("k0", "--thumbnails", "--exr")
+        whole = self.export("k0", *chosen)
         # Killed at some moment; then gone on with by the same question alone.
         for wait_s in (0.05, 0.15, 0.3):
             process = subprocess.Popen([IRSIG, "export", self.db, *question], stderr=subprocess.DEVNULL)
