@@ -142,6 +142,9 @@ absl::StatusOr<std::optional<StoredSilhouette>> StoreReader::silhouette(std::int
     silhouette.set_height_px(static_cast<std::uint32_t>(row.integer()));
     silhouette.set_pixel_samples(static_cast<std::uint32_t>(row.integer()));
   }
+  // Whoever makes a mask of it takes as much memory as these say.
+  if (const absl::Status frame = check_silhouette(silhouette, "silhouette"); !frame.ok())
+    return absl::DataLossError(frame.message());
   StoredSilhouette out{
       silhouette.width_px(), silhouette.height_px(), silhouette.pixel_samples(), {}};
   ASSIGN_OR_RETURN(Rows row, database_->query(sql::part_pixels_of_job, job_id));

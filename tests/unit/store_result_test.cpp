@@ -174,6 +174,34 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
   EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 8U);
 }
 
+// A file that says so is damaged, and costs no memory.
+TEST(StoreResult, ASilhouetteOfImpossibleSizeIsNotRead) {
+  const TestFolder folder;
+  const std::string path = folder.file("a.sigdb");
+  const schema::ResolvedSweep sweep = make_sweep({});
+  {
+    auto writer = StoreWriter::open(path).value();
+    ASSERT_OK(submit(*writer, sweep, "sweep-a").status());
+    ASSERT_OK(complete_jobs(*writer, sweep).status());
+    ASSERT_OK(writer->finish());
+  }
+  const std::int64_t id = StoreReader::open(path).value()->find({})->front().signature_id;
+  ASSERT_OK(StoreReader::open(path).value()->silhouette(id).status());
+  for (const char* change :
+       {"width_px = 2000000000", "height_px = 5000", "pixel_samples = 70000"}) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+    const std::string sql = absl::StrCat(
+        "DELETE FROM part_pixels; UPDATE silhouette SET width_px = 16, height_px = 9, "
+        "pixel_samples = 8; UPDATE silhouette SET ",
+        change);
+    ASSERT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(database);
+    const auto read = StoreReader::open(path).value()->silhouette(id);
+    EXPECT_TRUE(absl::IsDataLoss(read.status())) << change << ": " << read.status();
+  }
+}
+
 // A full disk, simulated by a limit on the file's pages.
 TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
   const TestFolder folder;

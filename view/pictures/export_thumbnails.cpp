@@ -286,6 +286,9 @@ class ThumbnailFolder {
         if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
         return damaged(s, std::string(silhouette.status().message()));
       }
+      if ((*silhouette)->width_px != thumbnail->width_px() ||
+          (*silhouette)->height_px != thumbnail->height_px())
+        return damaged(s, "its silhouette is of another size");
       out.push_back({std::move(s), *std::move(thumbnail), **std::move(silhouette)});
     }
     return out;
