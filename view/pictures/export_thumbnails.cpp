@@ -286,9 +286,6 @@ class ThumbnailFolder {
         if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
         return damaged(s, std::string(silhouette.status().message()));
       }
-      if ((*silhouette)->width_px != thumbnail->width_px() ||
-          (*silhouette)->height_px != thumbnail->height_px())
-        return damaged(s, "its silhouette is of another size");
       out.push_back({std::move(s), *std::move(thumbnail), **std::move(silhouette)});
     }
     return out;
@@ -334,6 +331,9 @@ class ThumbnailFolder {
           fmt::format("{} of {} images were painted", facts.size(), pictures.size()));
     for (std::size_t i = 0; i < images.size(); ++i) {
       if (!facts[i].damage.empty()) return damaged(images[i].signature, facts[i].damage);
+      const StoredSilhouette& silhouette = images[i].silhouette;
+      if (facts[i].width_px != silhouette.width_px || facts[i].height_px != silhouette.height_px)
+        return damaged(images[i].signature, "its silhouette is of another size");
     }
     return facts;
   }
