@@ -140,7 +140,7 @@ void add_export(CLI::App& app, int& exit_code) {
       "--category", options->category,
       "Of --coco: a class of objects and patterns of its parts, as funnel=funnel*,mast_hot; may be "
       "given several times (default: target=*)"));
-  category->type_name("NAME=PATTERNS")->take_all();
+  category->type_name("NAME=PATTERNS")->take_all()->allow_extra_args(false);
   of_thumbnails(command->add_flag("--each-part", options->each_part,
                                   "Of --coco: each part is a class of its own"))
       ->excludes(category);

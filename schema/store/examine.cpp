@@ -213,11 +213,16 @@ class Examination {
         modes.add(s.name);
       }
       ASSIGN_OR_RETURN(const auto thumbnail, reader_.thumbnail(s.id));
-      if (thumbnail &&
-          (!check_thumbnail(*thumbnail, s.name).ok() || !reader_.silhouette(s.id).ok()))
+      if (thumbnail && (!check_thumbnail(*thumbnail, s.name).ok() || !shows_parts(s.id)))
         images.add(s.name);
     }
     return absl::OkStatus();
+  }
+
+  // Whether the silhouette of a row with an image is there and whole.
+  bool shows_parts(std::int64_t signature_id) {
+    const auto silhouette = reader_.silhouette(signature_id);
+    return silhouette.ok() && silhouette->has_value();
   }
 
   absl::Status coverage() {

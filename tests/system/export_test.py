@@ -290,6 +290,26 @@ class Export(unittest.TestCase):
             self.export("radiances", "--thumbnails", "--exr", "--sweep", "quickstart")
         return self.pixels((folder / label["image"]).with_suffix(".exr"))
 
+    def test_a_partial_without_a_journal_is_made_anew(self):
+        """What an end between two removals leaves, or one before the first step."""
+        partial = self.path / "anew.partial"
+        (partial / "images").mkdir(parents=True)
+        (partial / "masks").mkdir()
+        for old in ("images/0000099.png", "masks/0000099.png", "train.json", "parts.csv", "labels.csv"):
+            (partial / old).write_text("of another question")
+        folder = self.export("anew", "--thumbnails", "--coco", "--category", "ship=*", "--row", "3", "--sweep", "quickstart")
+        self.assertEqual(sorted(p.name for p in folder.rglob("*") if p.is_file()), ["0000003.png", "annotations.json", "labels.csv"])
+        # A category takes one text, not the database behind it.
+        irsig("export", "--thumbnails", "--coco", "--category", "ship=*", self.db, "--row", "3", "--sweep", "quickstart", "--out", self.path / "behind")
+
+    def test_a_missing_silhouette_is_damage(self):
+        damaged = self.path / "missing.sigdb"
+        shutil.copy(self.db, damaged)
+        with sqlite3.connect(damaged) as db:
+            db.execute("DELETE FROM part_pixels WHERE job_id = 1")
+            db.execute("DELETE FROM silhouette WHERE job_id = 1")
+        self.assertIn("images that are damaged", irsig("doctor", damaged, expect=1).stdout)
+
     def test_pixels_have_errors(self):
         folder = self.export("errors", "--thumbnails", "--exr", "--sweep", "quickstart")
         for label in self.labels(folder):

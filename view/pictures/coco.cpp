@@ -27,6 +27,7 @@ bool copy_lines(const std::string& path, std::ostream& out) {
 }  // namespace
 
 bool CocoCategory::has(const std::string& part) const {
+  if (pattern.empty()) return part == name;
   return std::any_of(pattern.begin(), pattern.end(), [&](const std::string& p) {
     return ::fnmatch(p.c_str(), part.c_str(), 0) == 0;
   });

@@ -14,10 +14,11 @@ namespace irsig {
 // ever in memory.
 
 // A class of objects: the parts whose names match one of the patterns, with * and ? as in file
-// names. An image has one object of each class of which something is seen.
+// names; without patterns, the part of the category's name. An image has one object of each class
+// of which something is seen.
 struct CocoCategory {
   std::string name;
-  std::vector<std::string> pattern;
+  std::vector<std::string> pattern;  // none: the part of the category's own name
   [[nodiscard]] bool has(const std::string& part) const;
 };
 

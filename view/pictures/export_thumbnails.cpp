@@ -143,6 +143,10 @@ struct Image {
   StoredSilhouette silhouette;
 };
 
+std::string json_number(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : "null";
+}
+
 class ThumbnailFolder {
  public:
   ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, Scale scale,
@@ -177,7 +181,10 @@ class ThumbnailFolder {
           "none of the signatures was computed with an image (output.thumbnail_px = 0)");
     }
     RETURN_IF_ERROR(finish_labels());
+    // An end from here on leaves what the next call makes anew.
     fs::remove(journal_path(), error);
+    for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
+      fs::remove(path_of(static_cast<Growing>(file)), error);
     fs::rename(partial_, folder_, error);
     if (error) return cannot(folder_, error);
     return journal_.images;
@@ -196,9 +203,15 @@ class ThumbnailFolder {
   // What this wrote; a folder that holds more stays.
   void remove_partial() const {
     std::error_code error;
+    remove_content();
+    for (const std::string& path : {journal_path(), partial_}) fs::remove(path, error);
+  }
+  void remove_content() const {
+    std::error_code error;
     for (const char* folder : {"/images", "/masks"}) fs::remove_all(partial_ + folder, error);
     for (const char* file : kGrowing) fs::remove(partial_ + "/" + file, error);
-    for (const std::string& path : {journal_path(), partial_}) fs::remove(path, error);
+    for (const char* file : {"/parts.csv", "/annotations.json", "/train.json", "/validation.json"})
+      fs::remove(partial_ + file, error);
   }
 
   [[nodiscard]] std::size_t at_once() const {
@@ -222,6 +235,16 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
+  absl::Status make_folders() const {
+    std::error_code error;
+    for (const std::string& folder : {partial_ + "/images", partial_ + "/masks"}) {
+      if (folder.ends_with("/masks") && !asked_.masks) continue;
+      fs::create_directory(folder, error);
+      if (error) return cannot(folder, error);
+    }
+    return absl::OkStatus();
+  }
+
   // Anew, or where an earlier call ended.
   absl::StatusOr<std::unique_ptr<FolderLock>> begin() {
     std::error_code error;
@@ -232,11 +255,6 @@ class ThumbnailFolder {
     if (error) return cannot(partial_, error);
     auto lock = FolderLock::take(partial_);
     if (!lock.ok()) return lock;
-    for (const std::string& folder : {partial_ + "/images", partial_ + "/masks"}) {
-      if (folder.ends_with("/masks") && !asked_.masks) continue;
-      fs::create_directory(folder, error);
-      if (error) return cannot(folder, error);
-    }
     ASSIGN_OR_RETURN(const auto progress, reader_.progress());
     std::uint64_t hash = 14695981039346656037u;  // FNV-1a
     const auto add = [&](std::uint64_t value) {
@@ -255,7 +273,9 @@ class ThumbnailFolder {
     for (const CocoCategory& c : asked_.categories)
       journal_.asked += fmt::format(" {}={}", printable(c.name), fmt::join(c.pattern, ","));
     if (!fs::exists(journal_path(), error)) {
-      for (const char* file : kGrowing) fs::remove(partial_ + "/" + file, error);
+      remove_content();
+      RETURN_IF_ERROR(make_folders());
+      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
       return lock;
     }
     auto earlier = Journal::read(journal_path());
@@ -453,14 +473,14 @@ class ThumbnailFolder {
     if (!asked_.categories.empty()) return asked_.categories;
     if (!asked_.each_part) return {{"target", {"*"}}};
     std::vector<CocoCategory> out;
-    for (const std::string& part : parts_) out.push_back({part, {part}});
+    for (const std::string& part : parts_) out.push_back({part, {}});
     return out;
   }
 
-  // By the place of the viewpoint: all of its pictures are on one side.
+  // By the direction: all pictures from there, of any range, are on one side.
   [[nodiscard]] bool is_for_validation(const StoredSignature& s) const {
     std::uint64_t hash = mix64(asked_.split_seed);
-    for (const double place : {s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m})
+    for (const double place : {s.aspect_azimuth_deg, s.aspect_elevation_deg})
       hash = mix64(hash ^ std::bit_cast<std::uint64_t>(place));
     return std::ldexp(static_cast<double>(hash), -64) < asked_.validation;
   }
@@ -477,7 +497,8 @@ class ThumbnailFolder {
           fmt::format(R"("sweep": {}, "row": {}, "season": {}, "time_utc": {}, "band": {}, )"
                       R"("aspect_azimuth_deg": {}, "aspect_elevation_deg": {}, "range_m": {})",
                       json_string(s.sweep), s.row, json_string(s.season), json_string(s.time_utc),
-                      json_string(s.band), s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m);
+                      json_string(s.band), json_number(s.aspect_azimuth_deg),
+                      json_number(s.aspect_elevation_deg), json_number(s.range_m));
       lines[validation ? kValidationImages : kTrainImages] += coco_entry(image, more) + "\n";
       for (std::size_t c = 0; c < classes.size(); ++c) {
         const auto object = seen_object(
@@ -508,9 +529,6 @@ class ThumbnailFolder {
     if (divided)
       RETURN_IF_ERROR(write_coco(path_of(kValidationImages), path_of(kValidationObjects),
                                  categories(), partial_ + "/validation.json"));
-    std::error_code error;
-    for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
-      fs::remove(path_of(static_cast<Growing>(file)), error);
     return absl::OkStatus();
   }
 
