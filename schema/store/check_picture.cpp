@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string_view>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "schema/store/database.h"
@@ -190,52 +192,58 @@ absl::Status check_thumbnail(const schema::Thumbnail& thumbnail, const std::stri
   return check_exr(thumbnail.stderr_exr(), width_px, height_px, path + ".stderr_exr");
 }
 
-absl::Status check_silhouette(const schema::Silhouette& silhouette, const std::string& path) {
+absl::Status visit_silhouette(const schema::Silhouette& silhouette,
+                              const std::function<void(int, std::uint32_t, std::uint16_t)>& visit) {
   const std::uint32_t width_px = silhouette.width_px(), height_px = silhouette.height_px();
   if (width_px < 1 || height_px < 1 || width_px > kMostPixels || height_px > kMostPixels)
-    return wrong_picture(path, absl::StrCat("is ", width_px, " x ", height_px,
-                                            " pixels, expected 1 to ", kMostPixels));
+    return absl::DataLossError(
+        absl::StrCat("is ", width_px, " x ", height_px, " pixels, expected 1 to ", kMostPixels));
   if (silhouette.pixel_samples() < 1 || silhouette.pixel_samples() > kMostPixelSamples)
-    return wrong_picture(path,
-                         absl::StrCat("states ", silhouette.pixel_samples(),
-                                      " samples of a pixel, expected 1 to ", kMostPixelSamples));
-  std::vector<std::uint32_t> all(std::size_t{width_px} * height_px, 0);
-  for (const schema::PartPixels& part : silhouette.part()) {
-    const auto samples = unpacked_samples(silhouette, part);
-    if (!samples.ok()) return wrong_picture(path, std::string(samples.status().message()));
-    std::size_t at = 0;
-    for (std::uint32_t y = 0; y < part.height_px(); ++y)
-      for (std::uint32_t x = 0; x < part.width_px(); ++x) {
-        std::uint32_t& sum = all[std::size_t{part.top_px() + y} * width_px + part.left_px() + x];
-        sum += (*samples)[at++];
-        if (sum > silhouette.pixel_samples())
-          return wrong_picture(path, absl::StrCat("has a pixel of more than ",
-                                                  silhouette.pixel_samples(), " samples"));
-      }
+    return absl::DataLossError(absl::StrCat("states ", silhouette.pixel_samples(),
+                                            " samples of a pixel, expected 1 to ",
+                                            kMostPixelSamples));
+  std::set<std::uint32_t> parts;
+  for (const schema::PartPixels& part : silhouette.part())
+    if (!parts.insert(part.part_index()).second)
+      return absl::DataLossError(absl::StrCat("names part ", part.part_index(), " twice"));
+  const auto within = [](std::uint32_t first, std::uint32_t count, std::uint32_t all) {
+    return count > 0 && count <= all && first <= all - count;
+  };
+  std::vector<std::uint16_t> all(std::size_t{width_px} * height_px, 0);
+  std::vector<unsigned char> bytes;
+  for (int p = 0; p < silhouette.part_size(); ++p) {
+    const schema::PartPixels& part = silhouette.part(p);
+    if (!within(part.left_px(), part.width_px(), width_px) ||
+        !within(part.top_px(), part.height_px(), height_px))
+      return absl::DataLossError("has a part outside the picture");
+    bytes.resize(2 * std::size_t{part.width_px()} * part.height_px());
+    uLongf size = bytes.size();
+    if (uncompress(bytes.data(), &size, reinterpret_cast<const Bytef*>(part.samples().data()),
+                   part.samples().size()) != Z_OK ||
+        size != bytes.size())
+      return absl::DataLossError("has a part with damaged samples");
+    bool any = false;
+    for (std::size_t i = 0; 2 * i < bytes.size(); ++i) {
+      const auto count = static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8U);
+      if (count == 0) continue;
+      const auto row = static_cast<std::uint32_t>(i / part.width_px()),
+                 column = static_cast<std::uint32_t>(i % part.width_px());
+      const std::uint32_t pixel = (part.top_px() + row) * width_px + part.left_px() + column;
+      if (count > silhouette.pixel_samples() - all[pixel])
+        return absl::DataLossError(
+            absl::StrCat("has a pixel of more than ", silhouette.pixel_samples(), " samples"));
+      all[pixel] = static_cast<std::uint16_t>(all[pixel] + count);
+      any = true;
+      visit(p, pixel, count);
+    }
+    if (!any) return absl::DataLossError("has a part that no sample sees");
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<std::uint16_t>> unpacked_samples(const schema::Silhouette& silhouette,
-                                                            const schema::PartPixels& part) {
-  const auto within = [](std::uint32_t first, std::uint32_t count, std::uint32_t all) {
-    return count > 0 && count <= all && first <= all - count;
-  };
-  if (silhouette.width_px() > kMostPixels || silhouette.height_px() > kMostPixels ||
-      !within(part.left_px(), part.width_px(), silhouette.width_px()) ||
-      !within(part.top_px(), part.height_px(), silhouette.height_px()))
-    return absl::DataLossError("has a part outside the picture");
-  const std::size_t count = std::size_t{part.width_px()} * part.height_px();
-  std::vector<unsigned char> bytes(2 * count);
-  uLongf size = bytes.size();
-  if (uncompress(bytes.data(), &size, reinterpret_cast<const Bytef*>(part.samples().data()),
-                 part.samples().size()) != Z_OK ||
-      size != bytes.size())
-    return absl::DataLossError("has a part with damaged samples");
-  std::vector<std::uint16_t> out(count);
-  for (std::size_t i = 0; i < count; ++i)
-    out[i] = static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8U);
-  return out;
+absl::Status check_silhouette(const schema::Silhouette& silhouette, const std::string& path) {
+  const absl::Status whole = visit_silhouette(silhouette, [](int, std::uint32_t, std::uint16_t) {});
+  return whole.ok() ? whole : wrong_picture(path, std::string(whole.message()));
 }
 
 }  // namespace irsig

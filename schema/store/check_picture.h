@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
-#include <vector>
 
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "schema/result.pb.h"
 
 namespace irsig {
@@ -24,15 +23,17 @@ inline constexpr std::uint32_t kMostPixels = 4096;
 [[nodiscard]] absl::Status check_thumbnail(const schema::Thumbnail& thumbnail,
                                            const std::string& path);
 
-// INVALID_ARGUMENT, naming `path`, unless the boxes of all parts lie in the picture, hold one count
-// for each of their pixels, none above the samples of a pixel, and a pixel's counts together are no
-// more than those. Which parts these are is not looked at.
+// Calls visit(place of the part, pixel, count) for each pixel that shows a part, one part after the
+// other. DATA_LOSS as soon as something is found that no worker makes: a frame of another size than
+// images have, a part twice, a box that is not in the frame, damaged counts or none but zeros, a
+// pixel of more counts than it has samples. So no more is visited than pixels times samples, and no
+// more memory is taken than the frame's and one box's.
+[[nodiscard]] absl::Status visit_silhouette(
+    const schema::Silhouette& silhouette,
+    const std::function<void(int part, std::uint32_t pixel, std::uint16_t count)>& visit);
+
+// INVALID_ARGUMENT, naming `path`, unless it can be visited to its end.
 [[nodiscard]] absl::Status check_silhouette(const schema::Silhouette& silhouette,
                                             const std::string& path);
-
-// The counts of one part: schema::PartPixels of a silhouette, which may have no parts here.
-// DATA_LOSS: they are damaged.
-[[nodiscard]] absl::StatusOr<std::vector<std::uint16_t>> unpacked_samples(
-    const schema::Silhouette& silhouette, const schema::PartPixels& part);
 
 }  // namespace irsig

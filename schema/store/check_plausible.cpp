@@ -271,8 +271,12 @@ absl::Status check_plausible(const schema::JobResult& result) {
   IRSIG_STORE_TRY(check_ranges(result, "job"));
   for (int i = 0; i < result.view().row_size(); ++i)
     IRSIG_STORE_TRY(check_plausible_row(result.view().row(i), absl::StrCat("row[", i, "]")));
-  if (result.view().has_silhouette())
-    IRSIG_STORE_TRY(check_silhouette(result.view().silhouette(), "silhouette"));
+  if (result.view().has_silhouette()) {
+    const schema::Silhouette& silhouette = result.view().silhouette();
+    if (result.view().row_size() == 0 || silhouette.part_size() > result.view().row(0).part_size())
+      return implausible("silhouette", "has more parts than the rows");
+    IRSIG_STORE_TRY(check_silhouette(silhouette, "silhouette"));
+  }
   if (result.heat().warning_size() > 1000)
     return implausible("heat.warning", "has more than 1000 elements");
   for (const std::string& warning : result.heat().warning())

@@ -142,25 +142,28 @@ absl::StatusOr<std::optional<StoredSilhouette>> StoreReader::silhouette(std::int
     silhouette.set_height_px(static_cast<std::uint32_t>(row.integer()));
     silhouette.set_pixel_samples(static_cast<std::uint32_t>(row.integer()));
   }
-  // Whoever makes a mask of it takes as much memory as these say.
-  if (const absl::Status frame = check_silhouette(silhouette, "silhouette"); !frame.ok())
-    return absl::DataLossError(frame.message());
   StoredSilhouette out{
       silhouette.width_px(), silhouette.height_px(), silhouette.pixel_samples(), {}};
-  ASSIGN_OR_RETURN(Rows row, database_->query(sql::part_pixels_of_job, job_id));
-  for (;;) {
-    ASSIGN_OR_RETURN(const bool found, row.next());
-    if (!found) return out;
-    StoredSilhouette::Part& part = out.part.emplace_back();
-    part.name = row.text();
-    schema::PartPixels packed;
-    packed.set_left_px(part.left_px = static_cast<std::uint32_t>(row.integer()));
-    packed.set_top_px(part.top_px = static_cast<std::uint32_t>(row.integer()));
-    packed.set_width_px(part.width_px = static_cast<std::uint32_t>(row.integer()));
-    packed.set_height_px(part.height_px = static_cast<std::uint32_t>(row.integer()));
-    packed.set_samples(row.text());
-    ASSIGN_OR_RETURN(part.samples, unpacked_samples(silhouette, packed));
+  {
+    ASSIGN_OR_RETURN(Rows row, database_->query(sql::part_pixels_of_job, job_id));
+    for (;;) {
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
+      schema::PartPixels& packed = *silhouette.add_part();
+      packed.set_part_index(static_cast<std::uint32_t>(out.part.size()));
+      out.part.push_back({row.text(), {}});
+      packed.set_left_px(static_cast<std::uint32_t>(row.integer()));
+      packed.set_top_px(static_cast<std::uint32_t>(row.integer()));
+      packed.set_width_px(static_cast<std::uint32_t>(row.integer()));
+      packed.set_height_px(static_cast<std::uint32_t>(row.integer()));
+      packed.set_samples(row.text());
+    }
   }
+  IRSIG_STORE_TRY(
+      visit_silhouette(silhouette, [&](int part, std::uint32_t pixel, std::uint16_t count) {
+        out.part[static_cast<std::size_t>(part)].pixel.push_back({pixel, count});
+      }));
+  return out;
 }
 
 absl::StatusOr<std::vector<StoredProfileRow>> StoreReader::profiles(const ProfileFilter& filter) {

@@ -117,10 +117,13 @@ inline constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();
 // Where a view's images show which part.
 struct StoredSilhouette {
   std::uint32_t width_px = 0, height_px = 0, pixel_samples = 0;
+  struct Pixel {
+    std::uint32_t at;       // row by row from the top left
+    std::uint16_t samples;  // of it that meet the part first, more than 0
+  };
   struct Part {
     std::string name;
-    std::uint32_t left_px = 0, top_px = 0, width_px = 0, height_px = 0;  // a box around its pixels
-    std::vector<std::uint16_t> samples;  // [row][column] of a pixel's, those that see it first
+    std::vector<Pixel> pixel;
   };
   std::vector<Part> part;  // those that are seen, in the sweep's order
 };

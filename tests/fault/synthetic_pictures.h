@@ -115,6 +115,7 @@ inline void add_synthetic_silhouette(std::uint32_t width_px, std::uint32_t heigh
     std::vector<std::uint16_t> counts;
     for (std::uint32_t x = 1; x < width_px; ++x)
       counts.push_back(static_cast<std::uint16_t>(random() % 9));
+    counts[0] = 8;
     part.set_samples(packed_counts(counts));
   }
 }

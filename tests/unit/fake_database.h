@@ -250,9 +250,13 @@ class FakeDatabase {
     void add(const StoredSilhouette& silhouette, std::int64_t job) {
       must(database_->run(sql::insert_silhouette, job, silhouette.width_px, silhouette.height_px,
                           silhouette.pixel_samples));
-      for (const StoredSilhouette::Part& p : silhouette.part)
-        must(database_->run(sql::insert_part_pixels, job, part(p.name), p.left_px, p.top_px,
-                            p.width_px, p.height_px, Blob{packed_counts(p.samples)}));
+      for (const StoredSilhouette::Part& p : silhouette.part) {
+        std::vector<std::uint16_t> counts(std::size_t{silhouette.width_px} * silhouette.height_px,
+                                          0);
+        for (const StoredSilhouette::Pixel& pixel : p.pixel) counts[pixel.at] = pixel.samples;
+        must(database_->run(sql::insert_part_pixels, job, part(p.name), 0, 0, silhouette.width_px,
+                            silhouette.height_px, Blob{packed_counts(counts)}));
+      }
     }
 
     void add(const StoredTemperature& t) {

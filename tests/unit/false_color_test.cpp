@@ -177,8 +177,11 @@ absl::StatusOr<std::vector<PictureAnswer>> pixels(std::uint32_t width_px, std::u
 
 // One part that 8 samples of each pixel meet so often.
 StoredSilhouette filled(std::uint32_t width_px, std::uint32_t height_px,
-                        std::vector<std::uint16_t> samples) {
-  return {width_px, height_px, 8, {{"hull", 0, 0, width_px, height_px, std::move(samples)}}};
+                        const std::vector<std::uint16_t>& samples) {
+  StoredSilhouette out{width_px, height_px, 8, {{"hull", {}}}};
+  for (std::uint32_t i = 0; i < samples.size(); ++i)
+    if (samples[i] > 0) out.part[0].pixel.push_back({i, samples[i]});
+  return out;
 }
 
 // A hot and a cold pixel of target and one of background.

@@ -339,6 +339,23 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
        [&](auto& r) {
          r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_samples("no zlib");
        }},
+      {"silhouette names part 0 twice",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part(1)->set_part_index(0);
+       }},
+      {"has a part that no sample sees",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_samples(
+             packed_counts(std::vector<std::uint16_t>(127, 0)));
+       }},
+      {"silhouette has more parts than the rows",
+       [&](auto& r) {
+         schema::Silhouette& s = *r.mutable_view()->mutable_silhouette();
+         for (std::uint32_t i = 1000; i < 1100; ++i) {
+           *s.add_part() = s.part(0);
+           s.mutable_part(s.part_size() - 1)->set_part_index(i);
+         }
+       }},
       {"times the variance of bin 0",
        [&](auto& r) {
          auto& spectrum = *row(r)->mutable_spectrum();

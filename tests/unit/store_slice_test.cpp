@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "schema/store/examine.h"
 #include "schema/store/slice.h"
@@ -100,7 +99,8 @@ class StoreSlice : public ::testing::Test {
       const StoredSilhouette seen = reader->silhouette(s.signature_id).value().value();
       absl::StrAppend(&text, seen.width_px, "x", seen.height_px, "/", seen.pixel_samples);
       for (const StoredSilhouette::Part& p : seen.part)
-        absl::StrAppend(&text, p.name, p.left_px, p.top_px, absl::StrJoin(p.samples, ","));
+        for (const StoredSilhouette::Pixel& pixel : p.pixel)
+          absl::StrAppend(&text, p.name, pixel.at, ":", pixel.samples, ",");
       const auto parts = reader->parts(s.signature_id).value();
       for (const StoredPart& p : parts) absl::StrAppend(&text, p.part, p.intensity_w_sr);
       const StoredLedger ledger = reader->ledger(s.signature_id).value();

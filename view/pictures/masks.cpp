@@ -7,23 +7,13 @@
 namespace irsig {
 namespace {
 
-// Calls visit(pixel of the picture, count) for a part's pixels.
-template <typename Visit>
-void visit_pixels(const StoredSilhouette& in, const StoredSilhouette::Part& part, Visit&& visit) {
-  std::size_t at = 0;
-  for (std::uint32_t y = 0; y < part.height_px; ++y)
-    for (std::uint32_t x = 0; x < part.width_px; ++x, ++at)
-      if (part.samples[at] > 0)
-        visit(std::size_t{part.top_px + y} * in.width_px + part.left_px + x, part.samples[at]);
-}
-
 // [pixel] Samples that meet the parts.
 template <typename Has>
 std::vector<std::uint32_t> counts_of(const StoredSilhouette& in, Has&& has) {
   std::vector<std::uint32_t> out(std::size_t{in.width_px} * in.height_px, 0);
   for (const StoredSilhouette::Part& part : in.part)
     if (has(part.name))
-      visit_pixels(in, part, [&](std::size_t pixel, std::uint16_t count) { out[pixel] += count; });
+      for (const StoredSilhouette::Pixel& p : part.pixel) out[p.at] += p.samples;
   return out;
 }
 
@@ -96,11 +86,11 @@ std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
   std::vector<std::uint16_t> most(all.size(), 0);
   for (const StoredSilhouette::Part& part : silhouette.part) {
     const auto place = std::find(parts.begin(), parts.end(), part.name) - parts.begin();
-    visit_pixels(silhouette, part, [&](std::size_t pixel, std::uint16_t count) {
-      if (2 * all[pixel] < silhouette.pixel_samples || count <= most[pixel]) return;
-      most[pixel] = count;
-      out[pixel] = static_cast<std::uint16_t>(1 + place);
-    });
+    for (const StoredSilhouette::Pixel& p : part.pixel) {
+      if (2 * all[p.at] < silhouette.pixel_samples || p.samples <= most[p.at]) continue;
+      most[p.at] = p.samples;
+      out[p.at] = static_cast<std::uint16_t>(1 + place);
+    }
   }
   return out;
 }
