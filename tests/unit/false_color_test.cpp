@@ -292,6 +292,13 @@ TEST(SheetPicture, HasEachImageWithWhatIsItsOwn) {
   for (const float v : sheet->value) shown += std::isnan(v) ? 0 : 1;
   EXPECT_EQ(shown, 2 * rows->size());
   EXPECT_THAT(draw_false_color(*sheet), HasSubstr(sheet->label[0].text + "</text>"));
+  // What differs stands in the labels, and what is common in the title.
+  EXPECT_THAT(sheet->title, HasSubstr("range "));
+  for (auto& s : stored.db.signatures) s.range_m *= 1 + 1e-3 * static_cast<double>(s.row);
+  const auto ranges = sheet_picture(stored.db, few, {}, {}, stored.read);
+  ASSERT_TRUE(ranges.ok()) << ranges.status();
+  EXPECT_THAT(ranges->title, testing::Not(HasSubstr("range ")));
+  EXPECT_THAT(ranges->label[0].text, HasSubstr("range "));
   few.band.clear();
   const auto mixed = sheet_picture(stored.db, few, {}, {}, stored.read);
   EXPECT_THAT(std::string(mixed.status().message()), HasSubstr("one sweep and band"));

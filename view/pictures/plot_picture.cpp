@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "core/base/status_macros.h"
@@ -191,10 +192,11 @@ std::string aspect_title(const StoredSignature& s) {
 
 constexpr const char* kWhatIsShown =
     "Radiance at the target, without the air. Colours from the 1st to the 99th percentile unless "
-    "stated. Grey: less than half of the pixel is target";
+    "stated. Grey: less than half of the pixel is target, or nothing of a small one or of its gas";
 
-// Pictures in a sheet.
+// Pictures in a sheet, and its pixels: those of 200 images of 512 x 512.
 constexpr std::size_t kMostInSheet = 200;
+constexpr std::size_t kMostPixelsInSheet = 200 * 512 * 512;
 
 }  // namespace
 
@@ -235,7 +237,9 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
                     "--nearest or --within-deg",
                     rows.size(), kMostInSheet));
   const StoredSignature& first = rows.front().signature;
-  bool one_season = true, one_time = true, one_place = true;
+  bool one_season = true, one_time = true, one_place = true, one_range = true;
+  std::size_t stored_px = 0;
+  std::map<std::string, std::string> time_of;  // of a season, if it has one
   std::vector<StoredImage> images;
   for (const QueryRow& row : rows) {
     const StoredSignature& s = row.signature;
@@ -243,10 +247,17 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
       return absl::InvalidArgumentError(
           "a sheet has images of one sweep and band: choose them with --sweep and --band");
     one_season &= s.season == first.season;
-    one_time &= s.time_utc == first.time_utc;
+    one_time &= time_of.emplace(s.season, s.time_utc).first->second == s.time_utc;
+    one_range &= s.range_m == first.range_m;
     one_place &= s.aspect_azimuth_deg == first.aspect_azimuth_deg &&
                  s.aspect_elevation_deg == first.aspect_elevation_deg;
     ASSIGN_OR_RETURN(auto image, image_of(reader, {row}));
+    stored_px += std::size_t{image.thumbnail.width_px()} * image.thumbnail.height_px();
+    if (stored_px > kMostPixelsInSheet)
+      return absl::InvalidArgumentError(
+          fmt::format("a sheet of {} such large images: expected at most {} pixels in all: choose "
+                      "fewer with --season, --time, --nearest or --within-deg",
+                      rows.size(), kMostPixelsInSheet));
     images.push_back(std::move(image));
   }
   ASSIGN_OR_RETURN(const auto pixels, pixels_of(reader, images, long_side_px, read));
@@ -278,14 +289,16 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
       if (!same) text += (text.empty() ? "" : ", ") + what;
     };
     add(one_season, s.season);
-    add(one_time || !one_season, s.time_utc);
+    add(one_time, s.time_utc);
     add(one_place,
         fmt::format("{:.0f}\u00b0, {:.0f}\u00b0", s.aspect_azimuth_deg, s.aspect_elevation_deg));
+    add(one_range, range_title(s.range_m));
     out.label.push_back({static_cast<double>(left), top - 0.25 * label_px, text});
   }
-  out.title = fmt::format("{}, {}, {}", first.sweep, band_title(first), range_title(first.range_m));
+  out.title = fmt::format("{}, {}", first.sweep, band_title(first));
+  if (one_range) out.title += ", " + range_title(first.range_m);
   if (one_season) out.title += ", " + first.season;
-  if (one_time) out.title += " " + first.time_utc;
+  if (one_season && one_time) out.title += " " + first.time_utc;
   if (one_place) out.title += ", " + aspect_title(first);
   out.subtitle = kWhatIsShown;
   RETURN_IF_ERROR(finish(reader, first, range, out));
