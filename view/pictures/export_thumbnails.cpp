@@ -1,10 +1,6 @@
 #include "view/pictures/export_thumbnails.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +15,7 @@
 #include <utility>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "core/base/printable.h"
 #include "core/base/sobol.h"
@@ -28,6 +25,7 @@
 #include "view/base/atomic_file.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
+#include "view/pictures/export_journal.h"
 #include "view/pictures/masks.h"
 
 namespace irsig {
@@ -58,84 +56,6 @@ absl::StatusOr<Scale> parse_scale(const std::string& text) {
   return absl::InvalidArgumentError(fmt::format(
       "thumbnail scale {}: expected common, own, or BLACK,WHITE in W/(m2 sr) as 0,12.5", text));
 }
-
-using SweepBand = std::pair<std::string, std::string>;
-
-// Files to which every step adds lines. Those of COCO's entries become one file at the end.
-enum Growing : std::size_t {
-  kLabels,
-  kTrainImages,
-  kTrainObjects,
-  kValidationImages,
-  kValidationObjects
-};
-constexpr std::array<const char*, 5> kGrowing = {"labels.csv", "train.images", "train.objects",
-                                                 "validation.images", "validation.objects"};
-
-// How far an earlier call has come: a text of lines.
-struct Journal {
-  std::string asked;                  // of the question and of the rows
-  std::size_t seen = 0, painted = 0;  // rows
-  std::uint64_t images = 0, annotations = 0;
-  std::array<std::uint64_t, kGrowing.size()> bytes{};  // of the files that grow
-  std::map<SweepBand, double> hottest;                 // of the rows seen
-
-  [[nodiscard]] std::string text() const {
-    std::string out = fmt::format("{}\n{} {} {} {} {} {}\n", asked, seen, painted, images,
-                                  annotations, fmt::join(bytes, " "), hottest.size());
-    for (const auto& [of, value] : hottest)
-      out += fmt::format("{}\n{}\n{:.17g}\n", of.first, of.second, value);
-    return out;
-  }
-  static std::optional<Journal> read(const std::string& path) {
-    std::ifstream file(path);
-    Journal out;
-    std::size_t scales = 0;
-    std::string line;
-    const auto rest = [&] { std::getline(file, line); };
-    if (!std::getline(file, out.asked)) return std::nullopt;
-    file >> out.seen >> out.painted >> out.images >> out.annotations;
-    for (std::uint64_t& b : out.bytes) file >> b;
-    file >> scales;
-    rest();
-    for (std::size_t i = 0; i < scales && file; ++i) {
-      SweepBand of;
-      std::getline(file, of.first);
-      std::getline(file, of.second);
-      file >> out.hottest[of];
-      rest();
-    }
-    if (!file) return std::nullopt;
-    return out;
-  }
-};
-
-absl::Status cannot(const std::string& path, const std::error_code& error) {
-  const std::string text = fmt::format("cannot make {}: {}", path, error.message());
-  return error == std::errc::no_space_on_device ? absl::ResourceExhaustedError(text)
-                                                : absl::InvalidArgumentError(text);
-}
-
-// One call at a time works in a folder.
-class FolderLock {
- public:
-  static absl::StatusOr<std::unique_ptr<FolderLock>> take(const std::string& folder) {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) return cannot(folder, std::error_code(errno, std::generic_category()));
-    std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
-      return absl::FailedPreconditionError(
-          fmt::format("{}: another irsig is writing this folder", folder));
-    return lock;
-  }
-  ~FolderLock() { ::close(descriptor_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
-};
 
 struct Image {
   StoredSignature signature;
@@ -186,7 +106,7 @@ class ThumbnailFolder {
     for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
       fs::remove(path_of(static_cast<Growing>(file)), error);
     fs::rename(partial_, folder_, error);
-    if (error) return cannot(folder_, error);
+    if (error) return cannot_make(folder_, error);
     return journal_.images;
   }
 
@@ -240,7 +160,7 @@ class ThumbnailFolder {
     for (const std::string& folder : {partial_ + "/images", partial_ + "/masks"}) {
       if (folder.ends_with("/masks") && !asked_.masks) continue;
       fs::create_directory(folder, error);
-      if (error) return cannot(folder, error);
+      if (error) return cannot_make(folder, error);
     }
     return absl::OkStatus();
   }
@@ -252,7 +172,7 @@ class ThumbnailFolder {
       return absl::InvalidArgumentError(
           fmt::format("{}: exists already, expected the name of a new folder", folder_));
     fs::create_directory(partial_, error);
-    if (error) return cannot(partial_, error);
+    if (error) return cannot_make(partial_, error);
     auto lock = FolderLock::take(partial_);
     if (!lock.ok()) return lock;
     ASSIGN_OR_RETURN(const auto progress, reader_.progress());
@@ -271,7 +191,8 @@ class ThumbnailFolder {
                     asked_.each_part ? " each part" : "", asked_.background ? " background" : "",
                     asked_.validation, asked_.split_seed, ids_.size(), hash);
     for (const CocoCategory& c : asked_.categories)
-      journal_.asked += fmt::format(" {}={}", printable(c.name), fmt::join(c.pattern, ","));
+      journal_.asked +=
+          fmt::format(" {}={}", printable(c.name), printable(absl::StrJoin(c.pattern, ",")));
     if (!fs::exists(journal_path(), error)) {
       remove_content();
       RETURN_IF_ERROR(make_folders());
@@ -284,11 +205,7 @@ class ThumbnailFolder {
           "{} is of another export: expected the same question again, or that it is removed",
           partial_));
     journal_ = *std::move(earlier);
-    for (std::size_t i = 0; i < kGrowing.size(); ++i) {
-      const std::string path = partial_ + "/" + kGrowing[i];
-      fs::resize_file(path, journal_.bytes[i], error);
-      if (error && journal_.bytes[i] > 0) return cannot(path, error);
-    }
+    RETURN_IF_ERROR(journal_.cut_back(partial_));
     return lock;
   }
 

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// How an export of images goes on after an end: what it has done, and that nobody else is at it.
+
+// The name of a sweep and of a band.
+using SweepBand = std::pair<std::string, std::string>;
+
+// Files to which every step adds lines. Those of COCO's entries become one file at the end.
+enum Growing : std::size_t {
+  kLabels,
+  kTrainImages,
+  kTrainObjects,
+  kValidationImages,
+  kValidationObjects
+};
+constexpr std::array<const char*, 5> kGrowing = {"labels.csv", "train.images", "train.objects",
+                                                 "validation.images", "validation.objects"};
+
+// How far an earlier call has come: a text of lines.
+struct Journal {
+  std::string asked;                  // of the question and of the rows
+  std::size_t seen = 0, painted = 0;  // rows
+  std::uint64_t images = 0, annotations = 0;
+  std::array<std::uint64_t, kGrowing.size()> bytes{};  // of the files that grow
+  std::map<SweepBand, double> hottest;                 // of the rows seen
+
+  [[nodiscard]] std::string text() const;
+  // Returns nothing if the file is not there or is no journal.
+  static std::optional<Journal> read(const std::string& path);
+  // Cuts the files that grow in `folder` back to what is stated. INVALID_ARGUMENT: one is shorter.
+  [[nodiscard]] absl::Status cut_back(const std::string& folder) const;
+};
+
+// RESOURCE_EXHAUSTED: the disk is full; else INVALID_ARGUMENT.
+[[nodiscard]] absl::Status cannot_make(const std::string& path, const std::error_code& error);
+
+// One call at a time works in a folder.
+class FolderLock {
+ public:
+  // FAILED_PRECONDITION: another has it.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<FolderLock>> take(const std::string& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
+  int descriptor_;
+};
+
+}  // namespace irsig
