@@ -1,6 +1,7 @@
 #include "core/transport/path_tracer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -260,10 +261,12 @@ void PathTracer::trace_pixels(Work& work, SeedPair aim) const {
   const ImagePlan& plan = *work.plan;
   const std::uint32_t samples = settings_.pixel_samples;
   const std::uint32_t groups = pixel_groups(samples);
-  IRSIG_CHECK(samples % groups == 0);
   IRSIG_CHECK(settings_.replicates == 1);
-  // A batch's pixels, of which the first and the last may be parts.
-  work.group_sum.assign((std::size_t{work.capacity / samples} + 2) * groups * plan.padded, 0.0);
+  // Powers of two: a batch has whole pixels, or a pixel whole batches.
+  IRSIG_CHECK(std::has_single_bit(samples));
+  IRSIG_CHECK(std::has_single_bit(work.capacity));
+  work.group_sum.assign(std::size_t{std::max(work.capacity / samples, 1u)} * groups * plan.padded,
+                        0.0);
   work.first_pixel = 0;
   SampleList& list = work.list;
   list.size = 0;
@@ -313,11 +316,7 @@ void PathTracer::close_pixels(Work& work, std::uint32_t end) const {
   out.met.insert(out.met.end(), work.met.begin(), work.met.end());
   work.met.clear();
   if (end == work.first_pixel) return;
-  // What is left is of a pixel that has samples to come.
-  const auto left = static_cast<std::ptrdiff_t>((end - work.first_pixel) * of_pixel);
-  const auto open =
-      std::copy(work.group_sum.begin() + left, work.group_sum.end(), work.group_sum.begin());
-  std::fill(open, work.group_sum.end(), 0.0);
+  std::fill(work.group_sum.begin(), work.group_sum.end(), 0.0);
   work.first_pixel = end;
 }
 
