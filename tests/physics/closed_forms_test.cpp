@@ -280,5 +280,33 @@ TEST(ClosedForms, TablesOfManyPointsWithinTheQuadraturesBound) {
   }
 }
 
+// An emissivity that rises over the whole of a band whose step is as wide: the quadrature of a
+// blackbody says nothing of it.
+TEST(ClosedForms, ASteepEmissivityOverAWideStepWithinTheQuadraturesBound) {
+  constexpr int kFine = 20000;
+  double closest = 0;
+  for (const bool rises : {true, false})
+    for (const Band& band : {Band{"wide", 6, 10, 4, {}}, Band{"half", 6, 10, 2, {}}}) {
+      const Lambert slope{{{2, rises ? 0.02 : 0.98}, {14, rises ? 0.98 : 0.02}}};
+      const auto simulator =
+          simulator_of(scene_of(generated("box", 12), MaterialSpec{"slope", slope}, band));
+      for (double temperature_k = 180; temperature_k < 600; temperature_k += 20) {
+        const SignatureResult row =
+            only_row(*simulator, request(*simulator, 0, 90, 1e6, {temperature_k}));
+        double truth = 0;
+        for (int i = 0; i < kFine; ++i) {
+          const double um = 6 + 4 * (i + 0.5) / kFine;
+          truth += 4.0 / kFine * planck_radiance_w_m2_sr_um(um, temperature_k) *
+                   spectrum_at(slope.emissivity, um);
+        }
+        const double off = row.intensity_w_sr.value / row.projected_area_m2.value / truth - 1;
+        const double bound = row.quadrature_bound_w_sr / row.intensity_w_sr.value;
+        EXPECT_LT(std::abs(off), bound + 1e-7) << band.name << ", " << temperature_k << " K";
+        closest = std::max(closest, std::abs(off) / bound);
+      }
+    }
+  EXPECT_GT(closest, 0.3) << "a bound that is always far too wide says nothing";
+}
+
 }  // namespace
 }  // namespace irsig
