@@ -34,9 +34,9 @@ inline constexpr std::uint64_t kLeastPictureSamples = std::uint64_t{1} << 14,
                                kMostPictureSamples = std::uint64_t{1} << 19;
 
 // Returns a run's settings changed to those of its pictures: one replicate, and each pixel by
-// itself. A pixel has few samples, so that what its paths reflect is followed by every path, in
-// several directions. Median noise of a frigate's inner pixels in 8-12 um / CPU time of its images
-// and of 18 views of 1 % (without images 1.6 s), by split and roulette_survival_scale:
+// itself. A pixel has few samples, so every path goes on, in several directions. Noise of the
+// frigate's median inner pixel in 8-12 um, and CPU time of the images of 24 views (which take
+// 1.6 s without them, at 1 %), by split and roulette_survival_scale:
 //     1, 1            1, 8            2, 8            4, 8
 //     7 %, 0.3 s      1.3 %, 0.5 s    0.9 %, 0.7 s    0.6 %, 1.0 s
 [[nodiscard]] PathSettings picture_settings(PathSettings settings, const ImagePlan& plan);

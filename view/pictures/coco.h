@@ -13,8 +13,8 @@ namespace irsig {
 // a list of annotations and a list of categories. Lines are written one by one, so that no list is
 // ever in memory.
 
-// A class of objects: the parts whose names match one of the patterns, with * and ? as in file
-// names; without patterns, the part of the category's name. An image has one object of each class
+// A class of objects: the parts whose names match one of the patterns, as the shell matches names of
+// files; without patterns, the part of the category's name. An image has one object of each class
 // of which something is seen.
 struct CocoCategory {
   std::string name;
