@@ -11,6 +11,7 @@
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
+#include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
 #include "planning/temperature_picture.h"
 #include "view/pictures/plot_picture.h"
@@ -26,7 +27,7 @@ struct PlotCommand {
   }
   FilterOptions filter;
   OutputOptions output;
-  std::string kind, scale;
+  std::string kind, scale, layer;
   std::optional<double> elevation_deg;
   std::optional<std::uint32_t> pixels;
 
@@ -51,9 +52,9 @@ struct PlotCommand {
         return write_polar(*reader, query, elevation_deg, table, out, stored_target_extent);
       });
     if (kind == "picture")
-      return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures));
+      return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures, layer));
     if (kind == "sheet")
-      return write_picture(sheet_picture(*reader, query, range, pixels, read_pictures));
+      return write_picture(sheet_picture(*reader, query, range, pixels, read_pictures, layer));
     if (kind == "temperatures")
       return write_picture(
           temperature_picture(filter.database(), query, range, pixels.value_or(kPixels)));
@@ -81,6 +82,7 @@ struct PlotCommand {
   [[nodiscard]] absl::Status check_options() const {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
     status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures"}));
+    status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet"}));
     status.Update(belongs(pixels.has_value(), "--pixels", {"picture", "sheet", "temperatures"}));
     return status;
   }
@@ -139,6 +141,14 @@ void add_plot(CLI::App& app, int& exit_code) {
               "that are stored")
       ->type_name("N")
       ->check(CLI::Range(16, 2048));
+  std::vector<std::string> layers;
+  for (const ImageLayerInfo& layer : kImageLayers) layers.emplace_back(layer.name);
+  command
+      ->add_option("--layer", options->layer,
+                   "Of picture and sheet: a further image of the rows, as [image] layers of the "
+                   "sweep asked for it; default: the radiance at the target")
+      ->type_name("NAME")
+      ->check(CLI::IsMember(layers));
   options->filter.add_ranges(*command);
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }

@@ -98,7 +98,7 @@ void check_complete_surroundings(const schema::Sweep& sweep, const schema::Surro
 // [viewpoints]: writes ResolvedSweep.viewpoint.
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 
-// [[band]] [transport] [accuracy] [output] [precompute]
+// [[band]] [transport] [accuracy] [precompute]
 void check_run(const schema::Sweep& sweep, Findings& findings);
 
 // [effects], and its defaults.
@@ -106,6 +106,10 @@ void check_effects(const SweepFile& file, Findings& findings);
 // The names in it.
 void check_effect_names(const schema::Effects& effects, Findings& findings);
 void write_effect_defaults(schema::Sweep& sweep);
+
+// [image], once viewpoints are known; and its defaults, and those of [output].
+void check_image(const schema::ResolvedSweep& resolved, Findings& findings);
+void write_image_defaults(schema::Sweep& sweep);
 
 // [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.
 void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);

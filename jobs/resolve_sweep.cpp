@@ -16,8 +16,8 @@ namespace irsig {
 namespace {
 
 // Every default of the sweep file stands here and in docs/reference/sweep-file.md, except the names
-// and hot parts below and those of profiles and effects (resolve_profiles.cpp,
-// resolve_effects.cpp). None of them decides what is there to be seen: temperatures, materials,
+// and hot parts below and those of profiles, images and effects
+// (resolve_profiles.cpp, resolve_image.cpp, resolve_effects.cpp). None of them decides what is there to be seen: temperatures, materials,
 // surroundings, air and sun have no default.
 void write_defaults(schema::Sweep& sweep) {
   if (!sweep.has_description()) sweep.set_description("");
@@ -89,8 +89,6 @@ void write_defaults(schema::Sweep& sweep) {
     accuracy.set_max_samples_per_replicate(
         std::max<std::uint64_t>(1U << 22U, accuracy.samples_per_replicate()));
   }
-
-  if (!sweep.output().has_thumbnail_px()) sweep.mutable_output()->set_thumbnail_px(128);
 }
 
 // "ships/frigate.toml" -> "frigate"
@@ -170,11 +168,13 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_heights(file.sweep, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
+  check_image(resolved, findings);
   check_profiles(resolved, findings);
   check_row_count(resolved, findings);
   if (!findings.empty()) return findings.status();
   write_defaults(*resolved.mutable_sweep());
   write_effect_defaults(*resolved.mutable_sweep());
+  write_image_defaults(*resolved.mutable_sweep());
   write_profile_defaults(*resolved.mutable_sweep());
   mark_hot_parts(resolved);
   check_weather(resolved, findings);

@@ -5,6 +5,7 @@
 
 #include "fmt/format.h"
 #include "planning/prediction.h"
+#include "schema/image_size.h"
 #include "schema/shard.h"
 
 namespace irsig {
@@ -42,11 +43,12 @@ SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t asset_bytes
     size.profile_rows += rows_of_view(profile) * size.rows();
   const double rows = static_cast<double>(size.rows());
   const double per_view = static_cast<double>(size.viewpoints * size.conditions);
-  const double image_px = sweep.output().thumbnail_px();
+  const double image_px = sweep.has_image() ? 0 : sweep.output().thumbnail_px();
   size.database_bytes = kFixedBytes + static_cast<double>(asset_bytes) +
                         rows * (kBytesOfRow + kBytesOfPart * sweep.part_size()) +
                         per_view * static_cast<double>(size.wavelengths) * kBytesOfWavelength +
                         rows * image_px * image_px * kBytesOfSquarePixel +
+                        rows * image_bytes_of_row(sweep) +
                         static_cast<double>(size.profile_rows) * kBytesOfProfileRow;
   return size;
 }

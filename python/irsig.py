@@ -17,13 +17,14 @@ import json
 import os
 import pathlib
 import sqlite3
+import struct
 import urllib.parse
 import zlib
 
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMAT = 21  # of the databases that this file reads
+FORMAT = 22  # of the databases that this file reads
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
@@ -271,6 +272,52 @@ def _direction(azimuth_deg, elevation_deg):
                         numpy.sin(elevation)], axis=-1)
 
 
+def _exr_pixels(exr: bytes):
+    """Pixels of an EXR file as irsig writes it: one channel of float32 in scan lines, packed as run lengths or with zlib."""
+    def text(at):
+        end = exr.index(b"\0", at)
+        return exr[at:end], end + 1
+
+    attribute, at = {}, 8
+    while exr[at]:
+        name, at = text(at)
+        _, at = text(at)
+        size = struct.unpack_from("<I", exr, at)[0]
+        attribute[name] = exr[at + 4:at + 4 + size]
+        at += 4 + size
+    at += 1
+    lines = {1: 1, 3: 16}[attribute[b"compression"][0]]
+    width, height = (v + 1 for v in struct.unpack("<4i", attribute[b"dataWindow"])[2:])
+    out = numpy.empty((height, width), "<f4")
+    for block, place in enumerate(struct.unpack_from(f"<{-(-height // lines)}Q", exr, at)):
+        rows = out[block * lines:(block + 1) * lines]
+        size = struct.unpack_from("<I", exr, place + 4)[0]
+        packed = exr[place + 8:place + 8 + size]
+        if size < rows.nbytes:
+            # Even bytes before odd ones, each as the difference from the one before it.
+            unpacked = numpy.frombuffer(zlib.decompress(packed) if lines > 1 else _run_lengths(packed), "u1").astype(numpy.int64)
+            unpacked[1:] -= 128
+            unpacked = unpacked.cumsum().astype("u1")
+            whole = numpy.empty(rows.nbytes, "u1")
+            whole[::2], whole[1::2] = numpy.split(unpacked, [(rows.nbytes + 1) // 2])
+            packed = whole.tobytes()
+        rows[:] = numpy.frombuffer(packed, "<f4").reshape(rows.shape)
+    return out
+
+
+def _run_lengths(packed: bytes) -> bytes:
+    out, at = bytearray(), 0
+    while at < len(packed):
+        count = packed[at]
+        if count > 127:  # so many other bytes
+            out += packed[at + 1:at + 257 - count]
+            at += 257 - count
+        else:
+            out += packed[at + 1:at + 2] * (count + 1)
+            at += 2
+    return bytes(out)
+
+
 class Rows:
     """Signatures: rows[name] is an array of one quantity, in the order of the database.
 
@@ -369,6 +416,30 @@ class Rows:
         """PNG of each row (black to white over 0 to its largest pixel); None: it has none."""
         return [(self._database._sql.execute("SELECT png FROM thumbnail WHERE signature_id = ?", (row,)).fetchone() or [None])[0]
                 for row in self._ids()]
+
+    def images(self, layer: str | None = None, *, stderr: bool = False) -> list:
+        """Of each row array [row][column] float32; None: it has no image, or not this layer.
+
+        layer: None, the in-band radiance of the target at the target [W/(m2 sr)] times the fraction of a pixel that it fills; or a name of
+        [image] layers. stderr: the standard errors of these numbers, which layers other than at_sensor have not.
+        """
+        column = "stderr_exr" if stderr else "exr"
+        out = []
+        for at, row in enumerate(self._ids()):
+            found = (self._database._sql.execute(f"SELECT {column} FROM thumbnail WHERE signature_id = ?", (row,)).fetchone()
+                     if layer is None else
+                     self._database._sql.execute(f"SELECT {column} FROM image_layer WHERE signature_id = ? AND name = ?",
+                                                 (row, layer)).fetchone())
+            try:
+                out.append(_exr_pixels(found[0]) if found and found[0] else None)
+            except (ValueError, IndexError, KeyError, struct.error, zlib.error):
+                raise self._damaged(at, f"its image{'' if layer is None else ' ' + layer}") from None
+        return out
+
+    def image_layers(self) -> list[list[str]]:
+        """Names of the layers that each row's image has."""
+        return [[name for (name,) in self._database._sql.execute("SELECT name FROM image_layer WHERE signature_id = ? ORDER BY name",
+                                                                 (row,))] for row in self._ids()]
 
     def silhouettes(self) -> list[dict | None]:
         """Of each row {part: array [row][column]}, the fraction of each pixel of its image that the part fills; None: it has no image."""

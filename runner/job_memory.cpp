@@ -6,6 +6,7 @@
 #include "messages/environment/sweep_environment.h"
 #include "runner/heat_weather.h"
 #include "runner/input_views.h"
+#include "schema/image_size.h"
 
 namespace irsig {
 namespace {
@@ -78,6 +79,9 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   memory.fixed_bytes =
       memory.shared_bytes + row * (parts + directions) +
       kWeightsPerEmitter * elements * carried * kNumber * sweep.sweep().accuracy().replicates();
+  const double rows = static_cast<double>(sweep.condition_size()) * sweep.sweep().band_size();
+  memory.fixed_bytes +=
+      image_memory_of_row(sweep.sweep()) * std::min(rows, most_rows_with_images(sweep.sweep()));
   return memory;
 }
 

@@ -160,6 +160,9 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   request.max_reflections = sweep.transport().max_reflections();
   request.seed = sweep.seed();
   request.thumbnail_px = sweep.output().thumbnail_px();
+  if (sweep.has_image() && request.thumbnail_px > 0) {
+    ASSIGN_OR_RETURN(request.image, image_from_message(sweep.image()));
+  }
   if (sweep.plume().has_area_optical_depth())  // older sweeps have none
     request.plume_area_optical_depth = sweep.plume().area_optical_depth();
   return request;

@@ -167,8 +167,9 @@ ImagePlan GasMeasurement::plan_images(const std::vector<double>& sums) const {
         taken[i] = -band.grid.band_weight[i] * class_here_[k].absorbed[band.first_node + i];
       for (std::size_t c = 0; c < condition_.size(); ++c) {
         const ConditionSources& light = sources_.wanted(condition_[c]);
-        show_sources(source_table(light, scene_.path_basis(), band.first_node, taken), light,
-                     layout_, scene_.path_basis(), c * bands + b, k, plan);
+        const SourceTable table = source_table(light, scene_.path_basis(), band.first_node, taken);
+        show_sources(table, table.source, light, layout_, scene_.path_basis(), c * bands + b, k,
+                     plan);
       }
     }
   }

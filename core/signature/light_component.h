@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "core/signature/measured_view.h"
 #include "core/signature/pixel_errors.h"
+#include "core/signature/view_pictures.h"
 
 namespace irsig {
 

@@ -7,7 +7,7 @@
 #include "core/signature/light_component.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/measured_view.h"
-#include "core/signature/pixel_errors.h"
+#include "core/signature/row_pictures.h"
 #include "core/signature/view_pictures.h"
 
 namespace irsig {
@@ -219,44 +219,6 @@ SignatureResult row_of(const MeasuredView& view, std::size_t index, const Prepar
   return r;
 }
 
-// The pictures' sizes, and of each row its picture: the target's, and what hot gas changes of it.
-void add_pictures(const ViewPictures& pictures, const PictureFrame& frame,
-                  const LightComponents& components, const ViewRequest& request, ViewResult& out) {
-  const ImagePlan& image = pictures.plan;
-  out.image_width_px = frame.width_px;
-  out.image_height_px = frame.height_px;
-  if (image.empty()) return;
-  // Solid angle of a pixel times range^2, on the image plane's axis; the paths' own Jacobian is in
-  // their weights.
-  const double pixel_m = frame.rectangle.width_m / frame.width_px;
-  const double pixel_area_m2 = pixel_m * pixel_m;
-  out.pixel_rad = pixel_m / frame.plane_m;
-  const double plane_scale = std::pow(request.viewpoint.range_m / frame.plane_m, 2);
-  const double scale = 1.0 / (pixel_area_m2 * plane_scale);
-  const std::size_t pixels = static_cast<std::size_t>(frame.width_px) * frame.height_px;
-  const PixelErrors errors(frame.width_px, frame.height_px, pictures.pixel_samples,
-                           pictures.traced.met);
-  PixelSums sum;
-  sum.w_sr.resize(pixels);
-  sum.variance.resize(pixels);
-  for (std::size_t row = 0; row < out.row.size(); ++row) {
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const std::size_t at = i * image.images + row;
-      sum.w_sr[i] = pictures.traced.sum[at];
-      sum.variance[i] = std::pow(static_cast<double>(pictures.traced.stderr_[at]), 2);
-    }
-    for (const auto& component : components) component->add_picture(row, sum);
-    const std::vector<double> stderr_w_sr = errors.of(sum);
-    SignatureResult& r = out.row[row];
-    r.image_w_m2_sr.reserve(pixels);
-    r.image_stderr_w_m2_sr.reserve(pixels);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      r.image_w_m2_sr.push_back(static_cast<float>(scale * sum.w_sr[i]));
-      r.image_stderr_w_m2_sr.push_back(static_cast<float>(scale * stderr_w_sr[i]));
-    }
-  }
-}
-
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(
@@ -281,7 +243,8 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
                                         std::vector<PathWeights>* paths) {
   RETURN_IF_ERROR(check_request(scene, request));
   ASSIGN_OR_RETURN(auto view, prepared_for(scene, request, plan, std::move(prepared)));
-  const PictureFrame pictures = picture_frame(scene.target, view->aimed->frame, request);
+  ASSIGN_OR_RETURN(const PictureFrame pictures,
+                   picture_frame(scene.target, view->aimed->frame, request));
   ASSIGN_OR_RETURN(const auto components, measure_components(scene, request, plan, view, pictures));
   const std::uint64_t seed = view_seed(scene, request);
   MeasuredView measured(scene, request, plan, std::move(view),
@@ -308,14 +271,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
     for (const auto& component : components) rays += component->rays(row);
     out.rays = std::max(out.rays, rays);
   }
-  ViewPictures shown = trace_pictures(measured, pictures);
-  out.rays += shown.counts.rays;
-  // Numbers that should not occur are reported wherever they occur.
-  out.guarded_nonfinite += shown.counts.guarded_nonfinite;
-  out.guarded_negative += shown.counts.guarded_negative;
-  add_pictures(shown, pictures, components, request, out);
-  out.pixel_samples = shown.pixel_samples;
-  out.seen = std::move(shown.traced.met);
+  RETURN_IF_ERROR(add_pictures(measured, request, pictures, components, out));
   return out;
 }
 

@@ -141,16 +141,6 @@ PathSettings settings_of(const ViewSetup& setup, std::uint64_t samples, std::uin
   return path_settings(setup.accuracy, setup.plan.effects, setup.seed + stage, samples);
 }
 
-ImagePlan plan_images(const MeasuredView& view, const PictureFrame& pictures) {
-  const ViewSetup& setup = view.setup;
-  const SourceLayout paths(setup.parts(), setup.sources.geometry());
-  const SpectralBasis* basis = setup.scene.path_basis();
-  ImagePlan plan = blank_pictures(pictures, setup.aimed().frame, view.row.size(), 1, paths, basis);
-  for (std::uint32_t k = 0; k < plan.images; ++k)
-    show_sources(view.row[k].in_band, *view.row[k].light, paths, basis, k, 0, plan);
-  return plan;
-}
-
 // Runs the view with these settings, and returns the weights.
 std::vector<PathWeights> run(MeasuredView& view, const PathSettings& settings, RunKind kind) {
   TracedView traced =
@@ -167,20 +157,6 @@ void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, Ru
               std::vector<PathWeights>* kept) {
   std::vector<PathWeights> weights = run(view, settings_of(view.setup, samples, stage), kind);
   if (kept != nullptr) *kept = std::move(weights);
-}
-
-ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame) {
-  ViewPictures out;
-  out.plan = plan_images(view, frame);
-  if (out.plan.empty()) return out;
-  const PathSettings settings =
-      picture_settings(settings_of(view.setup, 1, kPictureStage), out.plan);
-  TracedView traced = trace_view(view.setup.scene, whole_view(view.setup.aimed()),
-                                 view.setup.sources.geometry(), settings, out.plan);
-  out.pixel_samples = settings.pixel_samples;
-  out.traced = std::move(traced.pictures);
-  out.counts = traced.counts;
-  return out;
 }
 
 void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t samples,

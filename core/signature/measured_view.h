@@ -9,7 +9,6 @@
 #include "core/accuracy/measured.h"
 #include "core/signature/result.h"
 #include "core/signature/trace_view.h"
-#include "core/signature/view_pictures.h"
 #include "core/signature/view_setup.h"
 
 namespace irsig {
@@ -54,16 +53,6 @@ void run_view(MeasuredView& view, std::uint64_t samples, std::uint64_t stage, Ru
 // Runs a pilot of one stratum alone: of what is seen in it.
 void run_stratum(MeasuredView& view, std::uint32_t stratum, std::uint64_t samples,
                  std::uint64_t stage);
-
-// Pictures of all rows, by paths of their own: the same number of samples in every pixel, so that
-// no pixel inside the silhouette is empty.
-struct ViewPictures {
-  ImagePlan plan;  // empty: none
-  std::uint32_t pixel_samples = 0;
-  TracedPictures traced;
-  PathCounts counts;
-};
-[[nodiscard]] ViewPictures trace_pictures(const MeasuredView& view, const PictureFrame& frame);
 
 // A row's three intensities with their errors and bounds; pilots are without those of the air and
 // of the background. Reflections that the plan leaves out are `omitted`, those that the request

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/effects/effects.h"
 #include "core/environment/air.h"
 #include "core/environment/environment.h"
 #include "core/geo/viewpoint.h"
+#include "core/signature/image_spec.h"
 #include "core/sources/condition.h"
 #include "core/sources/source_geometry.h"
 
@@ -45,7 +47,10 @@ struct ViewRequest {
   double accepted_backface_fraction = 1;
   std::uint32_t max_reflections = 3;
   std::uint64_t seed = 1;
-  std::uint32_t thumbnail_px = 0;
+  // Images: of thumbnail_px pixels along the long side of the target, or as `image` has it. The
+  // rays of images with an error of their own are chosen for the selected rows.
+  std::uint32_t thumbnail_px = 0;  // 0: none
+  std::optional<ImageSpec> image = std::nullopt;
   // Least in-band optical depth at which the projected area of hot gas is counted.
   double plume_area_optical_depth = 0.1;
 };

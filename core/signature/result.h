@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/accuracy/image_layers.h"
 #include "core/accuracy/quantities.h"
 #include "core/accuracy/replicates.h"
 #include "core/accuracy/spectral_modes.h"
@@ -15,6 +16,7 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
+// 21: a pixel is the mean radiance in its own solid angle, which is smaller far from the axis.
 // 20: pictures have errors, and state the parts that each pixel shows; the quadrature bound allows
 // for emissivities that are linear between the points of tables.
 // 19: no light from beyond a band whose limit a material's table meets by rounding.
@@ -33,7 +35,7 @@ namespace irsig {
 // 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
 // added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
 // met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 20;
+inline constexpr int kPhysicsVersion = 21;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
@@ -52,6 +54,12 @@ enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSampl
 // reflection; for spectral materials at least that.
 struct EnergyLedger {
   Estimate absorbed, escaped_to_sky, escaped_to_surface, cut_off, balance;
+};
+
+// A further image of a row. Standard errors: of the layer at_sensor alone.
+struct LayerImage {
+  ImageLayer layer = ImageLayer::kEmitted;
+  std::vector<float> value, stderr_;
 };
 
 struct SignatureResult {
@@ -78,6 +86,10 @@ struct SignatureResult {
   // Row by row from the top; empty: none. The target's radiance x the fraction of the pixel that it
   // fills, and its standard error.
   std::vector<float> image_w_m2_sr, image_stderr_w_m2_sr;
+  // The typical standard error of a pixel that the target fills: root mean square, relative to its
+  // radiance; of a target that fills none, that of all pixels together.
+  double image_error_relative = 0;
+  std::vector<LayerImage> layer;  // as ImageSpec::layer has them
   StopReason stop_reason = StopReason::kFixedSamples;
   std::uint32_t reflections = 0;  // the most that paths were given
   EnergyLedger energy;

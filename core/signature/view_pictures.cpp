@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "core/base/problems.h"
 #include "core/plume/plume_field.h"
 
 namespace irsig {
@@ -73,34 +74,69 @@ std::array<Span, 2> shown_part(const PlumeField& field, const Target& target,
   return out;
 }
 
-}  // namespace
-
-PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
-                           const ViewRequest& request) {
-  PictureFrame out;
-  if (request.thumbnail_px == 0) return out;
-  out.rectangle = frame;
-  out.plane_m = frame.plane_m;
+// The target's, and what of hot gas is shown.
+PlaneRectangle shown_rectangle(const Target& target, const ViewFrame& frame,
+                               const ViewRequest& request) {
   std::set<const PlumeField*> fields;
   for (const ConditionSpec& condition : request.condition)
     if (condition.gas != nullptr) fields.insert(condition.gas.get());
-  if (!fields.empty()) {
-    const double beyond = 0.5 * (kMostGrowth - 1) * std::max(frame.width_m, frame.height_m);
-    std::array<Span, 2> all = {Span{frame.x0_m, frame.x0_m + frame.width_m},
-                               Span{frame.y0_m, frame.y0_m + frame.height_m}};
-    const std::array<Span, 2> own = all;
-    for (const PlumeField* field : fields) {
-      std::array<Span, 2> part = shown_part(*field, target, frame);
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        part[axis].low = std::max(part[axis].low, own[axis].low - beyond);
-        part[axis].high = std::min(part[axis].high, own[axis].high + beyond);
-      }
-      if (!(part[0].length() > 0 && part[1].length() > 0)) continue;  // too far away
-      for (std::size_t axis = 0; axis < 2; ++axis) all[axis].add(part[axis]);
+  if (fields.empty()) return frame;
+  const double beyond = 0.5 * (kMostGrowth - 1) * std::max(frame.width_m, frame.height_m);
+  std::array<Span, 2> all = {Span{frame.x0_m, frame.x0_m + frame.width_m},
+                             Span{frame.y0_m, frame.y0_m + frame.height_m}};
+  const std::array<Span, 2> own = all;
+  for (const PlumeField* field : fields) {
+    std::array<Span, 2> part = shown_part(*field, target, frame);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      part[axis].low = std::max(part[axis].low, own[axis].low - beyond);
+      part[axis].high = std::min(part[axis].high, own[axis].high + beyond);
     }
-    out.rectangle = {all[0].low, all[1].low, all[0].length(), all[1].length()};
+    if (!(part[0].length() > 0 && part[1].length() > 0)) continue;  // too far away
+    for (std::size_t axis = 0; axis < 2; ++axis) all[axis].add(part[axis]);
   }
-  // Pixels are squares: the short side grows to a whole number of them.
+  return {all[0].low, all[1].low, all[0].length(), all[1].length()};
+}
+
+absl::StatusOr<PictureFrame> frame_of(const ImageSpec& image, const Target& target,
+                                      const ViewFrame& frame, const ViewRequest& request) {
+  PictureFrame out;
+  out.plane_m = frame.plane_m;
+  out.width_px = image.width_px;
+  out.height_px = image.height_px;
+  double pixel_m = 0, middle_x_m = 0, middle_y_m = 0;
+  if (image.camera) {
+    pixel_m = 2 * frame.plane_m * std::tan(0.5 * image.camera->field_of_view_rad) / image.width_px;
+    if (image.camera->look_at_m) {
+      const Vec<Body> q = *image.camera->look_at_m - target.centre - frame.sensor;
+      const double depth_m = dot(q, frame.forward);
+      if (!(depth_m > 0))
+        return keyed_problem("image.look_at_m",
+                             "lies beside or behind a sensor, expected a point in front of all");
+      middle_x_m = frame.plane_m / depth_m * dot(q, frame.right);
+      middle_y_m = frame.plane_m / depth_m * dot(q, frame.up);
+    }
+  } else {
+    const PlaneRectangle shown = shown_rectangle(target, frame, request);
+    pixel_m = (1 + 2 * image.margin) *
+              std::max(shown.width_m / image.width_px, shown.height_m / image.height_px);
+    middle_x_m = shown.x0_m + 0.5 * shown.width_m;
+    middle_y_m = shown.y0_m + 0.5 * shown.height_m;
+  }
+  const double width_m = pixel_m * image.width_px, height_m = pixel_m * image.height_px;
+  out.rectangle = {middle_x_m - 0.5 * width_m, middle_y_m - 0.5 * height_m, width_m, height_m};
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<PictureFrame> picture_frame(const Target& target, const ViewFrame& frame,
+                                           const ViewRequest& request) {
+  if (request.image) return frame_of(*request.image, target, frame, request);
+  PictureFrame out;
+  if (request.thumbnail_px == 0) return out;
+  out.rectangle = shown_rectangle(target, frame, request);
+  out.plane_m = frame.plane_m;
+  // The short side grows to a whole number of pixels.
   PlaneRectangle& r = out.rectangle;
   const double pixel_m = std::max(r.width_m, r.height_m) / request.thumbnail_px;
   const auto in_pixels = [&](double& from_m, double& length_m) {
@@ -135,47 +171,75 @@ ImagePlan blank_pictures(const PictureFrame& frame, const ViewFrame& view, std::
   return plan;
 }
 
-void show_sources(const SourceTable& table, const ConditionSources& light,
-                  const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
-                  std::size_t first, ImagePlan& plan) {
+namespace {
+
+// Puts weights of one source, [table.columns], into its place.
+void put(const std::vector<double>& row, SourceId id, const SourceTable& table,
+         const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+         std::size_t first, ImagePlan& plan) {
+  const std::size_t place = first * paths.count() + index_of(id);
+  if (basis != nullptr)
+    std::copy(row.begin(), row.end(),
+              plan.source.begin() +
+                  static_cast<std::ptrdiff_t>((place * plan.images + image) * basis->columns() +
+                                              table.first_column));
+  else
+    plan.source[place * plan.padded + image] = static_cast<float>(row[0]);
+}
+
+}  // namespace
+
+void show_sources(const SourceTable& table, const std::vector<double>& radiance,
+                  const ConditionSources& light, const SourceLayout& paths,
+                  const SpectralBasis* basis, std::size_t image, std::size_t first,
+                  ImagePlan& plan) {
   const SourceLayout& lights = light.layout();
   std::vector<double> row(table.columns);
-  const auto put = [&](SourceId id) {
-    const std::size_t place = first * paths.count() + index_of(id);
-    if (basis != nullptr)
-      std::copy(row.begin(), row.end(),
-                plan.source.begin() +
-                    static_cast<std::ptrdiff_t>((place * plan.images + image) * basis->columns() +
-                                                table.first_column));
-    else
-      plan.source[place * plan.padded + image] = static_cast<float>(row[0]);
-  };
+  const auto of_light = [&](std::uint32_t id) { return radiance.data() + id * table.columns; };
   const auto put_emitter = [&](std::uint32_t emitter, SourceId id, SourceId first_light) {
     const ConditionSources::EmitterShare share = light.fraction_of(emitter);
     std::fill(row.begin(), row.end(), 0.0);
     for (std::uint32_t n = 0; n < share.count; ++n)
       for (std::size_t c = 0; c < row.size(); ++c)
-        row[c] += share.weight[n] * table.row(SourceId{index_of(first_light) + share.first + n})[c];
-    put(id);
+        row[c] += share.weight[n] * of_light(index_of(first_light) + share.first + n)[c];
+    put(row, id, table, paths, basis, image, first, plan);
   };
   for (std::uint32_t e = 0; e < paths.emitters(); ++e) {
     put_emitter(e, paths.seen(e), lights.seen(0));
     put_emitter(e, paths.reflected(e), lights.reflected(0));
   }
   const std::uint32_t beyond = paths.all_emitted().last;
-  for (const SourceId id : SourceRange{beyond, paths.count()}) {
-    const SourceId of_light{index_of(id) - beyond + lights.all_emitted().last};
-    std::copy_n(table.row(of_light), table.columns, row.begin());
-    put(id);
+  for (const SourceId id : SourceRange{beyond, paths.of_intensity().last}) {
+    std::copy_n(of_light(index_of(id) - beyond + lights.all_emitted().last), table.columns,
+                row.begin());
+    put(row, id, table, paths, basis, image, first, plan);
   }
 }
 
-PathSettings picture_settings(PathSettings settings, const ImagePlan& plan) {
+void hide_background(const SourceTable& table, const ConditionSources& light,
+                     const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+                     ImagePlan& plan) {
+  plan.behind = true;
+  std::vector<double> row(table.columns);
+  for (std::uint32_t k = 0; k < paths.behind().size(); ++k) {
+    const double* seen = table.apparent.data() + index_of(light.layout().behind(k)) * table.columns;
+    for (std::size_t c = 0; c < row.size(); ++c) row[c] = -seen[c];
+    put(row, paths.behind(k), table, paths, basis, image, 0, plan);
+  }
+}
+
+PathSettings picture_settings(PathSettings settings, const ImagePlan& plan,
+                              std::uint32_t pixel_samples) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(plan.width_px) * plan.height_px;
   settings.replicates = 1;
   settings.pixel_samples = kPixelSamples;
   settings.split = 2;
   settings.roulette_survival_scale = 8;
+  if (pixel_samples > 0) {
+    settings.pixel_samples = pixel_samples;
+    settings.samples = pixels * pixel_samples;
+    return settings;
+  }
   while (pixels * settings.pixel_samples < kLeastPictureSamples) settings.pixel_samples *= 2;
   while (settings.pixel_samples > kLeastPixelSamples &&
          pixels * settings.pixel_samples > kMostPictureSamples)

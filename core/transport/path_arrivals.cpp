@@ -161,9 +161,22 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
   if (settings_.pixel_samples > 0 && gas_ == nullptr)
     work.met.push_back(
         {work.first_pixel + s.pixel_group / pixel_groups(settings_.pixel_samples), hit.part, 1});
+  if (work.plan->first_hits) add_first_hit(work, s, hit);
   if (!sources_.behind) return;
   const Float3 d = ray.direction;
   add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
+}
+
+// How far away a pixel's rays meet the target, and values of what they meet.
+void PathTracer::add_first_hit(Work& work, const PathState& path, const Hit& hit) const {
+  const ImagePlan& plan = *work.plan;
+  const std::size_t pixel =
+      work.first_pixel + path.pixel_group / pixel_groups(settings_.pixel_samples);
+  double* sum = work.pictures->first_sum.data() + stored_pixel(plan, pixel) * (1 + plan.values);
+  *sum++ += length(Vec<Body>{hit.at.x, hit.at.y, hit.at.z} - view_.frame.sensor);
+  const std::size_t emitter = sources_.emitters.of(hit.facet, hit.part);
+  for (std::size_t k = 0; k < plan.values; ++k)
+    sum[k] += static_cast<double>(plan.of_emitter[emitter * plan.values + k]);
 }
 
 // A path's weight where the last vertex may have aimed at this hot part as well: its share by the
@@ -322,7 +335,26 @@ void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction)
       const auto weight = static_cast<double>(part * path.weight * share[k].weight);
       for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
     }
+    if (!work.plan->behind) return;
+    for (int k = 0; k < count; ++k)
+      add_behind_to_image(work, path, first, layout_.behind(share[k].node),
+                          work.area_per_sample * part * path.weight * share[k].weight);
   });
+}
+
+void PathTracer::add_behind_to_image(Work& work, const PathState& path, std::uint32_t first,
+                                     SourceId source, float weight) const {
+  const ImagePlan& plan = *work.plan;
+  double* image = image_of(work, path, source);
+  const std::size_t place =
+      index_of(source) + (gas_ != nullptr ? static_cast<std::size_t>(first) * layout_.count() : 0);
+  const float* shown =
+      plan.source.data() + place * (spectral_ ? plan.images * nodes_ : plan.padded);
+  for (std::uint32_t k = 0; k < plan.images; ++k) {
+    float sum = 0;
+    for (std::size_t i = 0; i < (spectral_ ? nodes_ : 1); ++i) sum += *shown++;
+    image[k] += static_cast<double>(weight * sum);
+  }
 }
 
 // The segment to the sensor against the sphere of the Earth, from the point's height above the

@@ -53,6 +53,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
   pictures = {};
   pictures.sum.assign(plan.size(), 0.0);
   pictures.stderr_.assign(plan.size(), 0.0f);
+  if (plan.kinds > 1) pictures.kind_sum.assign(plan.size() * plan.kinds, 0.0f);
+  if (plan.first_hits) pictures.first_sum.assign(plan.pixels() * (1 + plan.values), 0.0);
   Work work;
   work.plan = &plan;
   work.pictures = &pictures;
@@ -265,8 +267,8 @@ void PathTracer::trace_pixels(Work& work, SeedPair aim) const {
   // Powers of two: a batch has whole pixels, or a pixel whole batches.
   IRSIG_CHECK(std::has_single_bit(samples));
   IRSIG_CHECK(std::has_single_bit(work.capacity));
-  work.group_sum.assign(std::size_t{std::max(work.capacity / samples, 1u)} * groups * plan.padded,
-                        0.0);
+  work.group_sum.assign(
+      std::size_t{std::max(work.capacity / samples, 1u)} * groups * plan.kinds * plan.padded, 0.0);
   work.first_pixel = 0;
   SampleList& list = work.list;
   list.size = 0;
@@ -292,26 +294,34 @@ void PathTracer::close_pixels(Work& work, std::uint32_t end) const {
   const ImagePlan& plan = *work.plan;
   TracedPictures& out = *work.pictures;
   const std::uint32_t groups = pixel_groups(settings_.pixel_samples);
-  const std::size_t padded = plan.padded, of_pixel = groups * padded;
-  // Rows are traced from below and stored from above.
-  const auto stored = [&](std::uint32_t traced) {
-    return (plan.height_px - 1 - traced / plan.width_px) * plan.width_px + traced % plan.width_px;
-  };
-  const double* group = work.group_sum.data();
-  for (std::uint32_t p = work.first_pixel; p < end; ++p, group += of_pixel) {
-    const std::size_t at = std::size_t{stored(p)} * plan.images;
+  const std::size_t of_group = plan.kinds * plan.padded;
+  std::vector<double>& sum = work.sum_of_group;
+  sum.resize(groups);
+  const double* of_pixel = work.group_sum.data();
+  for (std::uint32_t p = work.first_pixel; p < end; ++p, of_pixel += groups * of_group) {
+    const std::size_t at = stored_pixel(plan, p) * plan.images;
     for (std::size_t k = 0; k < plan.images; ++k) {
-      double sum = 0, squares = 0;
-      for (std::uint32_t g = 0; g < groups; ++g) sum += group[g * padded + k];
+      double all = 0, squares = 0;
       for (std::uint32_t g = 0; g < groups; ++g) {
-        const double off = group[g * padded + k] - sum / groups;
+        sum[g] = 0;
+        for (std::uint32_t kind = 0; kind < plan.kinds; ++kind) {
+          const double part = of_pixel[g * of_group + kind * plan.padded + k];
+          sum[g] += part;
+          if (plan.kinds > 1)
+            out.kind_sum[(at + k) * plan.kinds + kind] += static_cast<float>(part);
+        }
+        all += sum[g];
+      }
+      for (std::uint32_t g = 0; g < groups; ++g) {
+        const double off = sum[g] - all / groups;
         squares += off * off;
       }
-      out.sum[at + k] = sum;
+      out.sum[at + k] = all;
       out.stderr_[at + k] = static_cast<float>(std::sqrt(squares * groups / (groups - 1)));
     }
   }
-  for (TracedPictures::Met& met : work.met) met.pixel = stored(met.pixel);
+  for (TracedPictures::Met& met : work.met)
+    met.pixel = static_cast<std::uint32_t>(stored_pixel(plan, met.pixel));
   join_met(work.met);
   out.met.insert(out.met.end(), work.met.begin(), work.met.end());
   work.met.clear();
@@ -420,7 +430,7 @@ void PathTracer::cross_gas(Work& work) const {
     double* sum = work.gas.data() + s.replicate * measures;
     for (std::size_t m = 0; m < measures; ++m) sum[m] += weight * work.gas_measure[m];
     if (const ImagePlan& plan = *work.plan; !plan.empty()) {
-      double* image = work.group_sum.data() + static_cast<std::size_t>(s.pixel_group) * plan.padded;
+      double* image = image_of(work, s, SourceId{0});
       for (std::uint32_t k = 0; k < plan.images; ++k)
         image[k] += static_cast<double>(work.area_per_sample) * weight *
                     ordered_dot(plan.gas.data() + k * measures, work.gas_measure.data(), measures);

@@ -44,11 +44,18 @@ struct ImagePlan {
   PlaneRectangle rectangle;
   std::vector<float> source;
   std::vector<double> gas;
+  // Kinds of light whose sums are kept apart: of each source which. Empty: all are one kind.
+  std::uint32_t kinds = 1;
+  std::vector<std::uint8_t> kind;  // [source]
+  bool behind = false;             // whether sources behind the target are shown
+  // Values to be averaged over what a pixel shows, with the distance: [emitter][value].
+  bool first_hits = false;
+  std::size_t values = 0;
+  std::vector<float> of_emitter;
   bool empty() const { return images == 0 || width_px == 0; }
+  [[nodiscard]] std::size_t pixels() const { return std::size_t{width_px} * height_px; }
   // Numbers of all pictures, [pixel][images].
-  [[nodiscard]] std::size_t size() const {
-    return empty() ? 0 : static_cast<std::size_t>(width_px) * height_px * images;
-  }
+  [[nodiscard]] std::size_t size() const { return empty() ? 0 : pixels() * images; }
 };
 
 struct PathSettings {
@@ -227,10 +234,14 @@ class PathTracer {
   [[nodiscard]] const SeedPair* seeds_of(Work& work, std::uint32_t order) const;
   [[nodiscard]] bool hidden_by_sea(Float3 p, Float3 d, float inverse_length) const;
   void add_behind(Work& work, const PathState& path, Float3 direction) const;
+  void add_behind_to_image(Work& work, const PathState& path, std::uint32_t first, SourceId source,
+                           float weight) const;
   void meet_sea(Work& work, const PathState& path, Float3 from, Float3 direction,
                 const float* spectrum) const;
   template <bool kSpectral>
   void trace_glint(Work& work, std::uint32_t order) const;
+  [[nodiscard]] static double* image_of(Work& work, const PathState& path, SourceId source);
+  void add_first_hit(Work& work, const PathState& path, const Hit& hit) const;
   template <typename Visit>
   void for_each_first(const Work& work, const PathState& path, Visit&& visit) const;
   template <bool kSpectral>

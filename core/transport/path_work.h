@@ -95,13 +95,19 @@ inline Reflection reflection(Float3 n, Float3 wi, Float3 wo, float cos_i, float 
           std::min(0.5f * std::sqrt(length2), 1.0f)};
 }
 
+// Rows of pictures are traced from below and stored from above.
+inline std::size_t stored_pixel(const ImagePlan& plan, std::size_t traced) {
+  return (plan.height_px - 1 - traced / plan.width_px) * plan.width_px + traced % plan.width_px;
+}
+
 struct PathTracer::Work {
   const ImagePlan* plan;
   TracedPictures* pictures;
   PathCounts* counts;
   // Pictures: of the pixels whose samples are being traced, in the order of tracing.
   std::uint32_t first_pixel = 0;
-  std::vector<double> group_sum;         // [pixel][group][ImagePlan::padded]
+  std::vector<double> group_sum;         // [pixel][group][kind][ImagePlan::padded]
+  std::vector<double> sum_of_group;      // [group] of the pixel and picture being closed
   std::vector<TracedPictures::Met> met;  // one for each sample of the batch that met the target
   std::vector<Sun> sun;
   std::uint32_t capacity = 0;               // primary rays of a batch
@@ -146,6 +152,14 @@ struct PathTracer::Work {
   std::vector<std::uint32_t> chosen;
 };
 
+// Where pictures add up a source's light of a path: a number for each picture.
+inline double* PathTracer::image_of(Work& work, const PathState& path, SourceId source) {
+  const ImagePlan& plan = *work.plan;
+  const std::size_t kind = plan.kind.empty() ? 0 : plan.kind[index_of(source)];
+  return work.group_sum.data() +
+         (static_cast<std::size_t>(path.pixel_group) * plan.kinds + kind) * plan.padded;
+}
+
 // visit(first part of the tables of weights, share of the path's weight)
 template <typename Visit>
 inline void PathTracer::for_each_first(const Work& work, const PathState& path,
@@ -177,9 +191,7 @@ inline void PathTracer::add_to(Work& work, const PathState& path, std::uint32_t 
   double* out = work.weight[path.replicate * work.orders + (settings_.by_order ? order : 0)].row(
       first, source);
   const bool is_last = order == settings_.max_reflections && !work.last.empty();
-  double* image = plan.empty() ? nullptr
-                               : work.group_sum.data() +
-                                     static_cast<std::size_t>(path.pixel_group) * plan.padded;
+  double* image = plan.empty() ? nullptr : image_of(work, path, source);
   const std::size_t place =
       index_of(source) + (gas_ != nullptr ? static_cast<std::size_t>(first) * layout_.count() : 0);
   if constexpr (kSpectral) {

@@ -25,6 +25,11 @@ struct TracedPictures {
     std::uint32_t pixel, part, samples;
   };
   std::vector<Met> met;
+  // [pixel][image][kind] The parts of `sum`, if the plan keeps kinds of light apart.
+  std::vector<float> kind_sum;
+  // Where the plan has first hits: sums over the samples that met the target: of the distance
+  // from the sensor [m], and of each value. [pixel][1 + value]
+  std::vector<double> first_sum;
 };
 
 }  // namespace irsig

@@ -7,6 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "core/effects/effects.h"
+#include "schema/image_size.h"
 #include "schema/shard.h"
 
 namespace irsig {
@@ -71,9 +72,21 @@ double shading_cost(const schema::ResolvedSweep& sweep, const Piece& piece) {
   return cost;
 }
 
+// The most that a job may cost: in shading_cost(), and in rows with images.
+struct JobLimits {
+  double shading, rows;
+};
+
+// Of a job, in units of the limit that it is nearest to.
+double size_of_job(const schema::ResolvedSweep& sweep, const Piece& piece, const JobLimits& most) {
+  const double rows =
+      static_cast<double>(size_of(piece.times)) * size_of(piece.seasons) * size_of(piece.bands);
+  return std::max(shading_cost(sweep, piece) / most.shading, rows / most.rows);
+}
+
 // The fewest pieces along one axis that are small enough, or single steps of that axis if none are.
 std::vector<Piece> cut_along(const schema::ResolvedSweep& sweep, const Piece& whole,
-                             Span Piece::*axis, double most) {
+                             Span Piece::*axis, const JobLimits& most) {
   const std::uint32_t steps = size_of(whole.*axis);
   const auto piece = [&](std::uint32_t i, std::uint32_t count) {
     Piece out = whole;
@@ -83,12 +96,12 @@ std::vector<Piece> cut_along(const schema::ResolvedSweep& sweep, const Piece& wh
   // Stops at the first: of 10^5 steps there may be 10^5 counts to try.
   const auto any_above = [&](std::uint32_t count) {
     for (std::uint32_t i = 0; i < count; ++i)
-      if (shading_cost(sweep, piece(i, count)) > most) return true;
+      if (size_of_job(sweep, piece(i, count), most) > 1) return true;
     return false;
   };
-  const double total = shading_cost(sweep, whole);
-  auto count = static_cast<std::uint32_t>(
-      std::clamp(std::ceil(total / most), 1.0, static_cast<double>(steps)));
+  const double total = size_of_job(sweep, whole, most);
+  auto count =
+      static_cast<std::uint32_t>(std::clamp(std::ceil(total), 1.0, static_cast<double>(steps)));
   while (count < steps && any_above(count)) ++count;
   std::vector<Piece> pieces;
   for (std::uint32_t i = 0; i < count; ++i) pieces.push_back(piece(i, count));
@@ -112,15 +125,16 @@ std::vector<Piece> cut_job(const schema::ResolvedSweep& sweep) {
   const schema::Sweep& asked = sweep.sweep();
   const double tracing = (estimated_paths(asked.accuracy()) + profile_paths(asked)) *
                          (1.0 + std::min(3u, asked.transport().max_reflections()));
-  const double most = std::max(1.0, asked.transport().job_size_vertices() / tracing - 1.0);
+  const JobLimits most{std::max(1.0, asked.transport().job_size_vertices() / tracing - 1.0),
+                       most_rows_with_images(asked)};
   std::vector<Piece> pieces = {{.times = {0, static_cast<std::uint32_t>(asked.time_size())},
                                 .seasons = {0, static_cast<std::uint32_t>(asked.season_size())},
                                 .bands = {0, static_cast<std::uint32_t>(asked.band_size())}}};
   for (Span Piece::*axis : {&Piece::times, &Piece::seasons, &Piece::bands}) {
     std::vector<Piece> smaller;
     for (const Piece& piece : pieces) {
-      const auto cuts = shading_cost(sweep, piece) > most ? cut_along(sweep, piece, axis, most)
-                                                          : std::vector{piece};
+      const auto cuts = size_of_job(sweep, piece, most) > 1 ? cut_along(sweep, piece, axis, most)
+                                                            : std::vector{piece};
       smaller.insert(smaller.end(), cuts.begin(), cuts.end());
     }
     pieces = std::move(smaller);

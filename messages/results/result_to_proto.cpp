@@ -134,6 +134,21 @@ absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, con
   out->set_stderr_exr(std::move(stderr_exr));
   out->set_png(std::move(png));
   out->set_exr(std::move(exr));
+  out->set_error_relative(r.image_error_relative);
+  return absl::OkStatus();
+}
+
+absl::Status add_layers(schema::SignatureRow* row, const SignatureResult& r, const ViewResult& view,
+                        const ThumbnailEncoder& encoder) {
+  for (const LayerImage& image : r.layer) {
+    schema::ImageLayer* out = row->add_image_layer();
+    out->set_name(name_of(image.layer));
+    ASSIGN_OR_RETURN(*out->mutable_exr(),
+                     encoder.exr(view.image_width_px, view.image_height_px, image.value));
+    if (image.stderr_.empty()) continue;
+    ASSIGN_OR_RETURN(*out->mutable_stderr_exr(),
+                     encoder.stderr_exr(view.image_width_px, view.image_height_px, image.stderr_));
+  }
   return absl::OkStatus();
 }
 
@@ -221,8 +236,10 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
       set(part->mutable_intensity_w_sr(), r.part_w_sr[p]);
     }
     set_spectrum(row->mutable_spectrum(), r, simulator.band_grids()[r.band]);
-    if (!r.image_w_m2_sr.empty())
+    if (!r.image_w_m2_sr.empty()) {
       RETURN_IF_ERROR(set_thumbnail(row->mutable_thumbnail(), r, view, encoder));
+      RETURN_IF_ERROR(add_layers(row, r, view, *encoder));
+    }
     row->set_stop_reason(reason(r.stop_reason));
     row->set_energy_gain(simulator.energy_gain());
     if (sweep.sweep().place().has_latitude_deg()) {

@@ -12,4 +12,8 @@ namespace irsig {
 // INVALID_ARGUMENT: nothing but a time budget, which pilots turn into samples before jobs are run.
 [[nodiscard]] absl::StatusOr<AccuracySpec> accuracy_from_message(const schema::Accuracy& accuracy);
 
+// INVALID_ARGUMENT "image...": a kind or a layer that there is not, pixels or points that are no
+// numbers of them.
+[[nodiscard]] absl::StatusOr<ImageSpec> image_from_message(const schema::Image& image);
+
 }  // namespace irsig

@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 21;
+PRAGMA user_version = 22;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.
@@ -86,6 +86,7 @@ CREATE TABLE sweep (
   model_sha256 TEXT NOT NULL,
   thumbnail_px INTEGER CHECK (thumbnail_px >= 0),                -- long side of the images; 0: none; NULL: not stated
   profile_rows INTEGER NOT NULL DEFAULT 0 CHECK (profile_rows >= 0),  -- of each signature: points x reflection counts
+  image_layers TEXT NOT NULL DEFAULT '',                         -- names of [image] layers, separated by commas
   uncertain_inputs TEXT NOT NULL DEFAULT '',                     -- keys of [uncertainty], separated by commas
   priority INTEGER NOT NULL DEFAULT 0 CHECK (priority BETWEEN -1000 AND 1000),  -- the highest gives the next job
   physics_version INTEGER CHECK (physics_version > 0),           -- that the job keys were made with; NULL: not known
@@ -471,8 +472,18 @@ CREATE TABLE thumbnail (
   pixel_rad REAL NOT NULL CHECK (pixel_rad > 0),  -- angle of a pixel at the sensor
   png BLOB NOT NULL,                              -- 8 bit, black to white over [0, maximum]
   exr BLOB NOT NULL,                              -- float32 in-band radiance [W/(m2 sr)]
-  stderr_exr BLOB NOT NULL                        -- its standard error, likewise
+  stderr_exr BLOB NOT NULL,                       -- its standard error, likewise
+  error_relative REAL NOT NULL CHECK (error_relative >= 0)  -- root mean square over pixels that the target fills
 ) STRICT;
+
+-- Further images of a row, of the thumbnail's size (docs/reference/sweep-file.md, [image]).
+CREATE TABLE image_layer (
+  signature_id INTEGER NOT NULL REFERENCES thumbnail ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  exr BLOB NOT NULL,        -- float32
+  stderr_exr BLOB NOT NULL,  -- its standard error; empty: none is stored
+  PRIMARY KEY (signature_id, name)
+) STRICT, WITHOUT ROWID;
 
 -- The images of a job's rows show the same parts in the same pixels.
 CREATE TABLE silhouette (

@@ -6,6 +6,9 @@ SELECT thumbnail_px > 0 FROM sweep WHERE sweep_id = ?1 AND thumbnail_px IS NOT N
 -- name: wanted_profile_rows
 SELECT profile_rows FROM sweep WHERE sweep_id = ?1;
 
+-- name: image_layers
+SELECT image_layers FROM sweep WHERE sweep_id = ?1;
+
 -- name: uncertain_inputs
 SELECT uncertain_inputs FROM sweep WHERE sweep_id = ?1;
 
@@ -108,8 +111,11 @@ INSERT INTO energy (
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11);
 
 -- name: insert_thumbnail
-INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr, stderr_exr)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7);
+INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr, stderr_exr, error_relative)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8);
+
+-- name: insert_image_layer
+INSERT INTO image_layer (signature_id, name, exr, stderr_exr) VALUES (?1, ?2, ?3, ?4);
 
 -- name: delete_silhouette
 DELETE FROM silhouette WHERE job_id = ?1;

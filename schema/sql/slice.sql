@@ -125,6 +125,10 @@ INSERT INTO slice.part_intensity
 INSERT INTO slice.thumbnail
   SELECT t.* FROM temp.kept k CROSS JOIN main.thumbnail t ON t.signature_id = k.signature_id
   WHERE k.signature_id > ?1 AND k.signature_id <= ?2;
+-- name: slice_image_layer
+INSERT INTO slice.image_layer
+  SELECT t.* FROM temp.kept k CROSS JOIN main.image_layer t ON t.signature_id = k.signature_id
+  WHERE k.signature_id > ?1 AND k.signature_id <= ?2;
 -- name: slice_ledger
 INSERT INTO slice.ledger
   SELECT t.* FROM temp.kept k CROSS JOIN main.ledger t ON t.signature_id = k.signature_id

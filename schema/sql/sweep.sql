@@ -25,6 +25,9 @@ UPDATE sweep SET profile_rows = ?2 WHERE sweep_id = ?1;
 -- name: set_uncertain_inputs
 UPDATE sweep SET uncertain_inputs = ?2 WHERE sweep_id = ?1;
 
+-- name: set_image_layers
+UPDATE sweep SET image_layers = ?2 WHERE sweep_id = ?1;
+
 -- name: clear_published
 DELETE FROM published WHERE sweep_id = ?1;
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/image_layers.h"
 #include "schema/store/database.h"
 
 namespace irsig {
@@ -190,6 +191,18 @@ absl::Status check_thumbnail(const schema::Thumbnail& thumbnail, const std::stri
   IRSIG_STORE_TRY(check_png(thumbnail.png(), width_px, height_px, path + ".png"));
   IRSIG_STORE_TRY(check_exr(thumbnail.exr(), width_px, height_px, path + ".exr"));
   return check_exr(thumbnail.stderr_exr(), width_px, height_px, path + ".stderr_exr");
+}
+
+absl::Status check_image_layer(const schema::ImageLayer& layer, std::uint32_t width_px,
+                               std::uint32_t height_px, const std::string& path) {
+  const auto known = image_layer_of(layer.name());
+  if (!known) return wrong_picture(path + ".name", "is none that there is");
+  IRSIG_STORE_TRY(check_exr(layer.exr(), width_px, height_px, path + ".exr"));
+  if ((*known == ImageLayer::kAtSensor) == layer.stderr_exr().empty())
+    return wrong_picture(path + ".stderr_exr", "is there or not, unlike that of other rows");
+  return layer.stderr_exr().empty()
+             ? absl::OkStatus()
+             : check_exr(layer.stderr_exr(), width_px, height_px, path + ".stderr_exr");
 }
 
 absl::Status visit_silhouette(const schema::Silhouette& silhouette,

@@ -23,6 +23,11 @@ inline constexpr std::uint32_t kMostPixels = 4096;
 [[nodiscard]] absl::Status check_thumbnail(const schema::Thumbnail& thumbnail,
                                            const std::string& path);
 
+// Checks a layer of an image of that size likewise; its name is one of kImageLayers.
+[[nodiscard]] absl::Status check_image_layer(const schema::ImageLayer& layer,
+                                             std::uint32_t width_px, std::uint32_t height_px,
+                                             const std::string& path);
+
 // Calls visit(place of the part, pixel, count) for each pixel that shows a part, one part after the
 // other. DATA_LOSS as soon as something is found that no worker makes: a frame of another size than
 // images have, a part twice, a box that is not in the frame, damaged counts or none but zeros, a

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/image_layers.h"
 #include "core/base/printable.h"
 #include "schema/store/check_picture.h"
 #include "schema/store/check_result.h"
@@ -51,6 +52,7 @@ constexpr auto kRanges = std::to_array<RangeOfName>({
     {"escaped_to_surface", {0, 10}},
     {"cut_off", {0, 10}},
     {"balance", {0, 10}},
+    {"error_relative", {0, HUGE_VAL}},
     {"_w_sr", {-1e27, 1e27}},
     {"_w_sr_um", {-1e27, 1e27}},
     {"_w_m2_sr", {-1e18, 1e18}},
@@ -256,9 +258,17 @@ absl::Status check_plausible_row(const schema::SignatureRow& row, const std::str
     IRSIG_STORE_TRY(check_text(profile.name(), 1000, path + ".profile.name"));
   }
   IRSIG_STORE_TRY(check_sums(row, path));
-  if (!row.has_thumbnail()) return absl::OkStatus();
+  if (!row.has_thumbnail())
+    return row.image_layer().empty() ? absl::OkStatus()
+                                     : implausible(path + ".image_layer", "is of no image");
   IRSIG_STORE_TRY(check_ranges(row.thumbnail(), path + ".thumbnail"));
-  return check_thumbnail(row.thumbnail(), path + ".thumbnail");
+  IRSIG_STORE_TRY(check_thumbnail(row.thumbnail(), path + ".thumbnail"));
+  if (static_cast<std::size_t>(row.image_layer_size()) > kImageLayers.size())
+    return implausible(path + ".image_layer", "has more elements than there are layers");
+  for (const schema::ImageLayer& layer : row.image_layer())
+    IRSIG_STORE_TRY(check_image_layer(layer, row.thumbnail().width_px(),
+                                      row.thumbnail().height_px(), path + ".image_layer"));
+  return absl::OkStatus();
 }
 
 }  // namespace

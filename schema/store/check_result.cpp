@@ -142,8 +142,18 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, bool plume, const 
   return absl::OkStatus();
 }
 
-absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& expected,
-                       const std::string& path) {
+absl::Status check_layers(const schema::SignatureRow& row, const ExpectedResult& expected,
+                          const std::string& path) {
+  const std::size_t layers = row.has_thumbnail() ? expected.image_layers.size() : 0;
+  bool as_asked = static_cast<std::size_t>(row.image_layer_size()) == layers;
+  for (std::size_t i = 0; as_asked && i < layers; ++i)
+    as_asked = row.image_layer(static_cast<int>(i)).name() == expected.image_layers[i];
+  return as_asked ? absl::OkStatus()
+                  : wrong(path + ".image_layer", "has other layers than the sweep asks for");
+}
+
+absl::Status check_row_but_spectrum(const schema::SignatureRow& row, const ExpectedResult& expected,
+                                    const std::string& path) {
   const google::protobuf::Descriptor& type = *row.GetDescriptor();
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor* field = type.field(i);
@@ -203,6 +213,12 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
       return wrong(path + ".thumbnail", "is incomplete");
     }
   }
+  return check_layers(row, expected, path);
+}
+
+absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& expected,
+                       const std::string& path) {
+  IRSIG_STORE_TRY(check_row_but_spectrum(row, expected, path));
   return check_spectrum(row.spectrum(), row.has_plume_w_sr(), path + ".spectrum");
 }
 

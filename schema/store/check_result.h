@@ -17,8 +17,9 @@ struct ExpectedResult {
   std::vector<std::uint32_t> condition_index;
   std::vector<std::uint32_t> band_index;
   std::size_t parts;
-  std::size_t profile_rows;       // of each condition and band
-  std::optional<bool> thumbnail;  // whether images were asked for
+  std::size_t profile_rows;               // of each condition and band
+  std::optional<bool> thumbnail;          // whether images were asked for
+  std::vector<std::string> image_layers;  // of each row with an image, in this order
   LedgerNames ledger;
   std::vector<std::string> inputs;  // uncertain ones, of each row
 };

@@ -135,6 +135,8 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_thumbnail, signature_id).status());
     IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_image_layers, signature_id).status());
+    IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_silhouette, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_part_pixels, signature_id).status());

@@ -213,10 +213,18 @@ class Examination {
         modes.add(s.name);
       }
       ASSIGN_OR_RETURN(const auto thumbnail, reader_.thumbnail(s.id));
-      if (thumbnail && (!check_thumbnail(*thumbnail, s.name).ok() || !shows_parts(s.id)))
+      if (thumbnail && (!check_thumbnail(*thumbnail, s.name).ok() || !shows_parts(s.id) ||
+                        !layers_are_whole(s.id, *thumbnail)))
         images.add(s.name);
     }
     return absl::OkStatus();
+  }
+
+  bool layers_are_whole(std::int64_t signature_id, const schema::Thumbnail& thumbnail) {
+    const auto layers = reader_.image_layers(signature_id);
+    return layers.ok() && std::all_of(layers->begin(), layers->end(), [&](const auto& layer) {
+             return check_image_layer(layer, thumbnail.width_px(), thumbnail.height_px(), "").ok();
+           });
   }
 
   // Whether the silhouette of a row with an image is there and whole.

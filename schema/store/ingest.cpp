@@ -158,9 +158,14 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
   }
   if (!row.has_thumbnail()) return absl::OkStatus();
   const schema::Thumbnail& thumbnail = row.thumbnail();
-  return database.run(sql::insert_thumbnail, signature_id, thumbnail.width_px(),
-                      thumbnail.height_px(), thumbnail.pixel_rad(), Blob{thumbnail.png()},
-                      Blob{thumbnail.exr()}, Blob{thumbnail.stderr_exr()});
+  IRSIG_STORE_TRY(database.run(sql::insert_thumbnail, signature_id, thumbnail.width_px(),
+                               thumbnail.height_px(), thumbnail.pixel_rad(), Blob{thumbnail.png()},
+                               Blob{thumbnail.exr()}, Blob{thumbnail.stderr_exr()},
+                               thumbnail.error_relative()));
+  for (const schema::ImageLayer& layer : row.image_layer())
+    IRSIG_STORE_TRY(database.run(sql::insert_image_layer, signature_id, layer.name(),
+                                 Blob{layer.exr()}, Blob{layer.stderr_exr()}));
+  return absl::OkStatus();
 }
 
 absl::Status insert_silhouette(Database& database, const LeasedJob& job,
@@ -225,9 +230,10 @@ absl::Status store_temperatures(Database& database, const LeasedJob& job,
   return savepoint->keep();
 }
 
-absl::StatusOr<std::vector<std::string>> uncertain_inputs_of(Database& database,
-                                                             std::int64_t sweep_id) {
-  ASSIGN_OR_RETURN(Rows row, database.query(sql::uncertain_inputs, sweep_id));
+// Of a column of the sweep that separates them by commas.
+absl::StatusOr<std::vector<std::string>> listed_names(Database& database, const char* query,
+                                                  std::int64_t sweep_id) {
+  ASSIGN_OR_RETURN(Rows row, database.query(query, sweep_id));
   ASSIGN_OR_RETURN(const bool found, row.next());
   if (!found) return absl::InternalError("a job of no sweep");
   return std::vector<std::string>(absl::StrSplit(row.text(), ',', absl::SkipEmpty()));
@@ -243,7 +249,9 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
                    database.integer(sql::wanted_profile_rows, job.sweep_id));
   ASSIGN_OR_RETURN(const LedgerNames names, ledger_names(database));
   ASSIGN_OR_RETURN(const std::vector<std::string> inputs,
-                   uncertain_inputs_of(database, job.sweep_id));
+                   listed_names(database, sql::uncertain_inputs, job.sweep_id));
+  ASSIGN_OR_RETURN(const std::vector<std::string> layers,
+                   listed_names(database, sql::image_layers, job.sweep_id));
   IRSIG_STORE_TRY(check_result(
       result, {.job_key = job.job_key,
                .condition_index = job.view.condition_index,
@@ -251,6 +259,7 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
                .parts = parts.size(),
                .profile_rows = static_cast<std::size_t>(profile_rows),
                .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt,
+               .image_layers = layers,
                .ledger = names,
                .inputs = inputs}));
   ASSIGN_OR_RETURN(std::unique_ptr<Savepoint> savepoint, Savepoint::open(database));

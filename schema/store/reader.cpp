@@ -126,7 +126,36 @@ absl::StatusOr<std::optional<schema::Thumbnail>> StoreReader::thumbnail(std::int
   thumbnail.set_png(row.text());
   thumbnail.set_exr(row.text());
   thumbnail.set_stderr_exr(row.text());
+  thumbnail.set_error_relative(row.real());
   return thumbnail;
+}
+
+absl::StatusOr<std::vector<schema::ImageLayer>> StoreReader::image_layers(
+    std::int64_t signature_id) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  std::vector<schema::ImageLayer> layers;
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::image_layers_of_signature, signature_id));
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return layers;
+    schema::ImageLayer& layer = layers.emplace_back();
+    layer.set_name(row.text());
+    layer.set_exr(row.text());
+    layer.set_stderr_exr(row.text());
+  }
+}
+
+absl::StatusOr<std::optional<schema::ImageLayer>> StoreReader::image_layer(
+    std::int64_t signature_id, const std::string& name) {
+  IRSIG_STORE_TRY(check_exists(signature_id));
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::image_layer_of_signature, signature_id, name));
+  ASSIGN_OR_RETURN(const bool found, row.next());
+  if (!found) return std::nullopt;
+  schema::ImageLayer layer;
+  layer.set_name(name);
+  layer.set_exr(row.text());
+  layer.set_stderr_exr(row.text());
+  return layer;
 }
 
 absl::StatusOr<std::optional<StoredSilhouette>> StoreReader::silhouette(std::int64_t signature_id) {

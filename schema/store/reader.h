@@ -52,6 +52,10 @@ class StoreReader {
   // Returns inputs in the order of the grammar; none of a sweep without [uncertainty].
   absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id);
   absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id);
+  // Returns the further images of a row, by name; nullopt: it has none of that name.
+  absl::StatusOr<std::vector<schema::ImageLayer>> image_layers(std::int64_t signature_id);
+  absl::StatusOr<std::optional<schema::ImageLayer>> image_layer(std::int64_t signature_id,
+                                                                const std::string& name);
   // Returns the parts that the images of the signature's job show. DATA_LOSS: they are damaged.
   absl::StatusOr<std::optional<StoredSilhouette>> silhouette(std::int64_t signature_id);
   // Returns rows in the order of sweeps, rows, profiles, points and numbers of reflections.

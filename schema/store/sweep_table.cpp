@@ -181,6 +181,8 @@ class SweepUpdate {
       rows += points * static_cast<std::uint64_t>(profile.reflections_size());
     }
     IRSIG_STORE_TRY(database_.run(sql::set_profile_rows, sweep_id_, rows));
+    IRSIG_STORE_TRY(database_.run(sql::set_image_layers, sweep_id_,
+                                  absl::StrJoin(sweep.image().layers(), ",")));
     IRSIG_STORE_TRY(database_.run(sql::set_uncertain_inputs, sweep_id_,
                                   absl::StrJoin(input_names(sweep_), ",")));
     IRSIG_STORE_TRY(database_.run(sql::clear_published, sweep_id_));

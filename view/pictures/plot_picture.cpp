@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
+#include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
 #include "core/spectral/band.h"
 #include "core/spectral/planck.h"
@@ -85,19 +87,41 @@ std::vector<double> coarser(const std::vector<float>& fine, std::uint32_t width_
   return out;
 }
 
+// What a picture's numbers are.
+enum class Shows : std::uint8_t {
+  kTarget,  // radiance times the fraction of the pixel that the target fills
+  kTargetAndGas,
+  kOfTarget,  // a mean over what the pixel shows of the target
+  kAll        // whatever stands there
+};
+
+Shows what_is_shown(const std::string& layer, bool gas) {
+  if (layer.empty()) return gas ? Shows::kTargetAndGas : Shows::kTarget;
+  const auto known = image_layer_of(layer);
+  if (!known || *known == ImageLayer::kAtSensor || *known == ImageLayer::kBackground ||
+      *known == ImageLayer::kPath)
+    return Shows::kAll;
+  return *known == ImageLayer::kTemperature || *known == ImageLayer::kRange ? Shows::kOfTarget
+                                                                            : Shows::kTarget;
+}
+
 // The target's own radiance where it fills at least half of a pixel; of a target that does so
 // nowhere, wherever it is seen. Before and behind gas: what is sent, by target and gas together.
-Pixels shown(const PictureAnswer& stored, const StoredSilhouette& silhouette, bool gas,
+Pixels shown(const PictureAnswer& stored, const StoredSilhouette& silhouette, Shows what,
              std::uint32_t side) {
   Pixels out{(stored.width_px + side - 1) / side, (stored.height_px + side - 1) / side, {}};
-  const std::vector<double> sent = coarser(stored.pixel, stored.width_px, stored.height_px, side);
-  const std::vector<double> filled =
-      coarser(filled_fractions(silhouette), stored.width_px, stored.height_px, side);
+  std::vector<float> numbers = stored.pixel;
+  const std::vector<float> fraction = filled_fractions(silhouette);
+  if (what == Shows::kOfTarget)
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] *= fraction[i];
+  const std::vector<double> sent = coarser(numbers, stored.width_px, stored.height_px, side);
+  const std::vector<double> filled = coarser(fraction, stored.width_px, stored.height_px, side);
   const double most = *std::max_element(filled.begin(), filled.end());
   const double least = most < 0.5 ? std::numeric_limits<double>::min() : 0.5 - 1e-9;
   for (std::size_t i = 0; i < sent.size(); ++i) {
-    const double value = gas ? sent[i] : sent[i] / filled[i];
-    const bool seen = gas ? sent[i] != 0 : filled[i] >= least;
+    const bool own = what == Shows::kTarget || what == Shows::kOfTarget;
+    const double value = own ? sent[i] / filled[i] : sent[i];
+    const bool seen = own ? filled[i] >= least : what == Shows::kAll || sent[i] != 0;
     out.radiance_w_m2_sr.push_back(seen ? static_cast<float>(value)
                                         : std::numeric_limits<float>::quiet_NaN());
   }
@@ -107,11 +131,26 @@ Pixels shown(const PictureAnswer& stored, const StoredSilhouette& silhouette, bo
 // A row with the stored image that it shall show.
 struct StoredImage {
   StoredSignature signature;
-  schema::Thumbnail thumbnail;
+  std::string exr;
+  std::uint32_t width_px = 0, height_px = 0;
   StoredSilhouette silhouette;
 };
 
-absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<QueryRow>& row) {
+absl::StatusOr<std::string> layer_of(StoreReader& reader, const StoredSignature& s,
+                                     const std::string& name) {
+  ASSIGN_OR_RETURN(auto layer, reader.image_layer(s.signature_id, name));
+  if (layer) return std::move(*layer->mutable_exr());
+  ASSIGN_OR_RETURN(const auto layers, reader.image_layers(s.signature_id));
+  std::string names;
+  for (const schema::ImageLayer& one : layers) names += (names.empty() ? "" : ", ") + one.name();
+  return absl::NotFoundError(
+      fmt::format("the image of row {} has no layer {}: {}", s.row, name,
+                  names.empty() ? "it has none; the sweep asks for them with [image] layers"
+                                : "it has " + names));
+}
+
+absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<QueryRow>& row,
+                                     const std::string& layer) {
   ASSIGN_OR_RETURN(auto thumbnail, stored_thumbnail(reader, row));
   const StoredSignature& s = row.front().signature;
   auto silhouette = reader.silhouette(s.signature_id);
@@ -121,19 +160,24 @@ absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<Quer
     return absl::DataLossError(fmt::format("the stored image of row {} is damaged: {}", s.row,
                                            std::string(silhouette.status().message())));
   if (!silhouette.ok()) return silhouette.status();
-  return StoredImage{s, std::move(thumbnail), **std::move(silhouette)};
+  StoredImage out{s, std::move(*thumbnail.mutable_exr()), thumbnail.width_px(),
+                  thumbnail.height_px(), **std::move(silhouette)};
+  if (!layer.empty()) {
+    ASSIGN_OR_RETURN(out.exr, layer_of(reader, s, layer));
+  }
+  return out;
 }
 
 //   long_side_px  absent: as it is stored
 absl::StatusOr<std::vector<Pixels>> pixels_of(StoreReader& reader,
                                               const std::vector<StoredImage>& images,
+                                              const std::string& layer,
                                               const std::optional<std::uint32_t>& long_side_px,
                                               const ReadPictures& read) {
   std::vector<PictureTask> tasks;
   for (const StoredImage& image : images) {
     ASSIGN_OR_RETURN(const auto most_px, most_px_of(reader, image.signature));
-    tasks.push_back(
-        {.exr = image.thumbnail.exr(), .most_px = most_px, .paint = false, .pixels = true});
+    tasks.push_back({.exr = image.exr, .most_px = most_px, .paint = false, .pixels = true});
   }
   ASSIGN_OR_RETURN(const auto answers, read(tasks));
   if (answers.size() != images.size())
@@ -156,7 +200,7 @@ absl::StatusOr<std::vector<Pixels>> pixels_of(StoreReader& reader,
       return absl::InvalidArgumentError(
           fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
     const std::uint32_t side = long_side_px ? (longest + *long_side_px - 1) / *long_side_px : 1;
-    out.push_back(shown(stored, silhouette, !std::isnan(s.plume_w_sr), side));
+    out.push_back(shown(stored, silhouette, what_is_shown(layer, !std::isnan(s.plume_w_sr)), side));
   }
   return out;
 }
@@ -175,11 +219,17 @@ absl::StatusOr<ColorRange> range_of_most(const std::vector<float>& values) {
 }
 
 // Title, colours and axes of a picture whose pixels are there.
-absl::Status finish(StoreReader& reader, const StoredSignature& s,
+absl::Status finish(StoreReader& reader, const StoredSignature& s, const std::string& layer,
                     const std::optional<ColorRange>& range, FalseColorPicture& picture) {
-  ASSIGN_OR_RETURN(const auto band, band_of(reader, s));
   ASSIGN_OR_RETURN(const auto own, range_of_most(picture.value));
   picture.range = range.value_or(own);
+  if (layer == name_of(ImageLayer::kTemperature) || layer == name_of(ImageLayer::kRange)) {
+    picture.axis = bar_axis(
+        layer == name_of(ImageLayer::kRange) ? "Distance from the sensor in m" : "Temperature in K",
+        picture.range);
+    return absl::OkStatus();
+  }
+  ASSIGN_OR_RETURN(const auto band, band_of(reader, s));
   picture.axis = bar_axis("In-band radiance in W/(m\u00b2 sr)", picture.range);
   picture.other = temperature_axis(band, picture.range);
   return absl::OkStatus();
@@ -190,9 +240,17 @@ std::string aspect_title(const StoredSignature& s) {
                      s.aspect_elevation_deg);
 }
 
-constexpr const char* kWhatIsShown =
-    "Radiance at the target, without the air. Colours from the 1st to the 99th percentile unless "
-    "stated. Grey: less than half of the pixel is target, or nothing of a small one or of its gas";
+std::string subtitle_of(const std::string& layer) {
+  const auto known = image_layer_of(layer);
+  std::string what = known ? kImageLayers[static_cast<std::size_t>(*known)].what
+                           : "radiance at the target, without the air";
+  what[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(what[0])));
+  what += ". Colours from the 1st to the 99th percentile unless stated";
+  if (what_is_shown(layer, false) != Shows::kAll)
+    what +=
+        ". Grey: less than half of the pixel is target, or nothing of a small one or of its gas";
+  return what;
+}
 
 // Pictures in a sheet, and its pixels: those of 200 images of 512 x 512.
 constexpr std::size_t kMostInSheet = 200;
@@ -203,30 +261,32 @@ constexpr std::size_t kMostPixelsInSheet = 200 * 512 * 512;
 absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Query& query,
                                                    const std::optional<ColorRange>& range,
                                                    const std::optional<std::uint32_t>& long_side_px,
-                                                   const ReadPictures& read) {
+                                                   const ReadPictures& read,
+                                                   const std::string& layer) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
   ASSIGN_OR_RETURN(const auto rows, run_query(reader, asked));
-  ASSIGN_OR_RETURN(auto image, image_of(reader, rows));
+  ASSIGN_OR_RETURN(auto image, image_of(reader, rows, layer));
   const StoredSignature s = image.signature;
   std::vector<StoredImage> images;
   images.push_back(std::move(image));
-  ASSIGN_OR_RETURN(auto pixels, pixels_of(reader, images, long_side_px, read));
+  ASSIGN_OR_RETURN(auto pixels, pixels_of(reader, images, layer, long_side_px, read));
   FalseColorPicture out;
   out.title = fmt::format("{}, {} {}, {}, {}, {}", s.sweep, s.season, s.time_utc, band_title(s),
                           aspect_title(s), range_title(s.range_m));
-  out.subtitle = kWhatIsShown;
+  out.subtitle = subtitle_of(layer);
   out.width_px = pixels[0].width_px;
   out.height_px = pixels[0].height_px;
   out.value = std::move(pixels[0].radiance_w_m2_sr);
-  RETURN_IF_ERROR(finish(reader, s, range, out));
+  RETURN_IF_ERROR(finish(reader, s, layer, range, out));
   return out;
 }
 
 absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query& query,
                                                 const std::optional<ColorRange>& range,
                                                 const std::optional<std::uint32_t>& long_side_px,
-                                                const ReadPictures& read) {
+                                                const ReadPictures& read,
+                                                const std::string& layer) {
   if (query.interpolate)
     return absl::InvalidArgumentError("--kind sheet: images are not interpolated, use --nearest");
   ASSIGN_OR_RETURN(const auto rows, run_query(reader, query));
@@ -251,8 +311,8 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
     one_range &= s.range_m == first.range_m;
     one_place &= s.aspect_azimuth_deg == first.aspect_azimuth_deg &&
                  s.aspect_elevation_deg == first.aspect_elevation_deg;
-    ASSIGN_OR_RETURN(auto image, image_of(reader, {row}));
-    stored_px += std::size_t{image.thumbnail.width_px()} * image.thumbnail.height_px();
+    ASSIGN_OR_RETURN(auto image, image_of(reader, {row}, layer));
+    stored_px += std::size_t{image.width_px} * image.height_px;
     if (stored_px > kMostPixelsInSheet)
       return absl::InvalidArgumentError(
           fmt::format("a sheet of {} such large images: expected at most {} pixels in all: choose "
@@ -260,7 +320,7 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
                       rows.size(), kMostPixelsInSheet));
     images.push_back(std::move(image));
   }
-  ASSIGN_OR_RETURN(const auto pixels, pixels_of(reader, images, long_side_px, read));
+  ASSIGN_OR_RETURN(const auto pixels, pixels_of(reader, images, layer, long_side_px, read));
   std::uint32_t width = 0, height = 0;
   for (const Pixels& p : pixels) {
     width = std::max(width, p.width_px);
@@ -300,8 +360,8 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
   if (one_season) out.title += ", " + first.season;
   if (one_season && one_time) out.title += " " + first.time_utc;
   if (one_place) out.title += ", " + aspect_title(first);
-  out.subtitle = kWhatIsShown;
-  RETURN_IF_ERROR(finish(reader, first, range, out));
+  out.subtitle = subtitle_of(layer);
+  RETURN_IF_ERROR(finish(reader, first, layer, range, out));
   return out;
 }
 

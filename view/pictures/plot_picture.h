@@ -19,16 +19,21 @@ namespace irsig {
 // the blackbody with the same in-band radiance. Errors: those of run_query and of stored_thumbnail
 // (thumbnail.h); NOT_FOUND: it shows nothing of the target.
 //
+//   layer         empty: the radiance at the target; else a further image of the row
+//   (kImageLayers).
+//                 NOT_FOUND: the row has no such layer
 //   long_side_px  at most: pixels are means over squares of stored ones; without: as many as are
 //                 stored. INVALID_ARGUMENT: more than are stored
 [[nodiscard]] absl::StatusOr<FalseColorPicture> radiance_picture(
     StoreReader& reader, const Query& query, const std::optional<ColorRange>& range,
-    const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read);
+    const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read,
+    const std::string& layer = "");
 
 // Returns the stored images of up to 200 rows of one sweep and band, on one scale, each with a
 // label of what is its own: season, time, azimuth and elevation. Arguments and errors as above.
 [[nodiscard]] absl::StatusOr<FalseColorPicture> sheet_picture(
     StoreReader& reader, const Query& query, const std::optional<ColorRange>& range,
-    const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read);
+    const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read,
+    const std::string& layer = "");
 
 }  // namespace irsig

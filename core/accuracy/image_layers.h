@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace irsig {
+
+// Further images of a row beside the target's radiance. Those of light add up:
+// emitted + sun + sky + surface + parts is the image. With at_sensor they are what arrives at the
+// sensor, and
+//   at_sensor = emitted + sun + sky + surface + parts + path + background - hidden
+// path + background is what the sensor sees without the target.
+enum class ImageLayer : std::uint8_t {
+  kEmitted,
+  kSun,
+  kSky,
+  kSurface,
+  kParts,
+  kPath,
+  kBackground,
+  kHidden,
+  kAtSensor,
+  kTemperature,
+  kRange
+};
+
+struct ImageLayerInfo {
+  const char *name, *unit, *what;
+};
+inline constexpr std::array<ImageLayerInfo, 11> kImageLayers = {{
+    {"emitted", "W/(m2 sr)", "light that the target emits"},
+    {"sun", "W/(m2 sr)", "direct sunlight that it reflects"},
+    {"sky", "W/(m2 sr)", "light of the sky that it reflects"},
+    {"surface", "W/(m2 sr)", "light of sea or ground that it reflects"},
+    {"parts", "W/(m2 sr)", "light of its own parts that it reflects"},
+    {"path", "W/(m2 sr)", "light of the air between target and sensor"},
+    {"background", "W/(m2 sr)",
+     "light of what stands behind and beside the target, without that of the path"},
+    {"hidden", "W/(m2 sr)", "of the background what the target hides"},
+    {"at_sensor", "W/(m2 sr)", "all that the sensor sees"},
+    {"temperature", "K", "mean over what a pixel shows of the target; 0 where it shows none"},
+    {"range", "m", "distance from the sensor, likewise"},
+}};
+[[nodiscard]] constexpr const char* name_of(ImageLayer layer) {
+  return kImageLayers[static_cast<std::size_t>(layer)].name;
+}
+[[nodiscard]] constexpr std::optional<ImageLayer> image_layer_of(std::string_view name) {
+  for (std::size_t i = 0; i < kImageLayers.size(); ++i)
+    if (kImageLayers[i].name == name) return static_cast<ImageLayer>(i);
+  return std::nullopt;
+}
+
+}  // namespace irsig

@@ -1,0 +1,37 @@
+#include "schema/image_size.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace irsig {
+namespace {
+
+double pixels_of(const schema::Image& image) {
+  return image.pixels_size() == 2 ? static_cast<double>(image.pixels(0)) * image.pixels(1) : 0;
+}
+
+}  // namespace
+
+double image_bytes_of_row(const schema::Sweep& sweep) {
+  // Radiances are float32, packed if that makes them less; standard errors take a quarter. And a
+  // grey picture to look at.
+  constexpr double kBytesOfLayer = 4, kBytesOfRest = 1 + 1 + 1;
+  const schema::Image& image = sweep.image();
+  return pixels_of(image) * (kBytesOfLayer * (1 + image.layers_size()) + kBytesOfRest);
+}
+
+double image_memory_of_row(const schema::Sweep& sweep) {
+  // At the target and at the sensor: sums, errors, and the sums of six kinds of light; then the
+  // pixels and their errors as numbers, twice for a moment.
+  constexpr double kBytesOfTracing = 2 * (8 + 4 + 6 * 4), kBytesOfLayer = 8;
+  const schema::Image& image = sweep.image();
+  return pixels_of(image) * (kBytesOfTracing + kBytesOfLayer * (2 + image.layers_size())) +
+         image_bytes_of_row(sweep);
+}
+
+double most_rows_with_images(const schema::Sweep& sweep) {
+  const double bytes = image_bytes_of_row(sweep);
+  return bytes > 0 ? std::max(1.0, std::floor(kMostImageBytes / bytes)) : HUGE_VAL;
+}
+
+}  // namespace irsig

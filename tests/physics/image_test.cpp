@@ -1,0 +1,310 @@
+// Rationale: an image of its own frame, accuracy and layers shows what a sensor would see: where
+// the target stands, how far it is, what it emits and reflects, and what stands beside it. Expected
+// where everything has one temperature: the target cannot be seen. Layers add up. The image with
+// the target less the one without adds up to the row's contrast, also for targets far below a
+// pixel. Errors are as small as they are asked to be, and true. Source: closed forms; the row.
+#include <cmath>
+
+#include "core/signature/pixel_background.h"
+#include "tests/physics/scene_fixture.h"
+
+namespace irsig {
+namespace {
+
+using namespace fixture;
+
+const std::vector<ImageLayer> kAll = {
+    ImageLayer::kEmitted,  ImageLayer::kSun,         ImageLayer::kSky,        ImageLayer::kSurface,
+    ImageLayer::kParts,    ImageLayer::kPath,        ImageLayer::kBackground, ImageLayer::kHidden,
+    ImageLayer::kAtSensor, ImageLayer::kTemperature, ImageLayer::kRange};
+
+ImageSpec framed(std::uint32_t width_px, std::uint32_t height_px, double margin = 0.05) {
+  ImageSpec out;
+  out.width_px = width_px;
+  out.height_px = height_px;
+  out.margin = margin;
+  out.layer = kAll;
+  return out;
+}
+
+ImageSpec camera(std::uint32_t width_px, std::uint32_t height_px, double field_of_view_rad) {
+  ImageSpec out = framed(width_px, height_px);
+  out.camera.emplace().field_of_view_rad = field_of_view_rad;
+  return out;
+}
+
+ViewResult simulated(const Simulator& simulator, const ViewRequest& r) {
+  auto view = simulator.simulate(r);
+  EXPECT_TRUE(view.ok()) << view.status();
+  return *std::move(view);
+}
+
+const std::vector<float>& values(const SignatureResult& row, ImageLayer layer) {
+  for (const LayerImage& image : row.layer)
+    if (image.layer == layer) return image.value;
+  ADD_FAILURE() << "no layer " << name_of(layer);
+  return row.image_w_m2_sr;
+}
+
+double at(const SignatureResult& row, ImageLayer layer, std::size_t pixel) {
+  return static_cast<double>(values(row, layer)[pixel]);
+}
+
+// A ship by day above a sea of another temperature, in grey air.
+struct Day {
+  SceneSpec scene;
+  ViewRequest request;
+};
+Day day(double elevation_deg = 10) {
+  Day out;
+  out.scene.mesh = generated("frigate", 2000);
+  out.scene.material = {*builtin_material("hull")};
+  out.scene.part = {{"hot", {"funnel*"}, 0, false, true}, {"ship", {}, 0, false, false, true}};
+  out.scene.band = {mwir(), lwir()};
+  const auto simulator = simulator_of(out.scene);
+  out.request = request(*simulator, 60, elevation_deg, 2000, {400, 300});
+  ConditionSpec& c = out.request.condition[0];
+  c.surroundings = {SurroundingsKind::kSea, 240, 0, 290, 0.96, 0};
+  c.sun = true;
+  c.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
+  c.sun_cos_zenith = 0.8 / std::sqrt(0.98);
+  c.sun_angular_radius_deg = 0.266;
+  c.sun_scale = 0.6;
+  c.air_temperature_k = 285;
+  c.above_surface_m = 10;
+  out.request.air = {AirModel::kHomogeneous, 1e-4, 101325, 287, true};
+  out.request.max_reflections = 3;
+  return out;
+}
+
+TEST(Image, LayersAddUp) {
+  Day d = day();
+  d.request.image = framed(80, 50);
+  const auto simulator = simulator_of(d.scene);
+  for (const SignatureResult& row : simulated(*simulator, d.request).row) {
+    const double brightest = *std::max_element(row.image_w_m2_sr.begin(), row.image_w_m2_sr.end());
+    double hidden = 0;
+    for (std::size_t i = 0; i < row.image_w_m2_sr.size(); ++i) {
+      double sum = -at(row, ImageLayer::kHidden, i);
+      for (std::size_t layer = 0; layer <= static_cast<std::size_t>(ImageLayer::kBackground);
+           ++layer)
+        sum += at(row, kAll[layer], i);
+      EXPECT_NEAR(sum, at(row, ImageLayer::kAtSensor, i), 1e-6 * brightest) << i;
+      hidden += at(row, ImageLayer::kHidden, i);
+    }
+    EXPECT_GT(hidden, 0);
+  }
+  // Without what a sensor sees, they are at the target.
+  std::erase_if(d.request.image->layer,
+                [](ImageLayer l) { return l > ImageLayer::kParts && l != ImageLayer::kRange; });
+  for (const SignatureResult& row : simulated(*simulator, d.request).row)
+    for (std::size_t i = 0; i < row.image_w_m2_sr.size(); ++i) {
+      double sum = 0;
+      for (std::size_t layer = 0; layer <= static_cast<std::size_t>(ImageLayer::kParts); ++layer)
+        sum += at(row, kAll[layer], i);
+      const auto pixel = static_cast<double>(row.image_w_m2_sr[i]);
+      EXPECT_NEAR(sum, pixel, 1e-6 * pixel) << i;
+    }
+}
+
+TEST(Image, ShowsNothingWhereAllHasOneTemperature) {
+  Day d = day(1.0);
+  ConditionSpec& c = d.request.condition[0];
+  c.part_temperature_k = {290, 290};
+  c.surroundings = {SurroundingsKind::kSea, 290, 0, 290, 1, 0};
+  c.sun = false;
+  c.air_temperature_k = 290;
+  d.request.max_reflections = 64;
+  d.request.image = camera(64, 48, 0.3);
+  d.request.image->samples = 64;
+  const auto simulator = simulator_of(d.scene);
+  const ViewResult view = simulated(*simulator, d.request);
+  ASSERT_FALSE(view.seen.empty());
+  for (const SignatureResult& row : view.row) {
+    const LayerImage& seen = row.layer[static_cast<std::size_t>(ImageLayer::kAtSensor)];
+    const auto black = static_cast<double>(seen.value.front());  // beside the target
+    int outside = 0;
+    for (std::size_t i = 0; i < seen.value.size(); ++i) {
+      const double off = static_cast<double>(seen.value[i]) - black;
+      EXPECT_LT(std::abs(off), 0.02 * black) << i;
+      outside += std::abs(off) > 3 * static_cast<double>(seen.stderr_[i]) + 1e-6 * black;
+    }
+    EXPECT_LT(outside, 0.02 * static_cast<double>(seen.value.size()));
+    EXPECT_NEAR(row.contrast_intensity_w_sr.value, 0, 4 * row.contrast_numerical_error_w_sr);
+  }
+}
+
+// From a target that fills most of the picture to one of 0.03 pixels; before the horizon, too.
+TEST(Image, WithLessWithoutTheTargetIsItsContrast) {
+  for (const double elevation_deg : {-0.1, 0.2, 10.0})
+    for (const double margin : {0.02, 5.0, 60.0}) {
+      Day d = day(elevation_deg);
+      d.request.accuracy.samples_per_replicate = 1u << 13;
+      d.request.image = framed(48, 32, margin);
+      if (margin < 1) d.request.image->samples = 64;
+      const auto simulator = simulator_of(d.scene);
+      const ViewResult view = simulated(*simulator, d.request);
+      for (const SignatureResult& row : view.row) {
+        double sum = 0, square = 0;
+        const LayerImage& seen = row.layer[static_cast<std::size_t>(ImageLayer::kAtSensor)];
+        const double of_pixel = std::pow(view.pixel_rad * d.request.viewpoint.range_m, 2);
+        for (std::size_t i = 0; i < seen.value.size(); ++i) {
+          const double x = (static_cast<double>(i % 48) - 23.5) * view.pixel_rad,
+                       y = (static_cast<double>(i / 48) - 15.5) * view.pixel_rad;
+          const double m2 = of_pixel * std::pow(1 + x * x + y * y, -1.5);
+          sum += m2 * (static_cast<double>(seen.value[i]) - at(row, ImageLayer::kPath, i) -
+                       at(row, ImageLayer::kBackground, i));
+          // float32 of what is seen
+          square += std::pow(m2 * std::max(static_cast<double>(seen.stderr_[i]),
+                                           6e-8 * static_cast<double>(seen.value[i])),
+                             2);
+        }
+        const double error = std::hypot(std::sqrt(square), row.contrast_intensity_w_sr.stderr_);
+        EXPECT_NEAR(sum, row.contrast_intensity_w_sr.value, 4 * error)
+            << elevation_deg << " deg, " << margin << ", band " << row.band;
+        EXPECT_LT(error, 0.05 * std::abs(row.contrast_intensity_w_sr.value) +
+                             0.005 * row.intensity_w_sr.value);
+      }
+    }
+}
+
+// A plate before the axis: where it is in the picture, how far, and how warm.
+TEST(Image, CamerasShowThePlaceTheRangeAndTheTemperature) {
+  SceneSpec scene =
+      scene_of(moved(generated("box", 12, 0, 0.02, 4, 2), {0, 10, -5}), grey(0.9), lwir());
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 0, 0, 1000, {320});
+  r.image = camera(200, 100, 0.04);
+  const ViewResult view = simulated(*simulator, r);
+  const SignatureResult& row = view.row[0];
+  EXPECT_NEAR(view.pixel_rad, 2 * std::tan(0.02) / 200, 1e-9);
+  double pixels = 0, x = 0, y = 0;
+  for (const TracedPictures::Met& met : view.seen) {
+    const double part = static_cast<double>(met.samples) / view.pixel_samples;
+    pixels += part;
+    x += part * (met.pixel % 200 + 0.5 - 100);
+    y += part * (50 - met.pixel / 200 - 0.5);
+    EXPECT_NEAR(at(row, ImageLayer::kTemperature, met.pixel), 320, 1e-3);
+    EXPECT_NEAR(at(row, ImageLayer::kRange, met.pixel), std::hypot(999.99, 10, 5), 0.03);
+  }
+  const double m = view.pixel_rad * 999.99;
+  EXPECT_NEAR(pixels * m * m, 8, 0.02);
+  // Looking aft from ahead, starboard is to the left.
+  EXPECT_NEAR(x / pixels * m, -10, 0.02);
+  EXPECT_NEAR(y / pixels * m, 5, 0.02);
+
+  r.image->camera->look_at_m = Vec<Body>{0, 10, -5};
+  const ViewResult middle = simulated(*simulator, r);
+  double left = 0, all = 0;
+  for (const TracedPictures::Met& met : middle.seen) {
+    all += met.samples;
+    left += met.samples * (met.pixel % 200 + 0.5 - 100);
+  }
+  EXPECT_NEAR(left / all * m, 0, 0.02);
+  EXPECT_NEAR(all / middle.pixel_samples, pixels, 0.5);
+
+  // Beside it: an empty picture.
+  r.image->camera->look_at_m = Vec<Body>{0, -500, 0};
+  const ViewResult empty = simulated(*simulator, r);
+  EXPECT_TRUE(empty.seen.empty());
+  EXPECT_EQ(empty.row[0].image_error_relative, 0);
+  EXPECT_EQ(empty.row[0].intensity_w_sr.value, row.intensity_w_sr.value);
+
+  r.image->camera->look_at_m = Vec<Body>{2000, 0, 0};
+  EXPECT_EQ(simulator->simulate(r).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// A pixel is the mean radiance in its own solid angle, also far from the axis.
+TEST(Image, RadianceIsTheSameAllOverAWideField) {
+  const auto simulator =
+      simulator_of(scene_of(generated("box", 12, 0, 0.02, 100, 100), grey(1), lwir()));
+  ViewRequest r = request(*simulator, 0, 0, 60, {300});
+  r.image = camera(40, 40, 1.2);  // 34 deg at the sides
+  const ViewResult view = simulated(*simulator, r);
+  ASSERT_EQ(view.seen.size(), 1600u);
+  const SignatureResult& row = view.row[0];
+  const auto middle = static_cast<double>(row.image_w_m2_sr[20 * 40 + 20]);
+  for (const float pixel : row.image_w_m2_sr)
+    EXPECT_NEAR(static_cast<double>(pixel), middle, 5e-3 * middle);
+}
+
+TEST(Image, ErrorsAreAsSmallAsAskedForAndTrue) {
+  Day d = day();
+  d.request.image = framed(64, 40);
+  d.request.image->layer = {ImageLayer::kAtSensor};
+  const auto simulator = simulator_of(d.scene);
+  d.request.image->samples = 4096;
+  const ViewResult reference = simulated(*simulator, d.request);
+  d.request.image->samples = 8;
+  d.request.seed = 2;
+  const ViewResult rough = simulated(*simulator, d.request);
+  d.request.image->relative_error = 0.004;
+  const ViewResult fine = simulated(*simulator, d.request);
+  d.request.image->relative_error = 0;
+  d.request.image->error_k = 0.3;
+  const ViewResult fine_k = simulated(*simulator, d.request);
+  d.request.image->most_samples = 16;
+  EXPECT_EQ(simulated(*simulator, d.request).pixel_samples, 16u) << "the limit";
+  EXPECT_GT(std::max(rough.row[0].image_error_relative, rough.row[1].image_error_relative), 0.008);
+  EXPECT_GT(fine.pixel_samples, rough.pixel_samples);
+  EXPECT_GT(fine.rays, rough.rays);
+  EXPECT_GT(fine_k.pixel_samples, rough.pixel_samples);
+  std::vector<std::uint32_t> met(reference.row[0].image_w_m2_sr.size(), 0);
+  for (const TracedPictures::Met& m : reference.seen) met[m.pixel] += m.samples;
+  for (std::size_t b = 0; b < 2; ++b) {
+    EXPECT_LE(fine.row[b].image_error_relative, 0.004);
+    const LayerImage &seen = fine.row[b].layer[0], &truth = reference.row[b].layer[0];
+    double relative = 0, z = 0, inside = 0;
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      if (met[i] < reference.pixel_samples) continue;
+      ++inside;
+      const auto pixel = static_cast<double>(reference.row[b].image_w_m2_sr[i]);
+      relative += std::pow(static_cast<double>(fine.row[b].image_w_m2_sr[i]) / pixel - 1, 2);
+      z += std::pow(static_cast<double>(seen.value[i] - truth.value[i]) /
+                        std::hypot(seen.stderr_[i], truth.stderr_[i]),
+                    2);
+    }
+    EXPECT_LE(std::sqrt(relative / inside), 1.3 * 0.004) << b;
+    EXPECT_GT(std::sqrt(z / inside), 0.7) << b;
+    EXPECT_LT(std::sqrt(z / inside), 1.2) << b;
+  }
+}
+
+// A mirror, one facet of 1e-4 pixel, one pixel for all.
+TEST(Image, HardFramesAreShown) {
+  Day d = day();
+  const auto simulator = simulator_of(d.scene);
+  for (const ImageSpec& spec :
+       {framed(1, 1), framed(1, 64), camera(3, 2, 1e-4), camera(5, 5, 2.0)}) {
+    d.request.image = spec;
+    for (const SignatureResult& row : simulated(*simulator, d.request).row)
+      for (const LayerImage& image : row.layer)
+        for (const float value : image.value) ASSERT_TRUE(std::isfinite(value) && value > -1e-3f);
+  }
+  Mesh speck = generated("box", 12, 0, 10, 10, 10);
+  speck = joined(speck, moved(generated("box", 12, 0, 0.001, 0.001, 0.001), {0, 0, -10}), "speck_");
+  SceneSpec scene = scene_of(speck, grey(1e-6), lwir());
+  const auto mirrors = simulator_of(scene);
+  ViewRequest r = request(*mirrors, 45, 20, 1000, {300});
+  r.image = framed(32, 32);
+  const ViewResult view = simulated(*mirrors, r);
+  const auto& range = values(view.row[0], ImageLayer::kRange);
+  for (const float value : range) EXPECT_TRUE(value == 0 || (value > 980 && value < 1020));
+}
+
+TEST(MeanBetween, IsThatOfStraightLinesAndJumps) {
+  const BackgroundDirections nodes({-0.2f, 0.0f, 0.0f, 0.4f});
+  const std::vector<double> value = {2, 4, 10, 6};
+  const auto mean = [&](double from, double to) { return mean_between(nodes, value, from, to); };
+  EXPECT_NEAR(mean(-0.2, 0), 3, 1e-6);
+  EXPECT_NEAR(mean(0, 0.4), 8, 1e-6);
+  EXPECT_NEAR(mean(-0.1, 0.1), 0.5 * (3.5 + 9.5), 1e-6);
+  EXPECT_NEAR(mean(-0.9, -0.5), 2, 1e-6) << "the first, beyond it";
+  EXPECT_NEAR(mean(0.5, 0.9), 6, 1e-6) << "the last";
+  EXPECT_NEAR(mean(0.3, 0.3), 7, 1e-6);
+  EXPECT_NEAR(mean(-1, 1), (0.8 * 2 + 0.2 * 3 + 0.4 * 8 + 0.6 * 6) / 2, 1e-6);
+  EXPECT_NEAR(mean_between(BackgroundDirections({0, 0}), {1, 5}, -0.1, 0.3), 4, 1e-6);
+}
+
+}  // namespace
+}  // namespace irsig
