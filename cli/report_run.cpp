@@ -190,7 +190,7 @@ struct SweepReport {
   std::vector<StoredSignature> rows;
   std::size_t superseded = 0;                     // rows of an earlier version of the sweep
   std::map<std::string, std::uint64_t> warnings;  // how many conditions have it
-  std::string back_faces;
+  std::string back_faces, images;
 };
 
 absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& progress) {
@@ -215,6 +215,7 @@ absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& pro
     for (const std::string& warning : condition.warning()) ++report.warnings[warning];
   ASSIGN_OR_RETURN(const auto outcome, reader.outcome(progress.name));
   report.back_faces = backface_text(outcome);
+  report.images = image_text(outcome, report.sweep.resolved.sweep().image());
   return report;
 }
 
@@ -260,6 +261,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
   print_errors(out, r.rows, r.sweep.resolved.sweep().accuracy());
   print_shares(out, r.rows);
   for (const std::string& note : limit_notes(r.rows)) fmt::print(out, "{}\n", note);
+  if (!r.images.empty()) fmt::print(out, "{}\n", r.images);
   print_guards(out, r.sums);
   if (r.warnings.empty() && r.back_faces.empty()) fmt::print(out, "warnings: none\n");
   if (!r.back_faces.empty()) fmt::print(out, "warning: {}\n", r.back_faces);

@@ -161,13 +161,19 @@ absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sw
   return text.empty() ? "" : " (" + text + ")";
 }
 
-// Rows are read only where some did not reach their accuracy.
+// What of the accuracy was not reached. Rows are read only where some of them did not.
 absl::StatusOr<std::vector<std::string>> limits_of(StoreReader& reader, const std::string& sweep) {
   ASSIGN_OR_RETURN(const auto outcome, reader.outcome(sweep));
+  ASSIGN_OR_RETURN(const auto stored, reader.sweep(sweep, SweepFiles::kNone));
+  std::vector<std::string> out;
   for (const auto& [reason, count] : outcome.stop)
-    if (reason == "accuracy_not_reached" || reason == "sample_limit")
-      return limit_notes(reader, sweep);
-  return std::vector<std::string>();
+    if (reason == "accuracy_not_reached" || reason == "sample_limit") {
+      ASSIGN_OR_RETURN(out, limit_notes(reader, sweep));
+      break;
+    }
+  if (std::string text = image_text(outcome, stored.resolved.sweep().image()); !text.empty())
+    out.push_back(std::move(text));
+  return out;
 }
 
 absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {

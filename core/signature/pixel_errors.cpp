@@ -7,6 +7,10 @@ namespace irsig {
 namespace {
 
 constexpr double kRounding = 5e-7;
+// Inside the target all samples of a pixel are better stratified than each of its groups. The
+// scatter of two groups is 2^(1/4) too large where light changes smoothly: rms z 0.7 instead of
+// 0.83 inside the frigate by day, and 0.82 instead of 0.97 in glints (ops/image_errors.py).
+constexpr double kOfWhole = 0.707;
 
 }  // namespace
 
@@ -38,6 +42,7 @@ std::vector<double> PixelErrors::of(const PixelSums& picture) const {
           variance += picture.variance[i];
           ++alike;
         }
+      if (filled_[own] == Filled::kWhole) variance *= kOfWhole;
       out[own] = std::sqrt(variance / alike + std::pow(unmet * difference, 2) +
                            std::pow(kRounding * picture.w_sr[own], 2));
     }

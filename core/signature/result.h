@@ -87,8 +87,9 @@ struct SignatureResult {
   // fills, and its standard error.
   std::vector<float> image_w_m2_sr, image_stderr_w_m2_sr;
   // The typical standard error of a pixel that the target fills: root mean square, relative to its
-  // radiance; of a target that fills none, that of all pixels together.
-  double image_error_relative = 0;
+  // radiance, and in kelvin at the mean of their radiances; of a target that fills none, that of
+  // all pixels together.
+  double image_error_relative = 0, image_error_k = 0;
   std::vector<LayerImage> layer;  // as ImageSpec::layer has them
   StopReason stop_reason = StopReason::kFixedSamples;
   std::uint32_t reflections = 0;  // the most that paths were given

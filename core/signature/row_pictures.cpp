@@ -73,7 +73,9 @@ class RowPictures {
         r.image_w_m2_sr.push_back(static_cast<float>(per_w_sr_[i] * sum.w_sr[i]));
         r.image_stderr_w_m2_sr.push_back(static_cast<float>(per_w_sr_[i] * stderr_w_sr[i]));
       }
-      r.image_error_relative = typical_error(row, sum.w_sr, stderr_w_sr).relative;
+      const TypicalError typical = typical_error(row, sum.w_sr, stderr_w_sr);
+      r.image_error_relative = typical.relative;
+      r.image_error_k = typical.kelvin;
       add_layers(row, errors, background ? &*background : nullptr, r);
     }
     out.rays += pictures_.counts.rays;
@@ -308,12 +310,15 @@ class RowPictures {
           const std::vector<double> stderr_w_sr = errors.of(sum);
           fill(
               [&](std::size_t i) { return path + beside.w_m2_sr[i] + per_w_sr_[i] * sum.w_sr[i]; });
-          // Sums of float32 numbers, of which much cancels.
-          constexpr double kRounding = 5e-7;
-          for (std::size_t i = 0; i < pixels_; ++i)
+          // Sums of float32 numbers, of which much cancels; and the number that is stored.
+          constexpr double kRounding = 5e-7, kStored = 6e-8;
+          for (std::size_t i = 0; i < pixels_; ++i) {
+            const double filled = static_cast<double>(met[i]) / pictures_.pixel_samples,
+                         rounding = std::hypot(kRounding * filled, kStored) *
+                                    static_cast<double>(image.value[i]);
             image.stderr_.push_back(static_cast<float>(
-                std::hypot(per_w_sr_[i] * stderr_w_sr[i], beside.bound_w_m2_sr[i],
-                           kRounding * static_cast<double>(image.value[i]))));
+                std::hypot(per_w_sr_[i] * stderr_w_sr[i], beside.bound_w_m2_sr[i], rounding)));
+          }
           break;
         }
         case ImageLayer::kTemperature:

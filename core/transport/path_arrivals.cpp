@@ -159,8 +159,7 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
   ++work.counts->target_paths;
   work.area[s.replicate] += static_cast<double>(s.weight);
   if (settings_.pixel_samples > 0 && gas_ == nullptr)
-    work.met.push_back(
-        {work.first_pixel + s.pixel_group / pixel_groups(settings_.pixel_samples), hit.part, 1});
+    work.met.push_back({pixel_of(work, s), hit.part, 1});
   if (work.plan->first_hits) add_first_hit(work, s, hit);
   if (!sources_.behind) return;
   const Float3 d = ray.direction;
@@ -170,9 +169,8 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
 // How far away a pixel's rays meet the target, and values of what they meet.
 void PathTracer::add_first_hit(Work& work, const PathState& path, const Hit& hit) const {
   const ImagePlan& plan = *work.plan;
-  const std::size_t pixel =
-      work.first_pixel + path.pixel_group / pixel_groups(settings_.pixel_samples);
-  double* sum = work.pictures->first_sum.data() + stored_pixel(plan, pixel) * (1 + plan.values);
+  double* sum = work.pictures->first_sum.data() +
+                stored_pixel(plan, pixel_of(work, path)) * (1 + plan.values);
   *sum++ += length(Vec<Body>{hit.at.x, hit.at.y, hit.at.z} - view_.frame.sensor);
   const std::size_t emitter = sources_.emitters.of(hit.facet, hit.part);
   for (std::size_t k = 0; k < plan.values; ++k)

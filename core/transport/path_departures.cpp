@@ -31,7 +31,8 @@ void PathTracer::draw_vertex_pairs(Work& work, std::uint32_t order, std::uint32_
   list.size = static_cast<std::uint32_t>(vertices.size());
   for (std::uint32_t k = 0; k < list.size; ++k) {
     const PathState& s = work.batch.state[work.vertex.path[vertices[k]]];
-    const SeedPair seed = seeds[s.replicate * kPairsPerVertex + pair];
+    SeedPair seed = seeds[s.replicate * kPairsPerVertex + pair];
+    if (settings_.pixel_samples > 0) seed = of_pixel(seed, pixel_of(work, s));
     list.index[k] = s.sample;
     list.seed_x[k] = seed.x;
     list.seed_y[k] = seed.y;
@@ -191,8 +192,9 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
   VertexList& vertex = work.vertex;
   SampleList& list = work.list;
   const SeedPair* seeds = seeds_of(work, order);
-  const auto list_pair = [&](std::uint32_t slot, std::uint32_t replicate, std::uint32_t pair) {
-    const SeedPair seed = seeds[replicate * kPairsPerVertex + pair];
+  const auto list_pair = [&](std::uint32_t slot, const PathState& path, std::uint32_t pair) {
+    SeedPair seed = seeds[path.replicate * kPairsPerVertex + pair];
+    if (settings_.pixel_samples > 0) seed = of_pixel(seed, pixel_of(work, path));
     list.seed_x[slot] = seed.x;
     list.seed_y[slot] = seed.y;
     list.seed_shuffle[slot] = seed.shuffle;
@@ -210,7 +212,7 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
       work.chosen[alive] = v;
       const PathState& s = batch.state[vertex.path[v]];
       list.index[alive] = order == 0 ? s.sample * settings_.split + child : s.sample;
-      list_pair(alive, s.replicate, kLobe);
+      list_pair(alive, s, kLobe);
       ++alive;
     }
   }
@@ -219,7 +221,7 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
   settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs_shuffled(list);
   std::copy_n(list.x.begin(), alive, work.lobe.begin());
   for (std::uint32_t k = 0; k < alive; ++k)
-    list_pair(k, batch.state[vertex.path[work.chosen[k]]].replicate, kDirection);
+    list_pair(k, batch.state[vertex.path[work.chosen[k]]], kDirection);
   settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs_shuffled(list);
   turn(list);
   for (std::uint32_t k = 0; k < alive; ++k) {

@@ -104,6 +104,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
   work.row.resize(nodes_);
   work.list.resize(most);
   work.replicate_of_list.resize(capacity);
+  work.pixel_of_list.resize(capacity);
   for (auto* v : {&work.x_m, &work.y_m, &work.ray_weight, &work.density_factor,
                   &work.inverse_length, &work.roulette_x, &work.roulette_y, &work.lobe})
     v->resize(most);
@@ -256,8 +257,8 @@ void join_met(std::vector<TracedPictures::Met>& met) {
 
 }  // namespace
 
-// Each pixel's samples are consecutive: of a scrambled Sobol sequence they are stratified over the
-// pixel, and so is each of its groups. Pixels are traced row by row from below.
+// Each pixel has a scrambled Sobol sequence of its own, which is stratified over the pixel, and so
+// is each of its groups. Pixels are traced row by row from below.
 template <bool kSpectral>
 void PathTracer::trace_pixels(Work& work, SeedPair aim) const {
   const ImagePlan& plan = *work.plan;
@@ -273,17 +274,20 @@ void PathTracer::trace_pixels(Work& work, SeedPair aim) const {
   SampleList& list = work.list;
   list.size = 0;
   const std::uint32_t pixels = plan.width_px * plan.height_px;
-  for (std::uint32_t pixel = 0; pixel < pixels; ++pixel)
+  for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) {
+    const SeedPair seed = of_pixel(aim, pixel);
     for (std::uint32_t k = 0; k < samples; ++k) {
       const std::uint32_t i = list.size++;
-      list.index[i] = pixel * samples + k;
-      list.seed_x[i] = aim.x;
-      list.seed_y[i] = aim.y;
+      list.index[i] = k;
+      work.pixel_of_list[i] = pixel;
+      list.seed_x[i] = seed.x;
+      list.seed_y[i] = seed.y;
       work.replicate_of_list[i] = 0;
       if (list.size < work.capacity) continue;
       trace_listed<kSpectral>(work);
       close_pixels(work, k + 1 == samples ? pixel + 1 : pixel);
     }
+  }
   trace_listed<kSpectral>(work);
   close_pixels(work, pixels);
   join_met(work.pictures->met);
@@ -355,7 +359,7 @@ void PathTracer::aim_batch(Work& work) const {
     const SamplePair at{list.x[i], list.y[i]};
     if (settings_.pixel_samples > 0) {
       const ImagePlan& plan = *work.plan;
-      const std::uint32_t pixel = list.index[i] / settings_.pixel_samples;
+      const std::uint32_t pixel = work.pixel_of_list[i];
       const std::uint32_t column = pixel % plan.width_px, row = pixel / plan.width_px;
       const PlaneRectangle& r = plan.rectangle;
       work.x_m[i] = static_cast<float>(
@@ -392,8 +396,8 @@ void PathTracer::aim_batch(Work& work) const {
   if (settings_.pixel_samples > 0) {
     const std::uint32_t groups = pixel_groups(settings_.pixel_samples);
     for (std::uint32_t i = 0; i < list.size; ++i)
-      work.batch.state[i].pixel_group =
-          list.index[i] / (settings_.pixel_samples / groups) - work.first_pixel * groups;
+      work.batch.state[i].pixel_group = (work.pixel_of_list[i] - work.first_pixel) * groups +
+                                        list.index[i] / (settings_.pixel_samples / groups);
   }
   work.batch.size = list.size;
 }

@@ -240,6 +240,7 @@ class PathTracer {
                 const float* spectrum) const;
   template <bool kSpectral>
   void trace_glint(Work& work, std::uint32_t order) const;
+  [[nodiscard]] std::uint32_t pixel_of(const Work& work, const PathState& path) const;
   [[nodiscard]] static double* image_of(Work& work, const PathState& path, SourceId source);
   void add_first_hit(Work& work, const PathState& path, const Hit& hit) const;
   template <typename Visit>

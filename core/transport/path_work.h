@@ -95,6 +95,15 @@ inline Reflection reflection(Float3 n, Float3 wi, Float3 wo, float cos_i, float 
           std::min(0.5f * std::sqrt(length2), 1.0f)};
 }
 
+// Returns the seeds of one pixel. Without seeds of their own, pixels whose numbers differ by a
+// power of two would have nearly the same points, and their errors would not be independent: an
+// edge along a column of 64 x 64 pixels was off by as much in each of them.
+[[nodiscard]] inline SeedPair of_pixel(SeedPair seed, std::uint32_t pixel) {
+  const std::uint64_t a = mix64(pixel), b = mix64(a);
+  return {seed.x ^ static_cast<std::uint32_t>(a), seed.y ^ static_cast<std::uint32_t>(a >> 32),
+          seed.shuffle ^ static_cast<std::uint32_t>(b)};
+}
+
 // Rows of pictures are traced from below and stored from above.
 inline std::size_t stored_pixel(const ImagePlan& plan, std::size_t traced) {
   return (plan.height_px - 1 - traced / plan.width_px) * plan.width_px + traced % plan.width_px;
@@ -139,7 +148,7 @@ struct PathTracer::Work {
   std::vector<GlintShare> glint_at;
   std::vector<float> row;  // a spectrum being made
   SampleList list;         // random numbers being drawn
-  std::vector<std::uint32_t> replicate_of_list;
+  std::vector<std::uint32_t> replicate_of_list, pixel_of_list;
   std::vector<float> x_m, y_m, ray_weight, density_factor, inverse_length;
   VertexList vertex;
   std::vector<float> roulette_x, roulette_y, lobe;
@@ -151,6 +160,11 @@ struct PathTracer::Work {
   std::vector<float> ones;  // a spectrum
   std::vector<std::uint32_t> chosen;
 };
+
+// Returns the pixel of a path, in the order of tracing.
+inline std::uint32_t PathTracer::pixel_of(const Work& work, const PathState& path) const {
+  return work.first_pixel + path.pixel_group / pixel_groups(settings_.pixel_samples);
+}
 
 // Where pictures add up a source's light of a path: a number for each picture.
 inline double* PathTracer::image_of(Work& work, const PathState& path, SourceId source) {

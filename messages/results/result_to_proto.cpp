@@ -135,6 +135,7 @@ absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, con
   out->set_png(std::move(png));
   out->set_exr(std::move(exr));
   out->set_error_relative(r.image_error_relative);
+  out->set_error_k(r.image_error_k);
   return absl::OkStatus();
 }
 

@@ -53,5 +53,11 @@ JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
 JOIN signature s ON s.job_id = j.job_id
 WHERE w.name = ?1 AND s.backface_fraction > 0;
 
+-- name: image_errors_of_sweep
+SELECT coalesce(max(t.error_relative), 0.0), coalesce(max(t.error_k), 0.0)
+FROM sweep w JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
+     JOIN signature s ON s.job_id = j.job_id JOIN thumbnail t ON t.signature_id = s.signature_id
+WHERE w.name = ?1;
+
 -- name: database_bytes
 SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size();

@@ -470,10 +470,12 @@ CREATE TABLE thumbnail (
   width_px INTEGER NOT NULL CHECK (width_px > 0),
   height_px INTEGER NOT NULL CHECK (height_px > 0),
   pixel_rad REAL NOT NULL CHECK (pixel_rad > 0),  -- angle of a pixel at the sensor
+  -- Standard error of a pixel, root mean square over those that the target fills; of none, that of their sum.
+  error_relative REAL NOT NULL CHECK (error_relative >= 0),
+  error_k REAL NOT NULL CHECK (error_k >= 0),     -- at the mean radiance of these pixels
   png BLOB NOT NULL,                              -- 8 bit, black to white over [0, maximum]
   exr BLOB NOT NULL,                              -- float32 in-band radiance [W/(m2 sr)]
-  stderr_exr BLOB NOT NULL,                       -- its standard error, likewise
-  error_relative REAL NOT NULL CHECK (error_relative >= 0)  -- root mean square over pixels that the target fills
+  stderr_exr BLOB NOT NULL                        -- its standard error, likewise
 ) STRICT;
 
 -- Further images of a row, of the thumbnail's size (docs/reference/sweep-file.md, [image]).

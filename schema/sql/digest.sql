@@ -133,7 +133,7 @@ SELECT input, contribution_w_sr, contribution_stderr_w_sr, apparent_contribution
 FROM input_contribution WHERE signature_id = ?1 ORDER BY input_index;
 
 -- name: digest_thumbnail
-SELECT width_px, height_px, pixel_rad, png, exr, stderr_exr, error_relative FROM thumbnail WHERE signature_id = ?1;
+SELECT width_px, height_px, pixel_rad, error_relative, error_k, png, exr, stderr_exr FROM thumbnail WHERE signature_id = ?1;
 
 -- name: digest_image_layers
 SELECT name, exr, stderr_exr FROM image_layer WHERE signature_id = ?1 ORDER BY name;

@@ -111,8 +111,9 @@ INSERT INTO energy (
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11);
 
 -- name: insert_thumbnail
-INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr, stderr_exr, error_relative)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8);
+INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, error_relative, error_k, png, exr,
+  stderr_exr)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
 
 -- name: insert_image_layer
 INSERT INTO image_layer (signature_id, name, exr, stderr_exr) VALUES (?1, ?2, ?3, ?4);

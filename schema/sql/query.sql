@@ -149,7 +149,7 @@ SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped
 FROM energy WHERE signature_id = ?1;
 
 -- name: thumbnail_of_signature
-SELECT width_px, height_px, pixel_rad, png, exr, stderr_exr, error_relative FROM thumbnail WHERE signature_id = ?1;
+SELECT width_px, height_px, pixel_rad, error_relative, error_k, png, exr, stderr_exr FROM thumbnail WHERE signature_id = ?1;
 
 -- name: image_layers_of_signature
 SELECT name, exr, stderr_exr FROM image_layer WHERE signature_id = ?1 ORDER BY name;

@@ -52,7 +52,7 @@ constexpr auto kRanges = std::to_array<RangeOfName>({
     {"escaped_to_surface", {0, 10}},
     {"cut_off", {0, 10}},
     {"balance", {0, 10}},
-    {"error_relative", {0, HUGE_VAL}},
+    {"error_relative", {0, 1e300}},
     {"_w_sr", {-1e27, 1e27}},
     {"_w_sr_um", {-1e27, 1e27}},
     {"_w_m2_sr", {-1e18, 1e18}},

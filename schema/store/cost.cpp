@@ -81,6 +81,10 @@ absl::StatusOr<StoredOutcome> find_outcome(Database& database, const std::string
   if (const auto found = faces.next(); !found.ok()) return found.status();
   out.backface_views = faces.count();
   out.largest_backface_fraction = faces.real();
+  ASSIGN_OR_RETURN(Rows images, database.query(sql::image_errors_of_sweep, sweep));
+  if (const auto found = images.next(); !found.ok()) return found.status();
+  out.image_error_relative = images.real();
+  out.image_error_k = images.real();
   return out;
 }
 

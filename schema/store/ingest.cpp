@@ -158,10 +158,10 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
   }
   if (!row.has_thumbnail()) return absl::OkStatus();
   const schema::Thumbnail& thumbnail = row.thumbnail();
-  IRSIG_STORE_TRY(database.run(sql::insert_thumbnail, signature_id, thumbnail.width_px(),
-                               thumbnail.height_px(), thumbnail.pixel_rad(), Blob{thumbnail.png()},
-                               Blob{thumbnail.exr()}, Blob{thumbnail.stderr_exr()},
-                               thumbnail.error_relative()));
+  IRSIG_STORE_TRY(
+      database.run(sql::insert_thumbnail, signature_id, thumbnail.width_px(), thumbnail.height_px(),
+                   thumbnail.pixel_rad(), thumbnail.error_relative(), thumbnail.error_k(),
+                   Blob{thumbnail.png()}, Blob{thumbnail.exr()}, Blob{thumbnail.stderr_exr()}));
   for (const schema::ImageLayer& layer : row.image_layer())
     IRSIG_STORE_TRY(database.run(sql::insert_image_layer, signature_id, layer.name(),
                                  Blob{layer.exr()}, Blob{layer.stderr_exr()}));
@@ -232,7 +232,7 @@ absl::Status store_temperatures(Database& database, const LeasedJob& job,
 
 // Of a column of the sweep that separates them by commas.
 absl::StatusOr<std::vector<std::string>> listed_names(Database& database, const char* query,
-                                                  std::int64_t sweep_id) {
+                                                      std::int64_t sweep_id) {
   ASSIGN_OR_RETURN(Rows row, database.query(query, sweep_id));
   ASSIGN_OR_RETURN(const bool found, row.next());
   if (!found) return absl::InternalError("a job of no sweep");

@@ -123,10 +123,11 @@ absl::StatusOr<std::optional<schema::Thumbnail>> StoreReader::thumbnail(std::int
   thumbnail.set_width_px(static_cast<std::uint32_t>(row.integer()));
   thumbnail.set_height_px(static_cast<std::uint32_t>(row.integer()));
   thumbnail.set_pixel_rad(row.real());
+  thumbnail.set_error_relative(row.real());
+  thumbnail.set_error_k(row.real());
   thumbnail.set_png(row.text());
   thumbnail.set_exr(row.text());
   thumbnail.set_stderr_exr(row.text());
-  thumbnail.set_error_relative(row.real());
   return thumbnail;
 }
 

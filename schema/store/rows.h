@@ -108,6 +108,8 @@ struct StoredOutcome {
   std::vector<std::pair<std::string, std::uint64_t>> stop;  // by reason, in the table's order
   std::uint64_t backface_views = 0;                         // with a backface_fraction above 0
   double largest_backface_fraction = 0;
+  // The largest of all images (Thumbnail.error_relative and error_k).
+  double image_error_relative = 0, image_error_k = 0;
 };
 
 // A number that a row does not have, such as hot gas in a condition without it. It is NaN: test

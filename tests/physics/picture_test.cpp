@@ -87,7 +87,13 @@ TEST(Picture, AddsUpToARowWithReflectionsAndAHotPart) {
   EXPECT_EQ(row.intensity_w_sr.value, bare->row[0].intensity_w_sr.value);
   EXPECT_EQ(row.numerical_error_w_sr, bare->row[0].numerical_error_w_sr);
   EXPECT_GT(view->rays, bare->rays) << "its rays are counted";
-  EXPECT_NEAR(sum_w_sr(*view), row.intensity_w_sr.value, 0.005 * row.intensity_w_sr.value);
+  double variance = 0;
+  for (const float stderr_w_m2_sr : row.image_stderr_w_m2_sr)
+    variance +=
+        std::pow(static_cast<double>(stderr_w_m2_sr) * std::pow(view->pixel_rad * kFarM, 2), 2);
+  const double error = std::hypot(std::sqrt(variance), row.intensity_w_sr.stderr_);
+  EXPECT_NEAR(sum_w_sr(*view), row.intensity_w_sr.value, 3 * error);
+  EXPECT_LT(error, 0.02 * row.intensity_w_sr.value);
 }
 
 // A block before a wall: each fills what it hides nobody can see of the other.

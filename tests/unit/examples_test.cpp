@@ -62,7 +62,7 @@ TEST(Examples, AllOfThemResolveAndExpand) {
                                           "primitives", "sphere", "box", "cylinder", "cone",
                                           "cavity", "cooling_tower", "painted_sphere", "houses",
                                           "frigate_day", "frigate_plume", "plume_column", "drone",
-                                          "training_images"));
+                                          "camera", "training_images"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.

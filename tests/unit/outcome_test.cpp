@@ -44,6 +44,25 @@ TEST(Outcome, SaysNothingWhereAllWasReachedOrNothingAsked) {
   EXPECT_THAT(backface_text(outcome), IsEmpty());
 }
 
+TEST(Outcome, SaysByHowMuchImagesFallShort) {
+  StoredOutcome outcome;
+  outcome.image_error_relative = 0.0083;
+  outcome.image_error_k = 0.25;
+  schema::Image image;
+  EXPECT_THAT(image_text(outcome, image), IsEmpty());
+  image.set_pixel_error_percent(0.84);
+  EXPECT_THAT(image_text(outcome, image), IsEmpty());
+  image.set_pixel_error_percent(0.5);
+  EXPECT_EQ(image_text(outcome, image),
+            "pixels are known to 0.83 % in the worst case, 0.5 % was asked for; raise [image] "
+            "max_samples");
+  image.clear_pixel_error_percent();
+  image.set_pixel_error_k(0.1);
+  EXPECT_EQ(image_text(outcome, image),
+            "pixels are known to 0.25 K in the worst case, 0.1 K was asked for; raise [image] "
+            "max_samples");
+}
+
 StoredSignature missed(BoundOf which, double bound_w_sr) {
   FakeDatabase db = fake_database();
   StoredSignature row = db.signatures[0];

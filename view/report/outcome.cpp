@@ -136,6 +136,18 @@ absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
   }
 }
 
+std::string image_text(const StoredOutcome& outcome, const schema::Image& image) {
+  const double percent = 100 * outcome.image_error_relative;
+  std::string text;
+  if (image.has_pixel_error_percent() && percent > image.pixel_error_percent())
+    text = fmt::format("{:.2g} % in the worst case, {:g} %", percent, image.pixel_error_percent());
+  else if (image.has_pixel_error_k() && outcome.image_error_k > image.pixel_error_k())
+    text = fmt::format("{:.2g} K in the worst case, {:g} K", outcome.image_error_k,
+                       image.pixel_error_k());
+  if (text.empty()) return text;
+  return fmt::format("pixels are known to {} was asked for; raise [image] max_samples", text);
+}
+
 std::string backface_text(const StoredOutcome& outcome) {
   if (outcome.backface_views == 0) return "";
   return fmt::format(

@@ -23,6 +23,10 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
                                                                    const std::string& sweep);
 
+// Returns by how much images fall short of what [image] asks for: "images are known to 0.8 % in the
+// worst case, 0.5 % was asked for; raise [image] max_samples". Empty: none does.
+[[nodiscard]] std::string image_text(const StoredOutcome& outcome, const schema::Image& image);
+
 // A warning of views that were seen from behind in part, with the remedy. Empty: none.
 [[nodiscard]] std::string backface_text(const StoredOutcome& outcome);
 
