@@ -10,6 +10,7 @@
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
 #include "core/base/status_macros.h"
+#include "jobs/imager_file.h"
 #include "planning/export_temperatures.h"
 #include "view/base/print.h"
 #include "view/pictures/export_thumbnails.h"
@@ -27,6 +28,7 @@ struct ExportCommand {
   OutputOptions output;
   std::string spectra;  // empty, long or wide
   std::string scale;    // of thumbnails; empty: not said
+  std::string imager;   // file; empty: none
   bool exr = false, background = false, masks = false, coco = false, each_part = false;
   int bits = 8;
   double validation = 0;
@@ -76,6 +78,12 @@ struct ExportCommand {
     asked.background = background;
     asked.masks = masks;
     asked.coco = coco;
+    if (!imager.empty()) {
+      ASSIGN_OR_RETURN(auto read, read_imager(imager));
+      asked.imager = read.imager;
+      asked.imager_name = std::move(read.name);
+      asked.imager_identity = std::move(read.identity);
+    }
     asked.each_part = each_part;
     asked.validation = validation;
     asked.split_seed = split_seed;
@@ -115,15 +123,21 @@ void add_export(CLI::App& app, int& exit_code) {
     options->of_thumbnails.push_back(option);
     return option;
   };
+  CLI::Option* imager = of_thumbnails(command->add_option(
+      "--imager", options->imager,
+      "Thumbnails of counts, as the camera of this TOML file records them; with --background"));
+  imager->type_name("FILE");
   of_thumbnails(command->add_option(
                     "--thumbnail-scale", options->scale,
                     "Black and white of thumbnails: common (0 to the hottest pixel of all that are "
                     "exported, by sweep and band; default), own (of each), or BLACK,WHITE in "
                     "W/(m2 sr)"))
-      ->type_name("SCALE");
+      ->type_name("SCALE")
+      ->excludes(imager);
   of_thumbnails(command->add_option("--bits", options->bits, "Bits of the pictures' grey, 8 or 16"))
       ->type_name("BITS")
-      ->check(CLI::IsMember({8, 16}));
+      ->check(CLI::IsMember({8, 16}))
+      ->excludes(imager);
   of_thumbnails(command->add_flag(
       "--exr", options->exr,
       "With thumbnails also their radiances at the target and the standard errors, as EXR"));

@@ -54,6 +54,7 @@ constexpr std::string_view kGasTables = "the tables of hot gas end there";
 constexpr std::string_view kAbove = "on sea or ground to the end of the air";
 constexpr std::string_view kAboveHere = "lower it stands on sea or ground; the end of the air";
 constexpr std::string_view kInstrument = "far beyond any instrument";
+constexpr std::string_view kScene = "colder scenes have no light in a band of short waves";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -350,6 +351,22 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"DetectorNoise.integration_s", 1e-9, 1e6, kInstrument},
     {"DetectorNoise.well_electrons", 1, 1e15, kInstrument},
     {"DetectorNoise.read_electrons", 0, 1e9, kInstrument},
+
+    {"ImagerOptics.aperture_m", 1e-5, 100, kInstrument},
+    {"ImagerOptics.f_number", 0.1, 1e3, kInstrument},
+    {"ImagerOptics.jitter_rad", 0, 0.1, kInstrument},
+    {"ImagerDetector.pitch_m", 1e-7, 1, kInstrument},
+    {"ImagerDetector.fill_factor", 0.01, 1, "a smaller active area records hardly any light"},
+    {"ImagerDetector.netd_k", 0, 1e3, kInstrument},
+    {"ImagerDetector.scene_temperature_k", 100, 20000, kScene},
+    {"ImagerDetector.fixed_pattern_k", 0, 1e3, kInstrument},
+    {"ImagerDetector.margin_px", 0, 256, "the point spread does not reach farther"},
+    {"ImagerDetector.seed", 0, 18446744073709551615.0, kSeed},
+    {"ImagerCounts.bits", 8, 16, "the depth of a grey PNG"},
+    {"ImagerCounts.black_k", 0, 20000, kTemperature},
+    {"ImagerCounts.white_k", 0, 20000, kTemperature},
+    {"ImagerCounts.counts_per_w_m2_sr", 1e-12, 1e18, kInstrument},
+    {"ImagerCounts.offset_counts", -1e12, 1e12, kInstrument},
 });
 
 std::string key_of(const FieldDescriptor& field) {

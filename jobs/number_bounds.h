@@ -20,8 +20,8 @@ struct NumberBounds {
   std::string_view reason;
 };
 
-// A row for each field of schema/sweep.proto, schema/goniometer.proto, schema/detector.proto and
-// (what a resolved sweep has of it) schema/job.proto that holds numbers, lists and maps of them
+// A row for each field of schema/sweep.proto, schema/goniometer.proto, schema/detector.proto,
+// schema/imager.proto and (what a resolved sweep has of it) schema/job.proto that holds numbers, lists and maps of them
 // included (tests/unit/number_bounds_test.cpp).
 [[nodiscard]] std::span<const NumberBounds> number_bounds();
 

@@ -8,6 +8,7 @@
 
 #include "core/fields/temperature_field.h"
 #include "jobs/detector_file.h"
+#include "jobs/imager_file.h"
 #include "jobs/response_file.h"
 #include "tests/fuzz/readers.h"
 #include "tests/unit/test_folder.h"
@@ -114,6 +115,12 @@ std::vector<Reader> table_readers() {
     if (!read->detector.response.empty()) expect_response(read->detector.response);
     return true;
   };
+  const auto imager = [file = OfFile("i.toml")](const std::string& text) {
+    const auto read = read_imager(file.put(text));
+    if (!read.ok()) return refused(read.status(), "");
+    EXPECT_TRUE(read->imager.ifov_rad() > 0 && std::isfinite(read->imager.ifov_rad()));
+    return true;
+  };
   const auto weights = [file = OfFile("w.csv")](const std::string& text) {
     const auto read = read_row_weights(file.put(text));
     if (!read.ok()) return refused(read.status(), "");
@@ -138,6 +145,12 @@ std::vector<Reader> table_readers() {
         "name = \"InSb\"\n[noise]\nkind = \"nei\"\nnei_w_m2 = 1e-9\n"},
        words,
        detector},
+      {"imager",
+       {"name = \"MWIR\"\n[optics]\naperture_m = 0.05\nf_number = 2\njitter_rad = 2e-5\n"
+        "[detector]\npitch_m = 15e-6\nnetd_k = 0.025\nseed = 7\n"
+        "[counts]\nbits = 14\nblack_k = 260\nwhite_k = 340\n"},
+       words,
+       imager},
       {"weights",
        {"aspect_azimuth_deg,aspect_elevation_deg,weight\n0,0,1\n90,0,0.5\n180,45,2\n270,-10,0\n",
         "season,time_utc,range_m,weight\nsummer,2025-06-21T12:00:00Z,5000,1\n"

@@ -209,6 +209,90 @@ class Export(unittest.TestCase):
                     is_ = gain * radiance + filled[y][x] * path + (1 - filled[y][x]) * sea
                     self.assertLessEqual(abs(shades[y][x] - 255 * is_ / white), 0.51, (label["image"], x, y))
 
+    IMAGER = """name = "test"
+[optics]
+aperture_m = 0.05
+f_number = 0.5
+[detector]
+pitch_m = 15e-6
+netd_k = 0.02
+fixed_pattern_k = 0.01
+margin_px = 16
+[counts]
+bits = 16
+black_k = 250
+white_k = 420
+"""
+
+    def imager(self, name, change=("", "")):
+        file = self.path / name
+        file.write_text(self.IMAGER.replace(*change))
+        return ("--thumbnails", "--sweep", "quickstart", "--background", "--imager", file)
+
+    def test_counts_of_an_imager(self):
+        chosen = (*self.imager("camera.toml"), "--masks", "--coco", "--exr", "--season", "winter")
+        folder = self.export("counts", *chosen)
+        coco = json.loads((folder / "annotations.json").read_text())
+        for label, image, object_ in zip(self.labels(folder), coco["images"], coco["annotations"], strict=True):
+            self.assertEqual(label["imager"], "test")
+            self.assertNotIn("black_w_m2_sr", label)
+            self.assertEqual(float(label["pixel_rad"]), 6e-4)
+            counts, mask = grey(folder / label["image"], 16), grey(folder / label["mask"])
+            size = (int(label["width_px"]), int(label["height_px"]))
+            self.assertEqual(size, (image["width"], image["height"]))
+            for pixels in (counts, mask):
+                self.assertEqual((len(pixels[0]), len(pixels)), size)
+            self.assertEqual(label["saturated_px"], "0")
+            # What the counts say of the radiance: the row's contrast, less the tails of the point spread beyond the margin (0.4 %).
+            gain, offset = float(label["counts_per_w_m2_sr"]), float(label["offset_counts"])
+            noiseless = self.pixels((folder / label["image"]).with_suffix(".noiseless.exr"))
+            pixel_m2 = (6e-4 * float(label["range_m"])) ** 2
+            sea, contrast = float(label["background_radiance_w_m2_sr"]), float(label["contrast_intensity_w_sr"])
+            sent = pixel_m2 * sum(v - sea for line in noiseless for v in line)
+            self.assertAlmostEqual(sent, contrast, delta=0.015 * contrast + float(label["contrast_numerical_error_w_sr"]))
+            # Noise and fixed pattern, by the deviation from the noiseless image.
+            off = [c - gain * v - offset for row, line in zip(counts, noiseless, strict=True) for c, v in zip(row, line, strict=True)]
+            rms = (sum(x * x for x in off) / len(off)) ** 0.5
+            stated = gain * float(label["noise_w_m2_sr"]) * 1.25 ** 0.5
+            self.assertAlmostEqual(rms, (stated ** 2 + 1 / 12) ** 0.5, delta=4 * stated / (2 * len(off)) ** 0.5)
+            # Masks and labels lie on the imager's pixels.
+            area_px = float(label["target_area_px"])
+            self.assertAlmostEqual(area_px * pixel_m2, float(label["projected_area_m2"]), delta=1e-6 * float(label["projected_area_m2"]))
+            self.assertAlmostEqual(object_["area"], area_px, delta=0.02 * area_px)
+            self.assertTrue(min(object_["bbox"][:2]) >= 16 and object_["bbox"][0] + object_["bbox"][2] <= size[0] - 16)
+            self.assertEqual([int(label[f"box_{n}_px"]) for n in ("left", "top")], [16, 16])
+            self.assertLess(abs(sum(m > 0 for line in mask for m in line) - area_px), 0.2 * area_px)
+        same = lambda folder: {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+        again = self.export("again", *chosen)
+        self.assertEqual(same(again), same(folder))
+        # Rows of a slice have other numbers and the same counts.
+        irsig("slice", self.db, "--sweep", "quickstart", "--season", "winter", "--out", self.path / "cut.sigdb")
+        irsig("export", self.path / "cut.sigdb", *chosen, "--out", self.path / "cut")
+        for whole, part in zip(self.labels(folder), self.labels(self.path / "cut"), strict=True):
+            self.assertEqual((folder / whole["image"]).read_bytes(), (self.path / "cut" / part["image"]).read_bytes())
+        # Another imager is another question, the same one goes on.
+        os.rename(again, self.path / "again.partial")
+        (self.path / "again.partial" / "progress").write_text("of something else\n0 0 0 0 0\n")
+        self.assertIn("another export", irsig("export", self.db, *chosen, "--out", again, expect=2).stderr)
+        shutil.rmtree(self.path / "again.partial")
+
+        # Hotter than white in places: the counts end at full scale.
+        for bits, full in ((8, 255), (14, 16383)):
+            few = self.export(f"bits{bits}", *self.imager("few.toml", ("bits = 16\nblack_k = 250\nwhite_k = 420", f"bits = {bits}\nblack_k = 250\nwhite_k = 290")), "--row", "1")
+            label, counts = self.labels(few)[0], grey(few / "images/0000001.png", 8 if bits == 8 else 16)
+            self.assertEqual(max(map(max, counts)), full)
+            self.assertTrue(0 < int(label["saturated_px"]) <= sum(c in (0, full) for line in counts for c in line))
+
+    def test_an_imager_that_cannot_be_is_refused(self):
+        chosen = self.imager("camera.toml")
+        for options, why in (((*chosen, "--bits", "16"), "excludes"), ((*chosen, "--thumbnail-scale", "own"), "excludes"),
+                             ([o for o in chosen if o != "--background"], "add --background"),
+                             (self.imager("bits.toml", ("bits = 16", "bits = 12")), "bits.toml:11:1: counts.bits = 12, expected 8, 14 or 16"),
+                             (self.imager("long.toml", ("f_number = 0.5", "f_number = 2")), "[output] thumbnail_px = ")):
+            said = irsig("export", self.db, *options, "--out", self.path / "no", expect=2).stderr
+            self.assertIn(why, said)
+            self.assertFalse((self.path / "no").exists() or (self.path / "no.partial").exists())
+
     def filled(self, row, has=lambda part: True):
         """[row][column] Fraction of each pixel that the parts fill, by the description of the tables."""
         with sqlite3.connect(f"file:{self.db}?mode=ro", uri=True) as db:

@@ -11,6 +11,7 @@
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
 #include "jobs/detector_file.h"
+#include "jobs/imager_file.h"
 #include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 
@@ -28,10 +29,10 @@ schema::ResolvedSweep example(const std::string& name) {
   return sweep.ok() ? *sweep : schema::ResolvedSweep{};
 }
 
-// Others have a grammar of their own: goniometers (goniometer_file_test.cpp) and detectors.
+// Others have a grammar of their own: goniometers (goniometer_file_test.cpp), detectors, imagers.
 bool is_sweep(const std::filesystem::path& path) {
   return path.extension() == ".toml" && !path.stem().string().starts_with("goniometer_") &&
-         path.parent_path().filename() != "detectors";
+         path.parent_path().filename() != "detectors" && path.parent_path().filename() != "imagers";
 }
 
 TEST(Examples, DetectorsAreRead) {
@@ -43,6 +44,12 @@ TEST(Examples, DetectorsAreRead) {
     names.insert(detector->name);
   }
   EXPECT_THAT(names, UnorderedElementsAre("InSb, f/2", "HgCdTe, f/2"));
+}
+
+TEST(Examples, ImagersAreRead) {
+  const auto imager = read_imager(kExamples / "imagers/mwir.toml");
+  ASSERT_TRUE(imager.ok()) << imager.status();
+  EXPECT_EQ(imager->name, "MWIR, f/2, 25 mm");
 }
 
 TEST(Examples, AllOfThemResolveAndExpand) {
@@ -58,11 +65,11 @@ TEST(Examples, AllOfThemResolveAndExpand) {
               static_cast<std::size_t>(sweep->viewpoint_size() + sweep->heat_size()));
     names.insert(sweep->sweep().name());
   }
-  EXPECT_THAT(names, UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk",
-                                          "primitives", "sphere", "box", "cylinder", "cone",
-                                          "cavity", "cooling_tower", "painted_sphere", "houses",
-                                          "frigate_day", "frigate_plume", "plume_column", "drone",
-                                          "camera", "training_images"));
+  EXPECT_THAT(names,
+              UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk", "primitives",
+                                   "sphere", "box", "cylinder", "cone", "cavity", "cooling_tower",
+                                   "painted_sphere", "houses", "frigate_day", "frigate_plume",
+                                   "plume_column", "drone", "camera", "training_images"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.

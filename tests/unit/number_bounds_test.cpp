@@ -14,6 +14,7 @@
 #include "absl/strings/str_replace.h"
 #include "schema/detector.pb.h"
 #include "schema/goniometer.pb.h"
+#include "schema/imager.pb.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {
@@ -49,6 +50,7 @@ TEST(NumberBounds, EveryNumberHasARowAndEveryRowANumber) {
   collect(*schema::Sweep::descriptor(), "", expected);
   collect(*schema::Goniometer::descriptor(), "", expected);
   collect(*schema::DetectorFile::descriptor(), "", expected);
+  collect(*schema::ImagerFile::descriptor(), "", expected);
   collect(*schema::ResolvedSweep::descriptor(), "", expected);
   std::set<std::string> rows;
   for (const NumberBounds& row : number_bounds()) {
@@ -95,6 +97,9 @@ void for_each_number(const std::function<void(const Descriptor&, const FieldDesc
           key.substr(0, key.find('.')));
     if (message == nullptr)
       message = schema::DetectorFile::descriptor()->file()->FindMessageTypeByName(
+          key.substr(0, key.find('.')));
+    if (message == nullptr)
+      message = schema::ImagerFile::descriptor()->file()->FindMessageTypeByName(
           key.substr(0, key.find('.')));
     if (message == nullptr)
       message = schema::ResolvedSweep::descriptor()->file()->FindMessageTypeByName(
@@ -206,6 +211,7 @@ TEST(NumberBounds, ArePrintedInTheDocumentation) {
   EXPECT_EQ(limits_on("docs/reference/goniometer.md"),
             limits_of(*schema::Goniometer::descriptor()));
   EXPECT_EQ(limits_on("docs/reference/bands.md"), limits_of(*schema::DetectorFile::descriptor()));
+  EXPECT_EQ(limits_on("docs/reference/imager.md"), limits_of(*schema::ImagerFile::descriptor()));
 }
 
 }  // namespace

@@ -23,10 +23,12 @@
 #include "core/image/image.h"
 #include "schema/store/check_picture.h"
 #include "view/base/atomic_file.h"
+#include "view/base/on_all_cores.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/export_journal.h"
 #include "view/pictures/masks.h"
+#include "view/pictures/recorded_image.h"
 
 namespace irsig {
 namespace {
@@ -62,6 +64,12 @@ struct Image {
   schema::Thumbnail thumbnail;
   StoredSilhouette silhouette;
 };
+
+std::uint64_t fnv1a(std::string_view bytes) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  return hash;
+}
 
 std::string json_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "null";
@@ -137,7 +145,9 @@ class ThumbnailFolder {
   [[nodiscard]] std::size_t at_once() const {
     std::size_t longest = 1;
     for (const auto& [sweep, px] : most_px_) longest = std::max<std::size_t>(longest, px);
-    return std::clamp<std::size_t>(kPixelsAtOnce / (longest * longest), 1, kAtOnce);
+    // Radiances of all pixels are here at once, for an imager, in place of their PNG.
+    const std::size_t fewer = asked_.imager ? 8 : 1;
+    return std::clamp<std::size_t>(kPixelsAtOnce / fewer / (longest * longest), 1, kAtOnce / fewer);
   }
 
   // In the order of sweeps and of their lists.
@@ -151,6 +161,12 @@ class ThumbnailFolder {
           parts_.push_back(part.name());
       place_[of.name] = place_.size();
       most_px_[of.name] = most_px_of(sweep.resolved.sweep());
+      for (const schema::Band& b : sweep.resolved.sweep().band()) {
+        Band& band = band_[{of.name, b.name()}];
+        band = {b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
+        for (const schema::SpectralPoint& point : b.response())
+          band.response.push_back({point.lambda_um(), point.value()});
+      }
     }
     return absl::OkStatus();
   }
@@ -190,6 +206,8 @@ class ThumbnailFolder {
                     asked_.masks ? " masks" : "", asked_.coco ? " coco" : "",
                     asked_.each_part ? " each part" : "", asked_.background ? " background" : "",
                     asked_.validation, asked_.split_seed, ids_.size(), hash);
+    if (asked_.imager)
+      journal_.asked += fmt::format(" imager {:016x}", fnv1a(asked_.imager_identity));
     for (const CocoCategory& c : asked_.categories)
       journal_.asked +=
           fmt::format(" {}={}", printable(c.name), printable(absl::StrJoin(c.pattern, ",")));
@@ -283,7 +301,7 @@ class ThumbnailFolder {
 
   // Of all rows, before the first is painted.
   absl::Status find_scale() {
-    if (scale_.kind != Scale::Kind::kCommon) return absl::OkStatus();
+    if (asked_.imager || scale_.kind != Scale::Kind::kCommon) return absl::OkStatus();
     LoopProgress progress("images compared", ids_.size());
     progress.step(journal_.seen);
     while (journal_.seen < ids_.size()) {
@@ -327,7 +345,7 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
-  absl::Status paint_some(const std::vector<Image>& some) {
+  absl::Status paint_some(std::vector<Image>& some) {
     std::vector<PictureTask> pictures;
     for (const Image& image : some) {
       ASSIGN_OR_RETURN(auto one, picture(image));
@@ -343,27 +361,100 @@ class ThumbnailFolder {
                                                  : scale_.white_w_m2_sr);
       pictures.push_back(std::move(one));
     }
-    if (scale_.kind == Scale::Kind::kOwn) {
+    if (!asked_.imager && scale_.kind == Scale::Kind::kOwn) {
       ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
       for (std::size_t i = 0; i < pictures.size(); ++i)
         pictures[i].white_w_m2_sr = facts[i].hottest_w_m2_sr;
     }
     for (PictureTask& picture : pictures) {
-      picture.paint = true;
+      picture.paint = !asked_.imager;
+      picture.pixels = !picture.paint;
       picture.bits = asked_.bits;
     }
-    ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
+    ASSIGN_OR_RETURN(auto facts, painted(some, pictures));
+    std::vector<RecordedImage> recorded;
+    if (asked_.imager) {
+      ASSIGN_OR_RETURN(recorded, record(some, facts));
+    }
     for (std::size_t i = 0; i < some.size(); ++i)
       RETURN_IF_ERROR(
           plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", facts[i].png));
     if (asked_.masks) RETURN_IF_ERROR(write_masks(some));
     if (asked_.coco) RETURN_IF_ERROR(write_objects(some));
     std::ostringstream lines;
-    RETURN_IF_ERROR(write_labels(some, pictures, facts, lines));
+    RETURN_IF_ERROR(write_labels(some, pictures, facts, recorded, lines));
     // Every table has its heading; the file has the first's.
     const std::string table = lines.str();
     return append(kLabels,
                   journal_.bytes[kLabels] == 0 ? table : table.substr(table.find('\n') + 1));
+  }
+
+  // Figures of the imager in the band of a row.
+  absl::StatusOr<ImagerInBand> figures_of(const StoredSignature& s) {
+    const auto band = band_.find({s.sweep, s.band});
+    if (band == band_.end() || band->second.lambda_min_um != s.lambda_min_um ||
+        band->second.lambda_max_um != s.lambda_max_um)
+      return never(absl::FailedPreconditionError(
+          fmt::format("row {} is of an earlier version of its sweep, with another band: run the "
+                      "sweep again",
+                      s.row)));
+    auto figures = imager_in_band(*asked_.imager, band->second);
+    if (!figures.ok()) return never(figures.status());
+    return *figures;
+  }
+
+  static absl::Status not_recorded(const StoredSignature& s, const absl::Status& why) {
+    return {why.code(), fmt::format("the image of row {}: {}", s.row, std::string(why.message()))};
+  }
+
+  // Images as the imager records them: `some` and `facts` become those of its pixels.
+  absl::StatusOr<std::vector<RecordedImage>> record(std::vector<Image>& some,
+                                                    std::vector<PictureAnswer>& facts) {
+    std::vector<ImagerInBand> figures;
+    for (const Image& image : some) {
+      ASSIGN_OR_RETURN(const auto one, figures_of(image.signature));
+      figures.push_back(one);
+    }
+    // The image that needs the most stored pixels is checked first: its remedy serves all.
+    const auto needed = [](const Image& image) {
+      const schema::Thumbnail& t = image.thumbnail;
+      return t.pixel_rad() * std::max(t.width_px(), t.height_px());
+    };
+    const auto coarsest =
+        std::max_element(some.begin(), some.end(),
+                         [&](const Image& x, const Image& y) { return needed(x) < needed(y); });
+    if (coarsest != some.end()) {
+      const schema::Thumbnail& t = coarsest->thumbnail;
+      const auto grid = detector_grid(*asked_.imager, t.width_px(), t.height_px(), t.pixel_rad());
+      if (!grid.ok()) return never(not_recorded(coarsest->signature, grid.status()));
+    }
+    std::vector<RecordedImage> out(some.size());
+    const absl::Status done = on_all_cores(some.size(), [&](std::size_t i) -> absl::Status {
+      Image& image = some[i];
+      PictureAnswer& f = facts[i];
+      const StoredSignature& s = image.signature;
+      const RadianceImage seen{f.width_px, f.height_px, std::move(f.pixel)};
+      auto one = record_image(*asked_.imager, figures[i], s, seen, image.thumbnail.pixel_rad(),
+                              image.silhouette);
+      if (!one.ok()) return not_recorded(s, one.status());
+      out[i] = *std::move(one);
+      f.png = std::move(out[i].png);
+      f.shown_px = out[i].target.shown_px;
+      f.left_px = out[i].target.left_px;
+      f.top_px = out[i].target.top_px;
+      f.box_width_px = out[i].target.width_px;
+      f.box_height_px = out[i].target.height_px;
+      image.silhouette = std::move(out[i].silhouette);
+      image.thumbnail.set_width_px(image.silhouette.width_px);
+      image.thumbnail.set_height_px(image.silhouette.height_px);
+      image.thumbnail.set_pixel_rad(asked_.imager->ifov_rad());
+      return asked_.exr ? plain_file(partial_ + "/" + name_of(s) + ".noiseless.exr",
+                                     std::exchange(out[i].noiseless_exr, {}))
+                        : absl::OkStatus();
+    });
+    if (absl::IsInvalidArgument(done)) return never(done);
+    if (!done.ok()) return done;
+    return out;
   }
 
   absl::Status write_masks(const std::vector<Image>& some) {
@@ -470,7 +561,8 @@ class ThumbnailFolder {
 
   absl::Status write_labels(const std::vector<Image>& some,
                             const std::vector<PictureTask>& pictures,
-                            const std::vector<PictureAnswer>& facts, std::ostream& out) {
+                            const std::vector<PictureAnswer>& facts,
+                            const std::vector<RecordedImage>& recorded, std::ostream& out) {
     struct Number {
       const char* name;
       double S::*member;
@@ -496,9 +588,16 @@ class ThumbnailFolder {
     if (asked_.validation > 0) head("split");
     for (const char* name : {"sweep", "row", "season", "time_utc", "band"}) head(name);
     for (const Number& n : kAspect) head(n.name);
-    for (const char* name :
-         {"width_px", "height_px", "pixel_rad", "black_w_m2_sr", "white_w_m2_sr", "target_area_px",
-          "target_px", "box_left_px", "box_top_px", "box_width_px", "box_height_px"})
+    for (const char* name : {"width_px", "height_px", "pixel_rad"}) head(name);
+    if (asked_.imager) {
+      for (const char* name :
+           {"imager", "counts_per_w_m2_sr", "offset_counts", "noise_w_m2_sr", "saturated_px"})
+        head(name);
+    } else {
+      for (const char* name : {"black_w_m2_sr", "white_w_m2_sr"}) head(name);
+    }
+    for (const char* name : {"target_area_px", "target_px", "box_left_px", "box_top_px",
+                             "box_width_px", "box_height_px"})
       head(name);
     for (const Number& n : kValues) head(n.name);
     for (const std::string& part : parts_) {
@@ -518,10 +617,17 @@ class ThumbnailFolder {
       for (const Number& n : kAspect) line.push_back(known(s.*n.member));
       for (const std::uint32_t n : {t.width_px(), t.height_px()})
         line.emplace_back(std::uint64_t{n});
-      const PictureTask& task = pictures[i];
-      for (const double v : {t.pixel_rad(), static_cast<double>(task.black_w_m2_sr),
-                             static_cast<double>(task.white_w_m2_sr), area_px(some[i])})
-        line.emplace_back(v);
+      line.emplace_back(t.pixel_rad());
+      if (asked_.imager) {
+        const RecordedImage& r = recorded[i];
+        line.insert(line.end(), {asked_.imager_name, r.figures.counts_per_w_m2_sr,
+                                 r.figures.offset_counts, r.figures.noise_w_m2_sr, r.saturated_px});
+      } else {
+        const PictureTask& task = pictures[i];
+        for (const float v : {task.black_w_m2_sr, task.white_w_m2_sr})
+          line.emplace_back(static_cast<double>(v));
+      }
+      line.emplace_back(area_px(some[i]));
       for (const std::uint32_t n :
            {f.shown_px, f.left_px, f.top_px, f.box_width_px, f.box_height_px})
         line.emplace_back(std::uint64_t{n});
@@ -548,6 +654,7 @@ class ThumbnailFolder {
   std::vector<std::string> parts_;
   std::map<std::string, std::size_t> place_;      // of sweeps
   std::map<std::string, std::uint32_t> most_px_;  // of their images
+  std::map<SweepBand, Band> band_;
   Journal journal_;
   bool never_ = false;  // whether going on would end where this call does
 };
@@ -562,6 +669,9 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
   if (!asked.query.range_m.empty())
     return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
   ASSIGN_OR_RETURN(const auto scale, parse_scale(asked.scale));
+  if (asked.imager && !asked.background)
+    return absl::InvalidArgumentError(
+        "--imager: an imager records the radiance at the sensor, add --background");
   if (!(asked.validation >= 0 && asked.validation < 1))
     return absl::InvalidArgumentError("--validation: expected a fraction of at least 0, below 1");
   std::string path = folder;

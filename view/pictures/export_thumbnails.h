@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/imager/imager.h"
 #include "view/pictures/coco.h"
 #include "view/pictures/thumbnail.h"
 #include "view/query/query.h"
@@ -28,7 +30,11 @@ struct ThumbnailsAsked {
   double validation = 0;
   std::uint64_t split_seed = 1;
   bool background = false;  // pictures as the sensor has them, before the row's background
-  std::string said;         // the question, for who resumes
+  // Pictures of counts of this imager, in place of `scale` and `bits`; needs `background`.
+  std::optional<Imager> imager = std::nullopt;
+  std::string imager_name;      // for labels
+  std::string imager_identity;  // differs between different imagers
+  std::string said;             // the question, for who resumes
 };
 
 // A folder of the stored images of all rows that a query selects: labels.csv, one line for each

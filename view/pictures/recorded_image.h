@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/image/image.h"
+#include "core/imager/imager.h"
+#include "schema/store/rows.h"
+
+namespace irsig {
+
+// A stored image as an imager records it.
+struct RecordedImage {
+  ImagerInBand figures;
+  std::string png;            // counts: grey of 8 bits, or of 16 for 14 and 16 bits
+  std::string noiseless_exr;  // radiance of each pixel without noise, fixed pattern and saturation
+  std::uint64_t saturated_px = 0;
+  StoredSilhouette silhouette;  // mean fractions of the imager's pixels
+  ImageContent target;          // pixels that the target covers in part, and their box
+};
+// Records an image of radiance at the sensor. The noise depends on sweep, season, time, band,
+// aspect and range of `row`, so that a slice of the database gives the same counts.
+// INVALID_ARGUMENT: the stored pixels are too coarse for the imager, or the image would be too
+// large.
+[[nodiscard]] absl::StatusOr<RecordedImage> record_image(
+    const Imager& imager, const ImagerInBand& figures, const StoredSignature& row,
+    const RadianceImage& seen, double pixel_rad, const StoredSilhouette& silhouette);
+
+// Returns the parts on the pixels of a detector: the mean fraction of the stored pixels under each,
+// weighted with the areas that they share.
+[[nodiscard]] StoredSilhouette on_detector(const StoredSilhouette& silhouette,
+                                           const DetectorGrid& grid);
+
+}  // namespace irsig
