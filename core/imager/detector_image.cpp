@@ -67,6 +67,23 @@ double cosine(const Axis& axis, std::size_t u, double at) {
   return std::cos(pi * static_cast<double>(u) * at / static_cast<double>(axis.side));
 }
 
+struct Frequency {
+  double cycles_rad;
+  double weight;  // of its cosine, times the transfer functions of pixels along this axis
+};
+// The mean over a stored pixel, at least 0.64, is divided out.
+std::vector<Frequency> frequencies_of(const Axis& axis, const Imager& imager, double pixel_rad) {
+  std::vector<Frequency> out;
+  const auto side = static_cast<double>(axis.side);
+  for (std::size_t u = 0; u < axis.frequencies; ++u) {
+    const double cycles = 0.5 * static_cast<double>(u) / side;  // per stored pixel
+    const double mean = u == 0 ? 1 : std::sin(pi * cycles) / (pi * cycles);
+    out.push_back({cycles / pixel_rad,
+                   (u == 0 ? 1 : 2) / side * pixel_mtf(imager, cycles / pixel_rad) / mean});
+  }
+  return out;
+}
+
 }  // namespace
 
 RadianceImage detector_image(const Imager& imager, double wavelength_um,
@@ -93,19 +110,12 @@ RadianceImage detector_image(const Imager& imager, double wavelength_um,
       from_y.row(v)[y] = cosine(down, v, down.image_begin + static_cast<double>(y) + 0.5);
   Matrix spectrum = product(from_y, product(image, from_x));
 
-  // The stored pixel's own mean: divided out, at most by 0.64 along each axis.
-  const auto stored_mean = [](double cycles) {
-    return cycles == 0 ? 1 : std::sin(pi * cycles) / (pi * cycles);
-  };
-  for (std::size_t v = 0; v < down.frequencies; ++v)
-    for (std::size_t u = 0; u < across.frequencies; ++u) {
-      const double fx = 0.5 * static_cast<double>(u) / static_cast<double>(across.side);
-      const double fy = 0.5 * static_cast<double>(v) / static_cast<double>(down.side);
-      const double norm = (u == 0 ? 1.0 : 2.0) * (v == 0 ? 1.0 : 2.0) /
-                          (static_cast<double>(across.side) * static_cast<double>(down.side));
-      spectrum.row(v)[u] *= norm *
-                            imager_mtf(imager, wavelength_um, fx / pixel_rad, fy / pixel_rad) /
-                            (stored_mean(fx) * stored_mean(fy));
+  const std::vector<Frequency> fx = frequencies_of(across, imager, pixel_rad);
+  const std::vector<Frequency> fy = frequencies_of(down, imager, pixel_rad);
+  for (std::size_t v = 0; v < fy.size(); ++v)
+    for (std::size_t u = 0; u < fx.size(); ++u) {
+      const double f = std::hypot(fx[u].cycles_rad, fy[v].cycles_rad);
+      spectrum.row(v)[u] *= fx[u].weight * fy[v].weight * optics_mtf(imager, wavelength_um, f);
     }
 
   Matrix to_x(across.frequencies, grid.width_px), to_y(grid.height_px, down.frequencies);

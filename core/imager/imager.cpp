@@ -16,8 +16,6 @@ using std::numbers::pi;
 
 constexpr std::uint32_t kMostSidePx = 4096;
 
-double sinc(double x) { return x == 0 ? 1 : std::sin(pi * x) / (pi * x); }
-
 template <typename Value>
 double in_band(const BandGrid& grid, Value&& value) {
   double sum = 0;
@@ -76,14 +74,16 @@ absl::StatusOr<ImagerInBand> imager_in_band(const Imager& imager, const Band& ba
   return out;
 }
 
-double imager_mtf(const Imager& imager, double wavelength_um, double fx, double fy) {
-  const double f = std::hypot(fx, fy);
+double optics_mtf(const Imager& imager, double wavelength_um, double f) {
   const double n = 1e-6 * wavelength_um * f / imager.aperture_m;
   if (n >= 1) return 0;
-  const double aperture = 2 / pi * (std::acos(n) - n * std::sqrt(1 - n * n));
   const double phase = pi * imager.jitter_rad * f;
-  const double active_rad = std::sqrt(imager.fill_factor) * imager.ifov_rad();
-  return aperture * std::exp(-2 * phase * phase) * sinc(active_rad * fx) * sinc(active_rad * fy);
+  return 2 / pi * (std::acos(n) - n * std::sqrt(1 - n * n)) * std::exp(-2 * phase * phase);
+}
+
+double pixel_mtf(const Imager& imager, double f) {
+  const double x = std::sqrt(imager.fill_factor) * imager.ifov_rad() * f;
+  return x == 0 ? 1 : std::sin(pi * x) / (pi * x);
 }
 
 absl::StatusOr<DetectorGrid> detector_grid(const Imager& imager, std::uint32_t width_px,

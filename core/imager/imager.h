@@ -51,16 +51,18 @@ struct ImagerInBand {
 // gives no finite gain.
 [[nodiscard]] absl::StatusOr<ImagerInBand> imager_in_band(const Imager& imager, const Band& band);
 
-// Returns the transfer function: aperture x jitter x active area of a pixel.    [1]
+// Returns the transfer function of the optics, aperture x jitter, at a spatial frequency f in
+// cycles/rad.    [1]
 //
 //   2/pi (acos n - n sqrt(1 - n^2)), n = lambda f / D, 0 beyond 1     [goodman2005, 6.3]
 //   exp(-2 (pi sigma f)^2)                                            a Gaussian of rms sigma
-//   sinc(a fx) sinc(a fy),  sinc(x) = sin(pi x) / (pi x)
-//
-//   fx, fy  spatial frequencies, f = hypot(fx, fy)         [cycles/rad]
 //
 // Aberrations, crosstalk and motion are left out.
-[[nodiscard]] double imager_mtf(const Imager& imager, double wavelength_um, double fx, double fy);
+[[nodiscard]] double optics_mtf(const Imager& imager, double wavelength_um, double f);
+// Returns the transfer function of a pixel's active square along one of its sides, sinc(a f) =
+// sin(pi a f) / (pi a f). That of the imager is optics_mtf(hypot(fx, fy)) pixel_mtf(fx)
+// pixel_mtf(fy).    [1]
+[[nodiscard]] double pixel_mtf(const Imager& imager, double f);
 
 // The detector's pixels that cover a stored image: both grids have one centre. A pixel is `ratio`
 // stored pixels wide; the left edge of the first one is `left` stored pixels right of the image's.
@@ -78,7 +80,7 @@ struct DetectorGrid {
 // over their areas; that mean is divided out of the transfer function, which multiplies the image's
 // Fourier transform. Beyond the border lies `outside_w_m2_sr`.
 //
-// Accuracy: the transfer function of a slanted edge is that of imager_mtf() within 0.3 % up to the
+// Accuracy: the transfer function of a slanted edge is the product above within 0.3 % up to the
 // detector's Nyquist frequency (tests/unit/imager_test.cpp). Details finer than two stored pixels
 // or a sixteenth of a pixel of the detector are left out.
 [[nodiscard]] RadianceImage detector_image(const Imager& imager, double wavelength_um,

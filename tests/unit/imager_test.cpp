@@ -173,6 +173,23 @@ TEST(Imager, TheLightOfAPointIsKept) {
   EXPECT_NEAR(light(imager), 1, 2e-5);
 }
 
+// Both images have one centre, whatever the ratio of their pixels.
+TEST(Imager, APointAtTheCentreStaysThere) {
+  const Imager imager = mwir();
+  RadianceImage point{31, 15, std::vector<float>(31 * 15, 2)};
+  point.radiance_w_m2_sr[7 * 31 + 15] = 1e4f;
+  for (const double ratio : {2.0, 2.7, 7.3}) {
+    const RadianceImage out = seen_by(imager, point, imager.ifov_rad() / ratio, 2);
+    const std::size_t n = out.radiance_w_m2_sr.size(), width = out.width_px;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t line = i / width * width;
+      ASSERT_NEAR(out.radiance_w_m2_sr[i], out.radiance_w_m2_sr[line + width - 1 - (i - line)],
+                  1e-3);
+      ASSERT_NEAR(out.radiance_w_m2_sr[i], out.radiance_w_m2_sr[n - 1 - i], 1e-3);
+    }
+  }
+}
+
 double mean(const std::vector<std::uint16_t>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
