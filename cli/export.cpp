@@ -9,6 +9,7 @@
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
+#include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
 #include "jobs/imager_file.h"
 #include "planning/export_temperatures.h"
@@ -29,6 +30,7 @@ struct ExportCommand {
   std::string spectra;  // empty, long or wide
   std::string scale;    // of thumbnails; empty: not said
   std::string imager;   // file; empty: none
+  std::string layer;    // shown by thumbnails; empty: the radiance at the target
   bool exr = false, background = false, masks = false, coco = false, each_part = false;
   int bits = 8;
   double validation = 0;
@@ -76,6 +78,10 @@ struct ExportCommand {
     asked.bits = bits;
     asked.exr = exr;
     asked.background = background;
+    asked.layer = layer;
+    if (layer == name_of(ImageLayer::kTemperature) || layer == name_of(ImageLayer::kRange))
+      return absl::InvalidArgumentError(
+          absl::StrCat("--layer ", layer, ": is no radiance; --exr writes its numbers"));
     asked.masks = masks;
     asked.coco = coco;
     if (!imager.empty()) {
@@ -140,10 +146,19 @@ void add_export(CLI::App& app, int& exit_code) {
       ->excludes(imager);
   of_thumbnails(command->add_flag(
       "--exr", options->exr,
-      "With thumbnails also their radiances at the target and the standard errors, as EXR"));
-  of_thumbnails(command->add_flag(
-      "--background", options->background,
-      "Thumbnails as the sensor has them: behind the air, before the background"));
+      "With thumbnails also their radiances at the target, the standard errors and all layers, as "
+      "EXR"));
+  std::vector<std::string> layers;
+  for (const ImageLayerInfo& one : kImageLayers) layers.emplace_back(one.name);
+  CLI::Option* layer = of_thumbnails(command->add_option(
+      "--layer", options->layer,
+      "Thumbnails of a further image of the rows, as [image] layers of the sweep asked for it; "
+      "default: of the radiance at the target"));
+  layer->type_name("NAME")->check(CLI::IsMember(layers))->excludes(imager);
+  of_thumbnails(
+      command->add_flag("--background", options->background,
+                        "Thumbnails as the sensor has them: behind the air, before the background"))
+      ->excludes(layer);
   of_thumbnails(command->add_flag("--masks", options->masks,
                                   "Beside each thumbnail a picture of the parts that it shows, and "
                                   "parts.csv with their numbers"));

@@ -51,12 +51,16 @@ void append_attribute(std::string& out, std::string_view name, std::string_view 
 // The header of an EXR file of scan lines, its attributes in the order of their names.
 enum class ExrPacking : char { kRunLengths = 1, kZip = 3 };  // OpenEXR's numbers
 
-std::string exr_header(std::uint32_t width_px, std::uint32_t height_px, ExrPacking packing) {
-  std::string channels("Y\0", 2), window(8, '\0'), one;
-  append_little_endian(channels, 2, 4);  // float32
-  append_little_endian(channels, 0, 4);  // not linear, reserved
-  append_little_endian(channels, 1, 4);  // every column
-  append_little_endian(channels, 1, 4);  // every line
+std::string exr_header(std::uint32_t width_px, std::uint32_t height_px, ExrPacking packing,
+                       std::span<const std::string> names) {
+  std::string channels, window(8, '\0'), one;
+  for (const std::string& name : names) {
+    channels.append(name).push_back('\0');
+    append_little_endian(channels, 2, 4);  // float32
+    append_little_endian(channels, 0, 4);  // not linear, reserved
+    append_little_endian(channels, 1, 4);  // every column
+    append_little_endian(channels, 1, 4);  // every line
+  }
   channels.push_back('\0');
   append_little_endian(window, width_px - 1, 4);
   append_little_endian(window, height_px - 1, 4);
@@ -215,18 +219,26 @@ absl::StatusOr<std::string> deflated(std::string_view bytes) {
   return out;
 }
 
-absl::StatusOr<std::string> encode_lines(const RadianceImage& image, ExrPacking packing) {
-  RETURN_IF_ERROR(check(image));
+// Channels in the order of their names, each [height][width].
+struct Channels {
+  std::uint32_t width_px, height_px;
+  std::vector<std::string> name;
+  std::vector<std::span<const float>> value;
+};
+
+absl::StatusOr<std::string> encode_lines(const Channels& image, ExrPacking packing) {
   const std::size_t width = image.width_px, height = image.height_px;
-  std::string out = exr_header(image.width_px, image.height_px, packing);
+  std::string out = exr_header(image.width_px, image.height_px, packing, image.name);
   const std::size_t of_block = packing == ExrPacking::kZip ? 16 : 1;
   const std::size_t blocks = (height + of_block - 1) / of_block, table = out.size();
   std::string offsets, packed_blocks;
   for (std::size_t y = 0; y < height; y += of_block) {
     append_little_endian(offsets, table + 8 * blocks + packed_blocks.size(), 8);
     static_assert(std::endian::native == std::endian::little);  // as the file's numbers are
-    std::string block(4 * width * (std::min(y + of_block, height) - y), '\0');
-    std::memcpy(block.data(), image.radiance_w_m2_sr.data() + y * width, block.size());
+    std::string block;
+    for (std::size_t line = y; line < std::min(y + of_block, height); ++line)
+      for (const std::span<const float> channel : image.value)
+        block.append(reinterpret_cast<const char*>(channel.data() + line * width), 4 * width);
     std::string packed = exr_differences(block);
     if (packing == ExrPacking::kRunLengths) {
       packed = run_lengths(packed);
@@ -241,6 +253,11 @@ absl::StatusOr<std::string> encode_lines(const RadianceImage& image, ExrPacking 
   return out + offsets + packed_blocks;
 }
 
+absl::StatusOr<std::string> encode_lines(const RadianceImage& image, ExrPacking packing) {
+  RETURN_IF_ERROR(check(image));
+  return encode_lines({image.width_px, image.height_px, {"Y"}, {image.radiance_w_m2_sr}}, packing);
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> encode_exr(const RadianceImage& image) {
@@ -252,6 +269,19 @@ absl::StatusOr<std::string> encode_error_exr(const RadianceImage& image) {
   for (float& e : rounded.radiance_w_m2_sr)
     e = std::bit_cast<float>((std::bit_cast<std::uint32_t>(e) + 0x7ffffU) & 0xfff80000U);
   return encode_lines(rounded, ExrPacking::kZip);
+}
+
+absl::StatusOr<std::string> encode_layers_exr(
+    std::uint32_t width_px, std::uint32_t height_px,
+    const std::map<std::string, std::vector<float>>& layers) {
+  Channels image{width_px, height_px, {}, {}};
+  for (const auto& [name, values] : layers) {
+    RETURN_IF_ERROR(check_size(width_px, height_px, values.size()));
+    image.name.push_back(name + ".Y");
+    image.value.emplace_back(values);
+  }
+  if (layers.empty()) return absl::InvalidArgumentError("image: has no layers");
+  return encode_lines(image, ExrPacking::kZip);
 }
 
 absl::StatusOr<std::string> encode_png(const RadianceImage& image) {

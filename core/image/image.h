@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,12 @@ struct RadianceImage {
 // Encodes standard errors likewise: each is rounded up, by at most 6 %, to a number of 4 binary
 // digits behind the first, and they are packed with ZIP.
 [[nodiscard]] absl::StatusOr<std::string> encode_error_exr(const RadianceImage& image);
+
+// Encodes layers of an image: OpenEXR, one float32 channel "NAME.Y" for each, packed with ZIP.
+//   layers  by name, the pixels of each row by row from the top left
+[[nodiscard]] absl::StatusOr<std::string> encode_layers_exr(
+    std::uint32_t width_px, std::uint32_t height_px,
+    const std::map<std::string, std::vector<float>>& layers);
 
 // Linear from black to white, what is outside is black or white. [W/(m2 sr)]
 struct GreyScale {

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "view/pictures/masks.h"
+
 namespace irsig {
 namespace {
 
@@ -53,9 +55,9 @@ TEST(RecordedImage, ASmallTargetIsAPartOfOnePixel) {
   const auto out = record_image(imager, figures, row, seen, imager.ifov_rad() / 9, stored);
   ASSERT_TRUE(out.ok()) << out.status();
   EXPECT_EQ(out->silhouette.width_px, 9U);
-  EXPECT_EQ(out->target.shown_px, 1U);
-  EXPECT_EQ(out->target.left_px, 4U);
-  EXPECT_EQ(out->target.top_px, 4U);
+  EXPECT_EQ(covered_pixels(out->silhouette).shown_px, 1U);
+  EXPECT_EQ(covered_pixels(out->silhouette).left_px, 4U);
+  EXPECT_EQ(covered_pixels(out->silhouette).top_px, 4U);
   ASSERT_EQ(out->silhouette.part[0].pixel.size(), 1U);
   EXPECT_NEAR(out->silhouette.part[0].pixel[0].samples, 65535.0 / 81, 0.5);
   EXPECT_FALSE(record_image(imager, figures, row, seen, imager.ifov_rad() / 1.5, stored).ok());

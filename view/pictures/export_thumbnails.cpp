@@ -17,6 +17,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "core/accuracy/image_layers.h"
 #include "core/base/printable.h"
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
@@ -63,6 +64,13 @@ struct Image {
   StoredSignature signature;
   schema::Thumbnail thumbnail;
   StoredSilhouette silhouette;
+  std::vector<schema::ImageLayer> layers;  // where they are exported
+
+  [[nodiscard]] const schema::ImageLayer* layer(std::string_view name) const {
+    for (const schema::ImageLayer& one : layers)
+      if (one.name() == name) return &one;
+    return nullptr;
+  }
 };
 
 std::uint64_t fnv1a(std::string_view bytes) {
@@ -200,12 +208,14 @@ class ThumbnailFolder {
     for (const std::int64_t id : ids_) add(static_cast<std::uint64_t>(id));
     for (const SweepProgress& p : progress)
       for (const char c : p.sweep_sha256) add(static_cast<unsigned char>(c));
-    journal_.asked =
-        fmt::format("{} scale {} of {} bits{}{}{}{}{} validation {} by {}, {} rows {:016x}",
-                    asked_.said, asked_.scale, asked_.bits, asked_.exr ? " exr" : "",
-                    asked_.masks ? " masks" : "", asked_.coco ? " coco" : "",
-                    asked_.each_part ? " each part" : "", asked_.background ? " background" : "",
-                    asked_.validation, asked_.split_seed, ids_.size(), hash);
+    journal_.asked = fmt::format(
+        "{} scale {} of {} bits{}{}{}{}{} validation {} by {}, {} rows {:016x}", asked_.said,
+        asked_.scale, asked_.bits, asked_.exr ? " exr" : "", asked_.masks ? " masks" : "",
+        asked_.coco ? " coco" : "", asked_.each_part ? " each part" : "",
+        asked_.background      ? " background"
+        : asked_.layer.empty() ? std::string()
+                               : " layer " + asked_.layer,
+        asked_.validation, asked_.split_seed, ids_.size(), hash);
     if (asked_.imager)
       journal_.asked += fmt::format(" imager {:016x}", fnv1a(asked_.imager_identity));
     for (const CocoCategory& c : asked_.categories)
@@ -241,7 +251,12 @@ class ThumbnailFolder {
         if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
         return damaged(s, std::string(silhouette.status().message()));
       }
-      out.push_back({std::move(s), *std::move(thumbnail), **std::move(silhouette)});
+      std::vector<schema::ImageLayer> layers;
+      if (asked_.exr || asked_.background || !asked_.layer.empty()) {
+        ASSIGN_OR_RETURN(layers, reader_.image_layers(s.signature_id));
+      }
+      out.push_back(
+          {std::move(s), *std::move(thumbnail), **std::move(silhouette), std::move(layers)});
     }
     return out;
   }
@@ -258,6 +273,19 @@ class ThumbnailFolder {
     PictureTask out{
         .exr = image.thumbnail.exr(),
         .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels : most_px->second};
+    // A sensor's own picture has the horizon and what lies behind edges.
+    const std::string shown = !asked_.layer.empty() ? asked_.layer
+                              : asked_.background
+                                  ? std::string(irsig::name_of(ImageLayer::kAtSensor))
+                                  : std::string();
+    if (const schema::ImageLayer* layer = image.layer(shown)) {
+      out.exr = layer->exr();
+      return out;
+    }
+    if (!asked_.layer.empty())
+      return never(absl::NotFoundError(fmt::format(
+          "the image of row {} has no layer {}: its sweep asks for none with [image] layers", s.row,
+          asked_.layer)));
     if (!asked_.background) return out;
     if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
       return never(absl::FailedPreconditionError(fmt::format(
@@ -355,6 +383,7 @@ class ThumbnailFolder {
         RETURN_IF_ERROR(
             plain_file(partial_ + "/" + name_of(s) + ".stderr.exr", image.thumbnail.stderr_exr()));
       }
+      if (asked_.exr && !image.layers.empty()) RETURN_IF_ERROR(write_layers(image, one.most_px));
       one.black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
       one.white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
                                                  ? journal_.hottest[{s.sweep, s.band}]
@@ -382,11 +411,35 @@ class ThumbnailFolder {
     if (asked_.masks) RETURN_IF_ERROR(write_masks(some));
     if (asked_.coco) RETURN_IF_ERROR(write_objects(some));
     std::ostringstream lines;
-    RETURN_IF_ERROR(write_labels(some, pictures, facts, recorded, lines));
+    RETURN_IF_ERROR(write_labels(some, pictures, recorded, lines));
     // Every table has its heading; the file has the first's.
     const std::string table = lines.str();
     return append(kLabels,
                   journal_.bytes[kLabels] == 0 ? table : table.substr(table.find('\n') + 1));
+  }
+
+  // All layers of an image in one file, and the standard errors of at_sensor.
+  absl::Status write_layers(const Image& image, std::uint32_t most_px) {
+    std::vector<PictureTask> tasks;
+    std::vector<std::string> names;
+    const auto add = [&](std::string name, const std::string& exr) {
+      names.push_back(std::move(name));
+      tasks.push_back({.exr = exr, .most_px = most_px, .pixels = true});
+    };
+    for (const schema::ImageLayer& layer : image.layers) {
+      add(layer.name(), layer.exr());
+      if (!layer.stderr_exr().empty()) add(layer.name() + "_stderr", layer.stderr_exr());
+    }
+    ASSIGN_OR_RETURN(auto answers, read_(tasks));
+    std::map<std::string, std::vector<float>> layers;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      if (!answers[i].damage.empty()) return damaged(image.signature, answers[i].damage);
+      layers[names[i]] = std::move(answers[i].pixel);
+    }
+    const auto exr =
+        encode_layers_exr(image.thumbnail.width_px(), image.thumbnail.height_px(), layers);
+    if (!exr.ok()) return damaged(image.signature, std::string(exr.status().message()));
+    return plain_file(partial_ + "/" + name_of(image.signature) + ".layers.exr", *exr);
   }
 
   // Figures of the imager in the band of a row.
@@ -439,11 +492,6 @@ class ThumbnailFolder {
       if (!one.ok()) return not_recorded(s, one.status());
       out[i] = *std::move(one);
       f.png = std::move(out[i].png);
-      f.shown_px = out[i].target.shown_px;
-      f.left_px = out[i].target.left_px;
-      f.top_px = out[i].target.top_px;
-      f.box_width_px = out[i].target.width_px;
-      f.box_height_px = out[i].target.height_px;
       image.silhouette = std::move(out[i].silhouette);
       image.thumbnail.set_width_px(image.silhouette.width_px);
       image.thumbnail.set_height_px(image.silhouette.height_px);
@@ -561,7 +609,6 @@ class ThumbnailFolder {
 
   absl::Status write_labels(const std::vector<Image>& some,
                             const std::vector<PictureTask>& pictures,
-                            const std::vector<PictureAnswer>& facts,
                             const std::vector<RecordedImage>& recorded, std::ostream& out) {
     struct Number {
       const char* name;
@@ -609,7 +656,6 @@ class ThumbnailFolder {
     for (std::size_t i = 0; i < some.size(); ++i) {
       const S& s = some[i].signature;
       const schema::Thumbnail& t = some[i].thumbnail;
-      const PictureAnswer& f = facts[i];
       std::vector<Cell> line{name_of(s) + ".png"};
       if (asked_.masks) line.emplace_back(mask_of(s));
       if (asked_.validation > 0) line.emplace_back(is_for_validation(s) ? "validation" : "train");
@@ -628,8 +674,9 @@ class ThumbnailFolder {
           line.emplace_back(static_cast<double>(v));
       }
       line.emplace_back(area_px(some[i]));
+      const ImageContent target = covered_pixels(some[i].silhouette);
       for (const std::uint32_t n :
-           {f.shown_px, f.left_px, f.top_px, f.box_width_px, f.box_height_px})
+           {target.shown_px, target.left_px, target.top_px, target.width_px, target.height_px})
         line.emplace_back(std::uint64_t{n});
       for (const Number& n : kValues) line.push_back(known(s.*n.member));
       ASSIGN_OR_RETURN(const auto parts, reader_.parts(s.signature_id));

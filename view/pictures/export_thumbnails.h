@@ -29,6 +29,7 @@ struct ThumbnailsAsked {
   // seed alone: 0 to 1. 0: the pictures are not divided.
   double validation = 0;
   std::uint64_t split_seed = 1;
+  std::string layer;        // pictures of this further image; empty: of the radiance at the target
   bool background = false;  // pictures as the sensor has them, before the row's background
   // Pictures of counts of this imager, in place of `scale` and `bits`; needs `background`.
   std::optional<Imager> imager = std::nullopt;

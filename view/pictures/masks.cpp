@@ -78,6 +78,10 @@ std::vector<float> filled_fractions(const StoredSilhouette& silhouette) {
   return out;
 }
 
+ImageContent covered_pixels(const StoredSilhouette& silhouette) {
+  return content_of({silhouette.width_px, silhouette.height_px, filled_fractions(silhouette)});
+}
+
 std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
                                      const std::vector<std::string>& parts) {
   const std::vector<std::uint32_t> all =

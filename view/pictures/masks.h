@@ -7,12 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "core/image/image.h"
 #include "schema/store/rows.h"
 
 namespace irsig {
 
 // [pixel, row by row from the top left] Returns the fraction of it that the target fills.
 [[nodiscard]] std::vector<float> filled_fractions(const StoredSilhouette& silhouette);
+
+// Returns the pixels that show any of the target, and their box.
+[[nodiscard]] ImageContent covered_pixels(const StoredSilhouette& silhouette);
 
 // [pixel] Returns 1 + the place in `parts` of the part that most of its samples meet; 0 where the
 // target fills less than half of it.

@@ -46,10 +46,6 @@ std::vector<Under> under_pixels(std::uint32_t stored_px, std::uint32_t detector_
 // A pixel that is filled, in whole numbers that a silhouette holds.
 constexpr std::uint32_t kFilled = 65535;
 
-ImageContent covered_pixels(const StoredSilhouette& silhouette) {
-  return content_of({silhouette.width_px, silhouette.height_px, filled_fractions(silhouette)});
-}
-
 }  // namespace
 
 StoredSilhouette on_detector(const StoredSilhouette& silhouette, const DetectorGrid& grid) {
@@ -96,7 +92,6 @@ absl::StatusOr<RecordedImage> record_image(const Imager& imager, const ImagerInB
   ASSIGN_OR_RETURN(out.noiseless_exr, encode_exr(noiseless));
   out.saturated_px = counts.saturated_px;
   out.silhouette = on_detector(silhouette, grid);
-  out.target = covered_pixels(out.silhouette);
   return out;
 }
 

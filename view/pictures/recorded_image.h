@@ -17,7 +17,6 @@ struct RecordedImage {
   std::string noiseless_exr;  // radiance of each pixel without noise, fixed pattern and saturation
   std::uint64_t saturated_px = 0;
   StoredSilhouette silhouette;  // mean fractions of the imager's pixels
-  ImageContent target;          // pixels that the target covers in part, and their box
 };
 // Records an image of radiance at the sensor. The noise depends on sweep, season, time, band,
 // aspect and range of `row`, so that a slice of the database gives the same counts.

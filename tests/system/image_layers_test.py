@@ -1,0 +1,109 @@
+"""Images with a frame, an accuracy and layers of their own: from [image] of a sweep to databases, plots, exports and Python.
+
+usage: image_layers_test.py <irsig> <repository>
+"""
+import pathlib, sqlite3, struct, subprocess, sys, tempfile, unittest
+
+import numpy
+
+IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
+sys.path.insert(0, str(ROOT / "python"))
+import irsig as reader  # noqa: E402
+
+LIGHT = ("emitted", "sun", "sky", "surface", "parts", "path", "background")
+
+
+def irsig(*arguments, expect=0):
+    done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == expect, f"{arguments}: {done.returncode}\n{done.stdout}{done.stderr}"
+    return done
+
+
+class ImageLayers(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        text = (ROOT / "jobs/examples/camera.toml").read_text()
+        text = text.replace("[320, 256]", "[64, 48]").replace("triangles = 20000", "triangles = 2000")
+        cls.text = text.replace("pixel_error_percent = 0.5", "pixel_error_percent = 0.1\nmax_samples = 16")
+        cls.sweep = cls.path / "camera.toml"
+        cls.sweep.write_text(cls.text)
+        cls.db = cls.path / "camera.sigdb"
+        cls.run_output = irsig("run", cls.sweep, "--db", cls.db, "--workers", "2")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_layers_add_up_in_arrays_of_python(self):
+        rows = reader.open(self.db).query()
+        self.assertEqual(len(rows), 6)
+        self.assertEqual(rows.image_layers()[0], sorted((*LIGHT, "hidden", "at_sensor", "temperature", "range")))
+        for seen, *parts, hidden in zip(rows.images("at_sensor"), *map(rows.images, LIGHT), rows.images("hidden")):
+            self.assertEqual(seen.shape, (48, 64))
+            numpy.testing.assert_allclose(sum(parts) - hidden, seen, rtol=1e-6)
+        stderr = rows.images("at_sensor", stderr=True)[0]
+        self.assertTrue((stderr > 0).all() and stderr.max() < 1)
+        self.assertEqual(rows.images("at_sensr"), [None] * 6)
+        self.assertEqual(rows.images("sun", stderr=True), [None] * 6)
+        temperature, filled = rows.images("temperature")[0], sum(rows.silhouettes()[0].values())
+        self.assertEqual(set(temperature[filled == 0]), {0})
+        self.assertTrue(((temperature[filled > 0] > 313) & (temperature[filled > 0] < 400.01)).all())
+
+    def test_the_error_that_was_missed_is_said(self):
+        said = "pixels are known to"
+        self.assertIn(said, self.run_output.stdout + self.run_output.stderr)
+        self.assertIn(said, irsig("report", self.db).stdout)
+        self.assertIn("0.1 % was asked for; raise [image] max_samples", irsig("report", self.db).stdout)
+
+    def test_any_number_of_workers_gives_the_same_bits(self):
+        other = self.path / "one.sigdb"
+        irsig("run", self.sweep, "--db", other, "--workers", "1")
+        self.assertEqual(irsig("digest", self.db).stdout.split()[0], irsig("digest", other).stdout.split()[0])
+        whole = self.path / "slice.sigdb"
+        irsig("slice", self.db, "--out", whole)
+        self.assertEqual(irsig("digest", self.db).stdout.split()[0], irsig("digest", whole).stdout.split()[0])
+
+    def test_exports_have_the_layers_and_what_the_sensor_sees(self):
+        out = self.path / "seen"
+        irsig("export", self.db, "--thumbnails", "--background", "--exr", "--bits", "16", "--row", "1", "--out", out)
+        layers = (out / "images/0000001.layers.exr").read_bytes()
+        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", "temperature", "range"):
+            self.assertIn(f"{name}.Y\0".encode(), layers[:2000])
+        labels = (out / "labels.csv").read_text().splitlines()
+        white = float(dict(zip(labels[0].split(","), labels[1].split(",")))["white_w_m2_sr"])
+        seen = reader.open(self.db).query(row=1).images("at_sensor")[0]
+        self.assertAlmostEqual(white, float(seen.max()), delta=1e-6 * white)
+        sun = self.path / "sun"
+        irsig("export", self.db, "--thumbnails", "--layer", "sun", "--row", "1", "--out", sun)
+        self.assertTrue((sun / "images/0000001.png").exists())
+        for options, why in ((("--layer", "temperature"), "is no radiance"), (("--layer", "sunn"), "--layer"),
+                             (("--layer", "sun", "--background"), "--layer")):
+            self.assertIn(why, irsig("export", self.db, "--thumbnails", *options, "--out", self.path / "none", expect=2).stderr)
+
+    def test_plots_show_layers(self):
+        for layer in ("at_sensor", "temperature", "range", "hidden"):
+            file = self.path / f"{layer}.svg"
+            irsig("plot", self.db, "--kind", "picture", "--layer", layer, "--row", "1", "--out", file)
+            self.assertIn({"temperature": "Temperature in K", "range": "Distance from the sensor in m"}.get(layer, "W/(m"), file.read_text())
+        irsig("plot", self.db, "--kind", "sheet", "--layer", "at_sensor", "--band", "mwir", "--out", self.path / "sheet.svg")
+
+    def test_a_layer_that_is_not_there_or_damaged_has_words(self):
+        few = self.path / "few.toml"
+        few.write_text(self.text.replace('"range"]', '"temperature"]').replace('"temperature", "temperature"]', '"temperature"]'))
+        bare = self.path / "bare.sigdb"
+        irsig("run", few, "--db", bare, "--workers", "2")
+        self.assertIn("has no layer range: it has", irsig("plot", bare, "--kind", "picture", "--layer", "range", "--row", "1",
+                                                          "--out", self.path / "x.svg", expect=2).stderr)
+        connection = sqlite3.connect(bare)
+        connection.execute("UPDATE image_layer SET exr = substr(exr, 1, length(exr) / 2) WHERE name = 'sun'")
+        connection.commit()
+        connection.close()
+        self.assertIn("images that are damaged", irsig("doctor", bare, expect=1).stdout)
+        with self.assertRaisesRegex(reader.Error, "sun"):
+            reader.open(bare).query(row=1).images("sun")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
