@@ -9,7 +9,7 @@ namespace irsig {
 
 struct ImagerOfFile {
   std::string name;      // the file's own name for it, or its path
-  std::string identity;  // equal for equal imagers of equal names
+  std::string identity;  // all keys that the file states
   Imager imager;
 };
 // Reads an imager from a TOML file (schema/imager.proto, docs/reference/imager.md).

@@ -21,8 +21,8 @@ struct NumberBounds {
 };
 
 // A row for each field of schema/sweep.proto, schema/goniometer.proto, schema/detector.proto,
-// schema/imager.proto and (what a resolved sweep has of it) schema/job.proto that holds numbers, lists and maps of them
-// included (tests/unit/number_bounds_test.cpp).
+// schema/imager.proto and (what a resolved sweep has of it) schema/job.proto that holds numbers,
+// lists and maps of them included (tests/unit/number_bounds_test.cpp).
 [[nodiscard]] std::span<const NumberBounds> number_bounds();
 
 // Returns the bounds of a key such as "Viewpoints.range_m". The key must be in the table.
