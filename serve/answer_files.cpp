@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kCsv = "text/csv; charset=utf-8";
 constexpr const char* kSvg = "image/svg+xml";
 constexpr const char* kPng = "image/png";
+constexpr const char* kExr = "image/x-exr";
 
 using Bytes = absl::StatusOr<std::string>;
 
@@ -79,6 +80,11 @@ Bytes image_png(const PageSources& sources, const Question& q) {
   return std::move(image.body);
 }
 
+Bytes image_exr(const PageSources& sources, const Question& q) {
+  ASSIGN_OR_RETURN(auto image, answer_image_exr(sources, q));
+  return std::move(image.body);
+}
+
 struct File {
   std::string_view name;
   const char* type;
@@ -96,6 +102,7 @@ constexpr File kFiles[] = {
     {"bands.svg", kSvg, Needs::kBands, bands_svg},
     {"left_out.csv", kCsv, Needs::kSelection, left_out_csv},
     {"image.png", kPng, Needs::kRow, image_png},
+    {"image.exr", kExr, Needs::kImage, image_exr},
     {"map.svg", kSvg, Needs::kSelection, map_svg},
     {"cut.svg", kSvg, Needs::kSelection, cut_svg},
     {"spectrum.svg", kSvg, Needs::kRow, spectrum_svg},

@@ -40,6 +40,14 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<PageReply> answer_thumbnail(const PageSources& sources,
                                                          const Question& q);
 
+// Answers about the image of a row: its size and layers; the stored bytes of one of them; where it
+// shows which part.
+[[nodiscard]] absl::StatusOr<PageReply> answer_image(const PageSources& sources, const Question& q);
+[[nodiscard]] absl::StatusOr<PageReply> answer_image_exr(const PageSources& sources,
+                                                         const Question& q);
+[[nodiscard]] absl::StatusOr<PageReply> answer_silhouette(const PageSources& sources,
+                                                          const Question& q);
+
 // Answers with a file to be saved; path without "/file/". NOT_FOUND: there is no such file.
 [[nodiscard]] absl::StatusOr<PageReply> answer_file(const PageSources& sources,
                                                     const std::string& file,

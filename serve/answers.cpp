@@ -62,6 +62,9 @@ constexpr Route kRoutes[] = {
     {"/api/row", Needs::kRow, answer_row},
     {"/api/spectrum", Needs::kRow, answer_spectrum},
     {"/api/thumbnail.png", Needs::kRow, answer_thumbnail},
+    {"/api/image.json", Needs::kRow, answer_image},
+    {"/api/image.exr", Needs::kImage, answer_image_exr},
+    {"/api/silhouette.json", Needs::kRow, answer_silhouette},
 };
 
 absl::StatusOr<PageReply> find_answer(const PageSources& sources, const std::string& path,

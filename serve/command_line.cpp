@@ -92,6 +92,14 @@ std::string image_command(const std::string& database, const Question& question)
          fmt::format(" --row {} --thumbnail row-{}.png", row, row);
 }
 
+std::string layer_command(const std::string& database, const Question& question,
+                          std::string_view layer) {
+  const std::uint64_t row = question.row.value_or(0);
+  return "irsig plot " + database_word(database) + " --kind picture" +
+         option("sweep", question.a.sweep) +
+         fmt::format(" --row {} --layer {} --out row-{}-{}.svg", row, layer, row, layer);
+}
+
 std::string explain_command(const std::string& database, const Question& question) {
   return "irsig explain " + database_word(database) + option("sweep", question.a.sweep) +
          fmt::format(" --row {} --format json", question.row.value_or(0));

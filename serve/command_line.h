@@ -26,6 +26,9 @@ namespace irsig {
                                       bool spectrum);
 // `irsig query --thumbnail`: its stored image.
 [[nodiscard]] std::string image_command(const std::string& database, const Question& question);
+// `irsig plot --kind picture --layer`: a layer of that image.
+[[nodiscard]] std::string layer_command(const std::string& database, const Question& question,
+                                        std::string_view layer);
 // `irsig explain`.
 [[nodiscard]] std::string explain_command(const std::string& database, const Question& question);
 

@@ -128,6 +128,20 @@ BandQuestion take_bands(Taker& take) {
   return out;
 }
 
+void take_image(Taker& take, Question& out) {
+  if (const auto name = take.text("layer", false)) {
+    out.layer = image_layer_of(*name);
+    std::string names;
+    for (const ImageLayerInfo& layer : kImageLayers)
+      names += fmt::format("{}{}", names.empty() ? "" : ", ", layer.name);
+    if (!out.layer) take.fail("layer", *name, "expected one of " + names);
+  }
+  if (const auto asked = take.text("stderr", false)) {
+    out.stderr_of_image = *asked == "1";
+    if (*asked != "0" && *asked != "1") take.fail("stderr", *asked, "expected 0 or 1");
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs needs,
@@ -147,9 +161,11 @@ absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs need
     out.a = take_selection(take, "", databases);
   if (needs == Needs::kSelection) out.elevation_deg = take.number("elevation_deg", false);
   if (needs == Needs::kBands) out.bands = take_bands(take);
-  if (needs == Needs::kBands || needs == Needs::kRow) out.range_m = take.range("range_m", false);
+  const bool of_row = needs == Needs::kRow || needs == Needs::kImage;
+  if (needs == Needs::kBands || of_row) out.range_m = take.range("range_m", false);
   if (needs == Needs::kBoth) out.b = take_selection(take, "b_", databases);
-  if (needs == Needs::kRow) {
+  if (needs == Needs::kImage) take_image(take, out);
+  if (of_row) {
     out.a.database = take_database(take, "", databases);
     out.a.sweep = take.text("sweep", true).value_or("");
     out.row = take.count("row", true);

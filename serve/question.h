@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/accuracy/image_layers.h"
 #include "schema/store/filters.h"
 #include "view/bands/bands.h"
 #include "view/query/query.h"
@@ -40,6 +41,8 @@ struct Question {
   std::optional<double> elevation_deg;
   std::optional<std::uint64_t> row;
   std::optional<double> range_m;
+  std::optional<ImageLayer> layer;  // of the row's image; none: the radiance of the target
+  bool stderr_of_image = false;     // the standard errors of its pixels
   BandQuestion bands;
 };
 
@@ -49,6 +52,7 @@ enum class Needs {
   kBoth,       // of a and b
   kBands,      // of a; what BandQuestion holds and range_m allowed
   kRow,        // database, sweep, row; range_m allowed
+  kImage,      // likewise; layer and stderr allowed
 };
 
 // INVALID_ARGUMENT, naming it: a parameter that is unknown, there twice, lacking or no number;

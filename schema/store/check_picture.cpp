@@ -132,29 +132,32 @@ bool blocks_are_whole(std::string_view exr, std::string_view rest, std::uint64_t
   return true;
 }
 
-// The layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
 absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32_t height_px,
                        const std::string& path) {
+  const std::string defect = exr_defect(exr, width_px, height_px);
+  return defect.empty() ? absl::OkStatus() : wrong_picture(path, defect);
+}
+
+}  // namespace
+
+// The layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
+std::string exr_defect(std::string_view exr, std::uint32_t width_px, std::uint32_t height_px) {
   constexpr std::uint32_t kMagic = 20000630, kPlainScanLines = 2;
-  if (exr.size() < 8 || little_endian(exr) != kMagic)
-    return wrong_picture(path, "is no OpenEXR file");
-  if (little_endian(exr.substr(4)) != kPlainScanLines)
-    return wrong_picture(path, "is not one part of scan lines");
+  if (exr.size() < 8 || little_endian(exr) != kMagic) return "is no OpenEXR file";
+  if (little_endian(exr.substr(4)) != kPlainScanLines) return "is not one part of scan lines";
   // Each row as it is, its place and size, and a header.
   const std::uint64_t most = std::uint64_t{height_px} * (4 * std::uint64_t{width_px} + 16) + 4096;
-  if (exr.size() > most)
-    return wrong_picture(path, absl::StrCat("has ", exr.size(), " bytes, its pixels take ", most));
+  if (exr.size() > most) return absl::StrCat("has ", exr.size(), " bytes, its pixels take ", most);
   bool sized = false, channel = false;
   std::uint32_t lines = 1;
   std::string_view rest = exr.substr(8);
   for (;;) {
     if (rest.starts_with('\0')) break;
     const std::string_view name = take_text(rest), type = take_text(rest);
-    if (name.empty() || type.empty() || rest.size() < 4)
-      return wrong_picture(path, "has a damaged header");
+    if (name.empty() || type.empty() || rest.size() < 4) return "has a damaged header";
     const std::uint32_t size = little_endian(rest);
     rest.remove_prefix(4);
-    if (size >= rest.size()) return wrong_picture(path, "has a damaged header");
+    if (size >= rest.size()) return "has a damaged header";
     std::string_view value = rest.substr(0, size);
     rest.remove_prefix(size);
     if (name == "dataWindow") {
@@ -162,26 +165,24 @@ absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32
               little_endian(value.substr(4)) == 0 &&
               little_endian(value.substr(8)) == width_px - 1 &&
               little_endian(value.substr(12)) == height_px - 1;
-      if (!sized) return wrong_picture(path, "is of another size than its thumbnail");
+      if (!sized) return "is of another size than its thumbnail";
     } else if (name == "compression") {
       lines = type == "compression" && size == 1
                   ? lines_of_block(static_cast<unsigned char>(value.front()))
                   : 0;
-      if (lines == 0) return wrong_picture(path, "is compressed in no known way");
+      if (lines == 0) return "is compressed in no known way";
     } else if (name == "channels") {
       // One, of float32: its name, 16 bytes, and the end of the list.
       const std::string_view of = take_text(value);
       channel = !of.empty() && value.size() == 17 && little_endian(value) == 2;
-      if (!channel) return wrong_picture(path, "has other channels than one of float32");
+      if (!channel) return "has other channels than one of float32";
     }
   }
-  if (!sized || !channel) return wrong_picture(path, "has a damaged header");
+  if (!sized || !channel) return "has a damaged header";
   rest.remove_prefix(1);
   const std::uint64_t blocks = (std::uint64_t{height_px} + lines - 1) / lines;
-  return blocks_are_whole(exr, rest, blocks) ? absl::OkStatus() : wrong_picture(path, "is cut off");
+  return blocks_are_whole(exr, rest, blocks) ? "" : "is cut off";
 }
-
-}  // namespace
 
 absl::Status check_thumbnail(const schema::Thumbnail& thumbnail, const std::string& path) {
   const std::uint32_t width_px = thumbnail.width_px(), height_px = thumbnail.height_px();

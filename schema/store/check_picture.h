@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "absl/status/status.h"
 #include "schema/result.pb.h"
@@ -22,6 +23,11 @@ inline constexpr std::uint32_t kMostPixels = 4096;
 // decodes them later takes what these sizes say, and no more.
 [[nodiscard]] absl::Status check_thumbnail(const schema::Thumbnail& thumbnail,
                                            const std::string& path);
+
+// Returns the defect of an OpenEXR file of that size, as above; empty: none. Its pixels are not
+// decoded.
+[[nodiscard]] std::string exr_defect(std::string_view exr, std::uint32_t width_px,
+                                     std::uint32_t height_px);
 
 // Checks a layer of an image of that size likewise; its name is one of kImageLayers.
 [[nodiscard]] absl::Status check_image_layer(const schema::ImageLayer& layer,

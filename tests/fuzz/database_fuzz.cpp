@@ -13,8 +13,8 @@
 #include "coordinator/farm.h"
 #include "jobs/check_resolved.h"
 #include "schema/store/examine.h"
-#include "schema/store/slice.h"
 #include "schema/store/reader.h"
+#include "schema/store/slice.h"
 #include "schema/store/writer.h"
 #include "serve/answers.h"
 #include "tests/fault/synthetic_farm.h"
@@ -104,8 +104,10 @@ class DatabaseFile : public testing::Test {
       get(absl::StrCat("/file/", file).c_str(), selection);
     const Parameters row{{"sweep", "frigate"}, {"row", "2"}};
     for (const char* path_of_row :
-         {"/api/row", "/api/spectrum", "/api/thumbnail.png", "/file/row.csv", "/file/spectrum.svg"})
+         {"/api/row", "/api/spectrum", "/api/thumbnail.png", "/api/image.json", "/api/image.exr",
+          "/api/silhouette.json", "/file/row.csv", "/file/spectrum.svg"})
       get(path_of_row, row);
+    get("/api/image.exr", with(row, {{"layer", "at_sensor"}, {"stderr", "1"}}));
     get("/api/row", with(row, {{"range_m", "12000"}}));
     if (auto reader = StoreReader::open(path); reader.ok()) {
       heard((*reader)->digest().status(), "digest");

@@ -2,6 +2,7 @@
 
 usage: serve_test.py <irsig executable> <source folder>
 """
+import contextlib
 import csv
 import http.client
 import io
@@ -21,9 +22,12 @@ import time
 import unittest
 import urllib.parse
 
-from serve_fixture import FEW, Server, empty_database, irsig, small_sweep
+from serve_fixture import FEW, LAYERED, LAYERS, Server, empty_database, irsig, small_sweep
 
 IRSIG, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+sys.path.insert(0, str(SOURCE / "python"))
+import irsig as irsig_py  # noqa: E402
+
 DETECTOR = SOURCE / "jobs/examples/detectors/insb.toml"
 QUANTITIES = {
     "intensity": ("intensity_w_sr", "numerical_error_w_sr"),
@@ -298,6 +302,82 @@ class Serve(unittest.TestCase):
         irsig(IRSIG, *command[1:])
         self.assertEqual((self.path / "row-3.png").read_bytes(), body)
 
+    def test_image(self):
+        """Size, layers, stored bytes and silhouette of an image; what is not there, and what is damaged, in words."""
+        db = self.path / "layered.sigdb"
+        small_sweep(IRSIG, SOURCE, self.path / "layered.toml", db, LAYERED)
+        server = Server(IRSIG, db, self.db)
+        self.addCleanup(server.end)
+        row = {"sweep": "quickstart", "row": 3}
+
+        def stored(sql):
+            with contextlib.closing(sqlite3.connect(db)) as connection:
+                return connection.execute(sql + " WHERE signature_id = (SELECT signature_id FROM signature_view WHERE row = 3)").fetchall()
+
+        said = server.json("/api/image.json", **row)
+        self.assertEqual([tuple(said[n] for n in ("width_px", "height_px", "pixel_rad", "error_relative"))],
+                         stored("SELECT width_px, height_px, pixel_rad, error_relative FROM thumbnail"))
+        self.assertEqual((said["stderr"], said["gas"], said["plain_band_um"]), (True, False, [3, 5]))
+        self.assertEqual([layer["name"] for layer in said["layer"]], LAYERS)
+        self.assertEqual([layer["name"] for layer in said["layer"] if layer["stderr"]], ["at_sensor"])
+        self.assertEqual({layer["unit"] for layer in said["layer"]}, {"W/(m2 sr)", "K", "m"})
+        printed(next(layer["command"] for layer in said["layer"] if layer["name"] == "sun"))
+        self.assertTrue((self.path / "row-3-sun.svg").read_text().startswith("<svg"))
+        blobs = {(name, column): blob for column in ("exr", "stderr_exr")
+                 for name, blob in stored(f"SELECT '', {column} FROM thumbnail") + stored(f"SELECT name, {column} FROM image_layer")}
+        for (name, column), blob in blobs.items():
+            asked = {**row, **({"layer": name} if name else {}), **({"stderr": 1} if column == "stderr_exr" else {})}
+            status, headers, body = server.request("/api/image.exr?" + urllib.parse.urlencode(asked))
+            if not blob:
+                self.assertEqual((status, f"no standard errors of layer {name}" in json.loads(body)["error"]), (404, True))
+                continue
+            self.assertEqual((status, headers["Content-Type"], body), (200, "image/x-exr", blob), asked)
+            self.assertEqual(server.request("/file/image.exr?" + urllib.parse.urlencode(asked))[2], blob)
+        # The silhouette: runs of pixels with equal counts.
+        seen = server.json("/api/silhouette.json", **row)
+        with irsig_py.open(db) as database:
+            (parts,) = database.query(row=3).silhouettes()
+        self.assertEqual([part["name"] for part in seen["part"]], list(parts))
+        for part in seen["part"]:
+            counts, at = [0] * (seen["width_px"] * seen["height_px"]), 0
+            for skip, length, count in zip(*[iter(part["run"])] * 3, strict=True):
+                counts[at + skip:at + skip + length] = [count] * length
+                at += skip + length
+            self.assertEqual(counts, (parts[part["name"]].ravel() * seen["pixel_samples"]).tolist(), part["name"])
+
+        def refused(code, words, path="/api/image.exr", **parameters):
+            self.assertIn(words, server.json(path, code, **{**row, **parameters})["error"])
+
+        refused(400, "expected one of emitted, sun, sky", layer="x' OR 1=1 --")
+        refused(400, 'layer = "Sun"', layer="Sun")
+        refused(400, "expected 0 or 1", stderr="yes")
+        refused(400, "expected a whole number", row="1e3")
+        refused(400, "there is no such parameter here", png=1)
+        refused(400, "there is no such parameter here", "/api/image.json", layer="sun")
+        refused(400, "there is no such parameter here", "/api/silhouette.json", stderr=1)
+        refused(404, "the last one is", row=9999)
+        refused(404, "has no layer sun: it has none; the sweep asks for them with [image] layers", db=1, layer="sun")
+
+        def change(sql, *values):
+            with contextlib.closing(sqlite3.connect(db)) as connection, connection:
+                connection.execute(sql, values)
+
+        exr = blobs["", "exr"]
+        for table, more, asked, what in (("thumbnail", "", {}, "the file of the image"), ("image_layer", " WHERE name = 'sun'", {"layer": "sun"}, "the file of layer sun")):
+            for bad, words in ((b"<svg onload=alert(1)>", "is no OpenEXR file"), (exr[:-20], "is cut off"), (exr[:200], "has a damaged header"),
+                               (exr.replace(b"compression\0compression\0\x01\0\0\0\x01", b"compression\0compression\0\x01\0\0\0\x63"), "is compressed in no known way"),
+                               (exr + bytes(10 ** 6), "bytes, its pixels take"), (b"", "is no OpenEXR file")):
+                change(f"UPDATE {table} SET exr = ?{more}", bad)
+                refused(409, f"the stored image of row 3 is damaged: {what} {words}" if not words.startswith("bytes") else words, **asked)
+        change("UPDATE image_layer SET stderr_exr = ? WHERE name = 'at_sensor'", b"x")
+        refused(409, "the standard errors of layer at_sensor is no OpenEXR file", layer="at_sensor", stderr=1)
+        change("UPDATE part_pixels SET samples = zeroblob(9)")
+        refused(409, "the stored image of row 3 is damaged: the silhouette has a part with damaged samples", "/api/silhouette.json")
+        change("DELETE FROM image_layer")
+        change("DELETE FROM thumbnail")
+        for path in ("/api/image.exr", "/api/image.json", "/api/silhouette.json"):
+            refused(404, "without image", path)
+
     def test_progress(self):
         database = self.server.json("/api/progress")["database"][0]
         self.assertFalse(database["writing"])
@@ -469,7 +549,8 @@ class Serve(unittest.TestCase):
         root = self.server.root
         requests = [f"GET {root}{t} HTTP/1.1\r\nHost: localhost\r\n" for t in (
             "/", "/www/style.css", "/api/contents", "/api/progress", f"/api/map?{chosen}", f"/api/cut?{chosen}", f"/api/left_out?{chosen}",
-            f"/api/row?{row}", f"/api/spectrum?{row}", f"/api/thumbnail.png?{row}", f"/file/rows.csv?{chosen}", f"/file/row.csv?{row}",
+            f"/api/row?{row}", f"/api/spectrum?{row}", f"/api/thumbnail.png?{row}", f"/api/image.json?{row}",
+            f"/api/image.exr?{row}", f"/api/silhouette.json?{row}", f"/file/rows.csv?{chosen}", f"/file/row.csv?{row}",
             "/nothing", "/api/row", "/%", "/api/map?" + "x" * 9000)] + [
             f"GET {root}/ HTTP/1.1\r\nHost: example.org\r\n", f"GET / HTTP/1.1\r\nHost: localhost\r\n",
             f"POST {root}/ HTTP/1.1\r\nHost: localhost\r\n", f"HEAD {root}/ HTTP/1.1\r\nHost: localhost\r\n",

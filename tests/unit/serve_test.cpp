@@ -95,6 +95,27 @@ TEST(Question, TakesWhatItKnowsAndNothingElse) {
   }
 }
 
+TEST(Question, TakesALayerOfAnImage) {
+  const Parameters row = {{"sweep", "ship"}, {"row", "7"}};
+  const auto plain = parse_question(row, Needs::kImage, 1);
+  ASSERT_TRUE(plain.ok()) << plain.status();
+  EXPECT_FALSE(plain->layer.has_value() || plain->stderr_of_image);
+  Parameters given = row;
+  given.emplace("layer", "at_sensor");
+  given.emplace("stderr", "1");
+  const auto q = parse_question(given, Needs::kImage, 1);
+  ASSERT_TRUE(q.ok()) << q.status();
+  EXPECT_EQ(q->layer, ImageLayer::kAtSensor);
+  EXPECT_TRUE(q->stderr_of_image);
+  EXPECT_FALSE(parse_question(given, Needs::kRow, 1).ok());
+  for (const auto& [name, value] : {std::pair{"layer", "radiance"}, {"stderr", "true"}}) {
+    Parameters wrong = row;
+    wrong.emplace(name, value);
+    EXPECT_THAT(std::string(parse_question(wrong, Needs::kImage, 1).status().message()),
+                HasSubstr(name));
+  }
+}
+
 TEST(CommandLine, IsOneOfAShell) {
   EXPECT_EQ(shell_word("a/b-c_1.sigdb"), "a/b-c_1.sigdb");
   EXPECT_EQ(shell_word(""), "''");
@@ -109,6 +130,8 @@ TEST(CommandLine, IsOneOfAShell) {
             "irsig plan --refine a --sweep=-x --at-range-m 5000 --left-out left_out.csv");
   q.row = 7;
   EXPECT_EQ(image_command("a b", q), "irsig query 'a b' --sweep=-x --row 7 --thumbnail row-7.png");
+  EXPECT_EQ(layer_command("a b", q, "sun"),
+            "irsig plot 'a b' --kind picture --sweep=-x --row 7 --layer sun --out row-7-sun.svg");
   q.range_m = 12345.678;
   q.quantity = SignatureQuantity::kApparentIntensity;
   EXPECT_EQ(row_command("a", q, true),

@@ -136,19 +136,6 @@ struct StoredImage {
   StoredSilhouette silhouette;
 };
 
-absl::StatusOr<std::string> layer_of(StoreReader& reader, const StoredSignature& s,
-                                     const std::string& name) {
-  ASSIGN_OR_RETURN(auto layer, reader.image_layer(s.signature_id, name));
-  if (layer) return std::move(*layer->mutable_exr());
-  ASSIGN_OR_RETURN(const auto layers, reader.image_layers(s.signature_id));
-  std::string names;
-  for (const schema::ImageLayer& one : layers) names += (names.empty() ? "" : ", ") + one.name();
-  return absl::NotFoundError(
-      fmt::format("the image of row {} has no layer {}: {}", s.row, name,
-                  names.empty() ? "it has none; the sweep asks for them with [image] layers"
-                                : "it has " + names));
-}
-
 absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<QueryRow>& row,
                                      const std::string& layer) {
   ASSIGN_OR_RETURN(auto thumbnail, stored_thumbnail(reader, row));
@@ -163,7 +150,8 @@ absl::StatusOr<StoredImage> image_of(StoreReader& reader, const std::vector<Quer
   StoredImage out{s, std::move(*thumbnail.mutable_exr()), thumbnail.width_px(),
                   thumbnail.height_px(), **std::move(silhouette)};
   if (!layer.empty()) {
-    ASSIGN_OR_RETURN(out.exr, layer_of(reader, s, layer));
+    ASSIGN_OR_RETURN(auto stored, stored_layer(reader, s, layer));
+    out.exr = std::move(*stored.mutable_exr());
   }
   return out;
 }

@@ -103,6 +103,19 @@ absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
   return *std::move(thumbnail);
 }
 
+absl::StatusOr<schema::ImageLayer> stored_layer(StoreReader& reader, const StoredSignature& row,
+                                                const std::string& name) {
+  ASSIGN_OR_RETURN(auto layer, reader.image_layer(row.signature_id, name));
+  if (layer) return *std::move(layer);
+  ASSIGN_OR_RETURN(const auto layers, reader.image_layers(row.signature_id));
+  std::string names;
+  for (const schema::ImageLayer& one : layers) names += (names.empty() ? "" : ", ") + one.name();
+  return absl::NotFoundError(
+      fmt::format("the image of row {} has no layer {}: {}", row.row, name,
+                  names.empty() ? "it has none; the sweep asks for them with [image] layers"
+                                : "it has " + names));
+}
+
 std::uint32_t most_px_of(const schema::Sweep& sweep) {
   const schema::Output& output = sweep.output();
   return output.has_thumbnail_px() ? std::min(output.thumbnail_px(), kMostPixels) : kMostPixels;

@@ -28,6 +28,11 @@ using ReadPictures =
 [[nodiscard]] absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
                                                                  const std::vector<QueryRow>& rows);
 
+// Returns a further image of a row. NOT_FOUND, with those that the row has: it has no such layer.
+[[nodiscard]] absl::StatusOr<schema::ImageLayer> stored_layer(StoreReader& reader,
+                                                              const StoredSignature& row,
+                                                              const std::string& name);
+
 // Writes the stored image of the only row to a file; its ending (.png or .exr) says which.
 // INVALID_ARGUMENT: another ending; those of stored_thumbnail. DATA_LOSS: the image is damaged.
 //   scale  of a .png: "" (the image as stored: 0 to its own hottest pixel), "common" (0 to the
