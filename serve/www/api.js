@@ -10,20 +10,22 @@ export const addressOf = (path, parameters) => {
   return out.size > 0 ? `${path}?${out}` : path;
 };
 
-async function fetched(address) {
+const fromServer = (words) => Object.assign(new Error(words), { fromServer: true });
+
+async function fetched(address, read = (reply) => reply.json()) {
   let reply;
   try {
     reply = await fetch(address);
   } catch {
-    throw new Error("The server of this page does not answer: has irsig serve ended?");
+    throw fromServer("The server of this page does not answer: has irsig serve ended?");
   }
   let body;
   try {
-    body = await reply.json();
+    body = await (reply.ok ? read(reply) : reply.json());
   } catch {
-    throw new Error(`The server's answer cannot be read (${reply.status}).`);
+    throw fromServer(`The server's answer cannot be read (${reply.status}).`);
   }
-  if (!reply.ok) throw new Error(body.error ?? `The server refused (${reply.status}).`);
+  if (!reply.ok) throw fromServer(body.error ?? `The server refused (${reply.status}).`);
   return body;
 }
 
@@ -39,5 +41,7 @@ export function ask(path, parameters) {
   return answer;
 }
 
+// Bytes that are not kept, since images may be large.
+export const askBytes = (path, parameters) => fetched(addressOf(path, parameters), (reply) => reply.arrayBuffer());
 export const askAnew = (path) => fetched(path);
 export const forget = () => kept.clear();

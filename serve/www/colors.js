@@ -14,7 +14,7 @@ function table(nodes) {
   }
   return out;
 }
-const TABLES = { sequential: table(INFERNO), diverging: table(DIVERGING) };
+const TABLES = { sequential: table(INFERNO), diverging: table(DIVERGING), grey: table(["#000000", "#ffffff"]) };
 
 // From a value to one of 256 colours; `table` holds them as red, green, blue.
 export class ColorScale {

@@ -21,7 +21,7 @@ export class Panel {
     this.body = this.section.querySelector(".body");
     this.words = this.section.querySelector(".words");
     this.tools = this.section.querySelector(":scope > .tools");
-    this.readout = this.section.querySelector(".readout");
+    this.readout = this.section.querySelector(":scope > .readout");
   }
   // A plot that is drawn anew keeps the focus.
   show(...content) {

@@ -2,14 +2,17 @@
 // the address, and from there everything is asked for and drawn.
 import { addressOf, ask, askAnew, forget } from "./api.js";
 import { bandParameters, bestWindows, drawBands, fillBandForm } from "./bands.js";
+import { colorBar } from "./color_bar.js";
 import { scaleOf } from "./colors.js";
 import { fillControls, QUANTITIES } from "./controls.js";
 import { drawCut } from "./cut.js";
 import { budget, ledger, progress, values } from "./details.js";
-import { html, offer, Panel, svg } from "./draw.js";
+import { html, offer, Panel } from "./draw.js";
 import { Hemisphere } from "./hemisphere.js";
+import { askImage, isWholeFrame } from "./image.js";
+import { ImageView } from "./image_view.js";
 import { askMap } from "./map.js";
-import { aspectText, brief, degrees, displayUnit, rangeText, tickLabels, ticks } from "./numbers.js";
+import { aspectText, brief, degrees, rangeText } from "./numbers.js";
 import { CAUSES, causesOf, drawSpectrum, legend } from "./spectrum.js";
 import { completeSelection, proposeOther, readAddress, SELECTION, selectionParameters, sweepOf, writeAddress } from "./state.js";
 
@@ -35,7 +38,7 @@ const dome = new Hemisphere($("dome"), {
 function change(fields, { replace = false, redraw = true } = {}) {
   Object.assign(state, fields);
   const names = Object.keys(fields);
-  const small = names.every((f) => ["time", "b_time", "range_m", "aspect", "turn", "zoom", "elevation_deg"].includes(f));
+  const small = names.every((f) => ["time", "b_time", "range_m", "aspect", "turn", "zoom", "elevation_deg", "layer", "colours", "outlines"].includes(f));
   complete({ asked: false });
   writeAddress(state, { replace: replace || names.some((f) => f.endsWith("time")) });
   if (!small) fillControls($("controls"), state, contents, change);
@@ -115,15 +118,16 @@ async function refresh() {
     if (mine !== run) return;
     shown = null;
     for (const id of Object.keys(panel)) panel[id].fail(error.message);
+    imageShown = "";
     hideImage("");
   }
   if (mine !== run) return;
   if (map) {
     shown = map;
     chosen = choose();
+    imageShown = "";
     await fill("map", mine, showMap);
-    await Promise.all([showRow(mine), showSpectrum(mine), showCut(mine), showBands(mine)]);
-    showImage(chosen);
+    await Promise.all([showRow(mine), showSpectrum(mine), showCut(mine), showBands(mine), showImage(chosen)]);
   }
   if (mine === run) document.body.removeAttribute("aria-busy");
 }
@@ -139,19 +143,9 @@ function showMap() {
   dome.choose(chosen);
   const [azimuth, up] = (state.turn || "180,90").split(",").map(Number);
   if (Number.isFinite(azimuth) && Number.isFinite(up)) dome.look(azimuth, up, Number(state.zoom) || 1);
-  drawBar(scale, shown.shown_unit, shown.upto !== undefined);
+  $("bar").replaceChildren(colorBar(scale, shown.shown_unit, shown.upto !== undefined));
   sayAspect(chosen);
   panel.map.offer(shown.command, shown.files);
-}
-
-function drawBar(scale, plain, open) {
-  const width = 400, { unit, factor } = ["σ", "%"].includes(plain) ? { unit: plain, factor: 1 } : displayUnit(Math.max(Math.abs(scale.low), Math.abs(scale.high)), plain);
-  const at = ticks(scale.low, scale.high, 5), labels = tickLabels(at, factor);
-  const long = width - (open ? 104 : 80), words = open ? `${unit} or more` : unit;
-  const x = (v) => 24 + long * (v - scale.low) / (scale.high - scale.low);
-  const steps = Array.from({ length: 64 }, (_, k) => svg("rect", { x: 24 + long * k / 64, y: 2, width: long / 64 + 0.5, height: 12, fill: scale.css(Math.round(255 * k / 63)) }));
-  $("bar").replaceChildren(svg("svg", { viewBox: `0 0 ${width} 34`, class: "plot", role: "img", "aria-label": `Colours from ${labels[0]} to ${labels.at(-1)} ${words}` },
-    ...steps, ...at.map((v, k) => svg("text", { class: "middle", x: x(v), y: 29 }, labels[k])), svg("text", { x: 30 + long, y: 13 }, words)));
 }
 
 function sayAspect(k) {
@@ -160,38 +154,68 @@ function sayAspect(k) {
   if (readouts.map.textContent !== words) readouts.map.textContent = words;
 }
 
-// The stored image of the viewpoint under the pointer.
-const image = $("image").querySelector("img"), imageWords = $("image").querySelector(".words"), imageCaption = $("image").querySelector("figcaption"),
-  imageTools = $("image").querySelector(".tools");
-function hideImage(words) {
-  image.hidden = imageTools.hidden = true;
+// The stored image of the viewpoint under the pointer; of two conditions, both on one scale.
+const figure = $("image"), imageBody = figure.querySelector(".body"), imageWords = figure.querySelector(".words"),
+  imageCaption = figure.querySelector("figcaption"), imageTools = figure.querySelector(".tools");
+const imageChoice = (name) => figure.querySelector(`[name=${name}]`);
+const imageView = new ImageView(figure);
+let imageShown = "";  // what is asked for, so that a late answer to an older question is dropped
+function sayOfImage(words) {
   imageWords.textContent = words;
   imageWords.hidden = words === "";
-  imageCaption.textContent = "";
 }
-function showImage(k) {
+function hideImage(words) {
+  imageBody.hidden = imageTools.hidden = true;
+  sayOfImage(words);
+}
+async function showImage(k) {
   if (!shown || k < 0) return;
-  if (!sweepOf(state, "", contents)?.thumbnails) return hideImage("This sweep was computed without images.");
-  const address = addressOf("api/thumbnail.png", rowOf(k));
-  const where = aspectText(shown.azimuth[k], shown.elevation[k]);
-  if (image.dataset.address === address) return undefined;
-  image.dataset.address = address;
-  image.onerror = async () => {
-    try {
-      await askAnew(address);
-    } catch (error) {
-      if (image.dataset.address === address) hideImage(error.message);
-    }
-  };
-  image.onload = () => {
-    image.hidden = imageTools.hidden = false;
-    imageWords.hidden = true;
-    imageCaption.textContent = `${where}: radiance in the band, black to its own brightest pixel`;
-  };
-  image.alt = `The target from ${where}`;
-  image.src = address;
-  return undefined;
+  if (!sweepOf(state, "", contents)?.thumbnails) {
+    imageShown = "";
+    return hideImage("This sweep was computed without images.");
+  }
+  const rows = shown.b_row ? [rowOf(k), rowOf(k, "b_")] : [rowOf(k)];
+  const mine = JSON.stringify([rows, state.layer, state.colours, state.outlines]);
+  if (imageShown === mine) return;
+  imageShown = mine;
+  try {
+    const [a, b] = await Promise.all(rows.map((row, i) => askImage(row, state.layer).catch((error) => {
+      if (i === 0) throw error;
+      return { missing: error.message };
+    })));
+    if (imageShown === mine) drawImage(aspectText(shown.azimuth[k], shown.elevation[k]), rows, a, b);
+  } catch (error) {
+    if (imageShown === mine) hideImage(error.message);  // and stays so until something else is asked for
+  }
 }
+function drawImage(where, rows, a, b) {
+  const { info, layer, layers, width, height } = a, alike = b && !b.missing && b.layer.name === layer.name;
+  const wrong = [b?.missing ? `B has no image: ${b.missing}` : b && !alike ? "The layer is of one of A and B only: shown is A alone." : "",
+    state.layer === layer.name ? "" : `This image has no layer “${state.layer.slice(0, 80)}”: shown is the radiance of the target.`];
+  sayOfImage(wrong.filter(Boolean).join(" "));
+  imageBody.hidden = imageTools.hidden = false;
+  const list = imageChoice("layer"), known = layers.map((l) => l.name).join();
+  if (list.dataset.known !== known) {
+    list.replaceChildren(...layers.map((l) => html("option", { value: l.name }, l.name === "" ? "radiance of the target" : `${l.name.replaceAll("_", " ")}: ${l.what}`)));
+    list.dataset.known = known;
+  }
+  list.value = layer.name;
+  imageChoice("colours").value = state.colours === "grey" ? "grey" : "";
+  imageChoice("outlines").checked = state.outlines === "1";
+  figure.querySelectorAll(".pictures span").forEach((span, i) => {
+    span.textContent = alike ? ["A", "B"][i] : "";
+  });
+  imageView.show(alike ? [a, b] : [a], { names: alike ? ["A ", "B "] : [""], labels: [`The target from ${where}`, `The same of B`], grey: state.colours === "grey", withOutlines: state.outlines === "1" });
+  const error = layer.name === "" && info.error_relative > 0 ? ` Standard error of a pixel: ${brief(100 * info.error_relative, 2)} % (root mean square).` : "";
+  imageCaption.textContent = `${where}: ${layer.what}. Colours from the 1st to the 99th percentile${isWholeFrame(a) ? "" : "; stripes: nothing of the target"}. ${width} × ${height} pixels of ${brief(1e6 * info.pixel_rad, 3)} µrad.${error}`;
+  const png = layer.name === "" ? [["PNG", addressOf("file/image.png", rows[0])]] : [];
+  offer(imageTools, alike ? `${layer.command}\n${b.layer.command}` : layer.command, [...png, ["EXR", addressOf("file/image.exr", { ...rows[0], layer: layer.name })]]);
+}
+for (const name of ["layer", "colours", "outlines"])
+  imageChoice(name).addEventListener("change", ({ target }) => {
+    change({ [name]: target.type === "checkbox" ? (target.checked ? "1" : "") : target.value }, { redraw: false });
+    showImage(chosen);
+  });
 
 function differenceOf(a, b) {
   // At another range than the stored one the errors' difference is not stored.
@@ -212,7 +236,6 @@ function showRow(mine) {
     if (mine !== run) return;
     panel.values.show(...values(row, other, differenceOf(row, other)));
     panel.values.offer(other ? `${row.command}\n${other.command}` : row.command, [["CSV", addressOf("file/row.csv", asked)]]);
-    offer(imageTools, row.image_command, [["PNG", addressOf("file/image.png", rowOf(chosen))]]);
     const parts = budget(row);
     if (parts) {
       panel.budget.show(...parts);

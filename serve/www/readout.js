@@ -1,10 +1,9 @@
 // A plot that says what it holds: of the place under the pointer or the finger, and, step by step,
 // of the one that the arrow keys have come to.
 
-// first: the place where the keys begin; at(x, y): that at a point of the viewBox, or undefined;
+// picture: an SVG, or a canvas, whose points count in its pixels. first: the place where the keys begin; at(x, y): that at a point of the viewBox, or undefined;
 // step(place, dx, dy): that beside it, up and to the right being positive; say(place).
 export function readOut(picture, { first, at, step, say }) {
-  const { width, height } = picture.viewBox.baseVal;
   let place = first;
   const go = (to) => {
     if (to === undefined) return;
@@ -12,7 +11,7 @@ export function readOut(picture, { first, at, step, say }) {
     say(place);
   };
   const point = (event) => {
-    const box = picture.getBoundingClientRect();
+    const box = picture.getBoundingClientRect(), { width, height } = picture.viewBox?.baseVal ?? picture;
     go(at(((event.clientX - box.left) / box.width) * width, ((event.clientY - box.top) / box.height) * height));
   };
   picture.setAttribute("tabindex", "0");

@@ -173,7 +173,9 @@ class Page:
         return out
 
     def screenshot(self, path, clip=None):
-        """Of the whole page; clip: (width, height, scale) of its beginning."""
-        part = {} if clip is None else {"clip": {"x": 0, "y": 0, "width": clip[0], "height": clip[1], "scale": clip[2]}}
+        """Of the whole page; clip: (width, height, scale) of its beginning, or a dict of x, y, width and height."""
+        if isinstance(clip, tuple):
+            clip = dict(zip(("width", "height", "scale"), clip))
+        part = {} if clip is None else {"clip": {"x": 0, "y": 0, "scale": 1, **clip}}
         shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, **part)
         pathlib.Path(path).write_bytes(base64.b64decode(shot["data"]))

@@ -27,6 +27,8 @@ def number(text):
 
 
 class PageCase(unittest.TestCase):
+    changes = {}  # of the sweep's text
+
     @classmethod
     def setUpClass(cls):
         SHOTS.mkdir(parents=True, exist_ok=True)
@@ -34,7 +36,7 @@ class PageCase(unittest.TestCase):
         cls.addClassCleanup(cls.folder.cleanup)
         cls.path = pathlib.Path(cls.folder.name)
         cls.db = cls.path / "quickstart.sigdb"
-        small_sweep(IRSIG, SOURCE, cls.path / "small.toml", cls.db)
+        small_sweep(IRSIG, SOURCE, cls.path / "small.toml", cls.db, cls.changes)
         cls.server = Server(IRSIG, cls.db, "--detector", SOURCE / "jobs/examples/detectors/insb.toml")
         cls.addClassCleanup(cls.server.end)
         cls.browser = Browser(cls.path / "profile")

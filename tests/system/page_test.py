@@ -188,16 +188,17 @@ class PageTest(PageCase):
     def test_thumbnail_follows_the_pointer(self):
         page = self.pages["wide"]
         self.open(page)
-        page.wait("!document.querySelector('#image img').hidden && document.querySelector('#image img').naturalWidth > 0")
-        first = page.run("document.querySelector('#image img').alt")
+        label = "document.querySelector('#image canvas').getAttribute('aria-label')"
+        first = page.run(label)
+        self.assertIn(self.chosen(page)[0], first)
         box = page.box("#dome")
         page.mouse("mouseMoved", box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-        page.wait(f"document.querySelector('#image img').alt !== {json.dumps(first)} && document.querySelector('#image img').naturalWidth > 0")
+        page.wait(f"{label} !== {json.dumps(first)}")
         self.assertNotIn("aspect", self.state(page))  # looked at, not chosen
         (zenith, *_) = rows(self.db, "--aspect", "0,90", "--nearest", 1)
-        self.assertIn(f"elevation {zenith['aspect_elevation_deg']:.4g}", page.run("document.querySelector('#image img').alt"))
+        self.assertIn(f"elevation {zenith['aspect_elevation_deg']:.4g}", page.run(label))
         page.mouse("mouseMoved", 2, 2)
-        page.wait(f"document.querySelector('#image img').alt === {json.dumps(first)}")
+        page.wait(f"{label} === {json.dumps(first)}")
 
     def test_bands(self):
         for name, page in self.each():
@@ -286,7 +287,7 @@ class PageTest(PageCase):
         victim = self.path / "victim.sigdb"
         shutil.copy(self.db, victim)
         with sqlite3.connect(victim) as db:
-            db.execute("UPDATE thumbnail SET png = zeroblob(500)")
+            db.execute("UPDATE thumbnail SET exr = zeroblob(500)")
         db.close()
         server = Server(IRSIG, victim)
         self.addCleanup(server.end)
@@ -379,7 +380,7 @@ class PageTest(PageCase):
         condition = {"season": "summer", "band": "lwir", "elevation_deg": 20}
         for name, state in (("page", {"turn": "150,40"}), ("page-comparison", {"compare": 1, "b_season": "winter", "b_band": "lwir"})):
             self.open(page, **condition, **state)
-            page.wait("document.querySelector('#image img').naturalWidth > 0")
+            self.assertFalse(page.run("document.querySelector('#image > .body').hidden"))
             picture = SHOTS / f"{name}.png"
             page.screenshot(picture, clip=(1280, 1110, 0.68))
             self.assertLess(picture.stat().st_size, 150_000)
