@@ -229,7 +229,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Image.look_at_m", -1e6, 1e6, "on or near the target"},
     {"Image.samples", 4, 32768, "each pixel's error needs two halves; counts are of 16 bits"},
     {"Image.max_samples", 8, 32768, "each pixel's error needs two halves; counts are of 16 bits"},
-    {"Image.pixel_error_percent", 1e-3, 100, "below, rounding is larger; above, there is no number"},
+    {"Image.pixel_error_percent", 1e-3, 100,
+     "below, rounding is larger; above, there is no number"},
     {"Image.pixel_error_k", 1e-4, 1000, "below, rounding is larger; above, there is no number"},
 
     {"Profile.from_m", -1e6, 1e6, "on or near the target"},

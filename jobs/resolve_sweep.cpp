@@ -17,8 +17,8 @@ namespace {
 
 // Every default of the sweep file stands here and in docs/reference/sweep-file.md, except the names
 // and hot parts below and those of profiles, images and effects
-// (resolve_profiles.cpp, resolve_image.cpp, resolve_effects.cpp). None of them decides what is there to be seen: temperatures, materials,
-// surroundings, air and sun have no default.
+// (resolve_profiles.cpp, resolve_image.cpp, resolve_effects.cpp). None of them decides what is
+// there to be seen: temperatures, materials, surroundings, air and sun have no default.
 void write_defaults(schema::Sweep& sweep) {
   if (!sweep.has_description()) sweep.set_description("");
   if (!sweep.has_seed()) sweep.set_seed(1);

@@ -22,7 +22,7 @@ struct ImageSpec {
   };
   std::optional<Camera> camera;
   double margin = 0;
-  // Rays of each pixel, a power of two. 0: 8, and more where few pixels may show the target; with
+  // Rays of each pixel, a power of two, and more where few pixels may show the target. 0: 8; with
   // an error asked for, these are the first that are tried.
   std::uint32_t samples = 0;
   // Root mean square, over the pixels that the target fills, of the standard error: relative to

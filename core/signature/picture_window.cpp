@@ -8,8 +8,8 @@
 namespace irsig {
 namespace {
 
-// Targets of 1e-6 pixel are met by a few rays.
-constexpr std::uint32_t kMostSquares = 1024;
+// Along the side of a pixel: a target of 1e-9 of its area is met.
+constexpr std::uint32_t kMostSquares = 65536;
 // Counts of a pixel's samples that are stored have 16 bits.
 constexpr std::uint32_t kMostCounted = 32768;
 
@@ -46,8 +46,9 @@ PictureWindow::PictureWindow(const PlaneRectangle& target, const PictureFrame& f
       traced_.width_px = traced_.height_px = 0;
       return;
     }
-    const std::uint64_t rays = std::uint64_t{across.count} * up.count * kPixelSamples;
-    if (samples == 0 && rays < kLeastPictureSamples && side_ < kMostSquares) continue;
+    const std::uint64_t rays =
+        std::uint64_t{across.count} * up.count * (samples > 0 ? samples : kPixelSamples);
+    if (rays < kLeastPictureSamples && side_ < kMostSquares) continue;
     fine_left_ = across.first;
     fine_top_ = frame.height_px * side_ - up.first - up.count;
     traced_.rectangle = {r.x0_m + across.first * square_m, r.y0_m + up.first * square_m,

@@ -15,7 +15,7 @@ namespace irsig {
 class PictureWindow {
  public:
   //   target   its rectangle, on the frame's plane
-  //   samples  rays of each pixel; 0: kPixelSamples, in each of its squares
+  //   samples  rays of each square; 0: kPixelSamples
   PictureWindow(const PlaneRectangle& target, const PictureFrame& frame, std::uint32_t samples);
 
   // Returns the frame of the squares that are traced.

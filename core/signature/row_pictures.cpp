@@ -150,7 +150,9 @@ class RowPictures {
     const ViewSetup& setup = view_.setup;
     const PathSettings of_view =
         path_settings(setup.accuracy, setup.plan.effects, setup.seed + kPictureStage, 1);
-    std::uint32_t samples = request_.image ? request_.image->samples : 0;
+    std::uint32_t samples = 0;
+    if (request_.image)
+      samples = request_.image->samples > 0 ? request_.image->samples : kPixelSamples;
     for (;;) {
       const PathSettings settings = picture_settings(of_view, pictures_.plan, samples);
       TracedView traced = trace_view(setup.scene, whole_view(setup.aimed()),

@@ -30,9 +30,8 @@ namespace irsig {
 
 // The jobs of a sweep: one for each heat run, in their order; then one for each viewpoint (of its
 // shard, if it is one), in order, which needs all of those, cut along time, then season, then band
-// where its estimated cost exceeds transport.job_size_vertices, or the images of [image] of its rows
-// kMostImageBytes
-// (schema/image_size.h). Cutting is a pure function of the sweep.
+// where its estimated cost exceeds transport.job_size_vertices, or the images of [image] of its
+// rows kMostImageBytes (schema/image_size.h). Cutting is a pure function of the sweep.
 //
 // Cost in path vertices: tracing = paths x (1 + the smaller of 3 and max_reflections),
 // since roulette ends nearly every path before its third reflection; each condition adds 0.01
