@@ -224,6 +224,7 @@ schema::Sweep as_written(schema::Sweep sweep) {
   // A pilot's: so many samples, with the effects that the error calls for.
   if (sweep.accuracy().has_relative_error())
     sweep.mutable_accuracy()->clear_samples_per_replicate();
+  if (sweep.has_image()) sweep.mutable_output()->clear_thumbnail_px();
   if (!sweep.has_heat() && !has_funnel_plume(sweep) && sweep.has_place())
     sweep.mutable_place()->clear_speed_m_s();
   return sweep;
@@ -255,6 +256,7 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   check_place(sweep, findings);
   check_air(sweep, findings);
   *resolved.mutable_viewpoint() = as_sent.viewpoint();
+  check_image(resolved, findings);
   check_profiles(resolved, findings);
 }
 

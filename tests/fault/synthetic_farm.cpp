@@ -231,6 +231,12 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       thumbnail->set_png(synthetic_png(128, 40, random));
       thumbnail->set_exr(synthetic_exr(128, 40, 20480, random));
       thumbnail->set_stderr_exr(synthetic_exr(128, 40, 4096, random));
+      for (const std::string& name : sweep.sweep().image().layers()) {
+        schema::ImageLayer& layer = *row->add_image_layer();
+        layer.set_name(name);
+        layer.set_exr(synthetic_exr(128, 40, 20480, random));
+        if (name == "at_sensor") layer.set_stderr_exr(synthetic_exr(128, 40, 4096, random));
+      }
       row->set_stop_reason(schema::STOP_REASON_ACCURACY_REACHED);
       row->set_sun_azimuth_deg(150);
       row->set_sun_zenith_deg(50);

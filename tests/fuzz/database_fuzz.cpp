@@ -43,7 +43,11 @@ class DatabaseFile : public testing::Test {
     const std::string path = folder_->file("whole.sigdb");
     auto store = StoreWriter::open(path);
     ASSERT_TRUE(store.ok()) << store.status();
-    const schema::ResolvedSweep sweep = heated_frigate_sweep(24);
+    schema::ResolvedSweep sweep = heated_frigate_sweep(24);
+    schema::Image& image = *sweep.mutable_sweep()->mutable_image();
+    image.set_kind("framed");
+    for (const std::uint32_t pixels : {128, 40}) image.add_pixels(pixels);
+    for (const char* layer : {"sun", "at_sensor"}) image.add_layers(layer);
     const auto made = make_submission(check_resolved, sweep, 1, {});
     ASSERT_TRUE(made.ok()) << made.status();
     ASSERT_TRUE((*store)->begin().ok());
@@ -283,7 +287,7 @@ TEST_F(DatabaseFile, WithASweepThatNoFileStates) {
     time_ = of.table("SELECT time_utc FROM condition LIMIT 1")[0][0];
     ASSERT_TRUE(whole.ParseFromString(of.table("SELECT resolved_sweep FROM sweep")[0][0]));
   }
-  fuzz::MessageMutator fields(5);
+  fuzz::MessageMutator fields(11);
   fuzz::Turns turn(20);
   while (turn.next()) {
     schema::ResolvedSweep sweep = whole;

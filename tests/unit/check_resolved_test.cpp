@@ -129,6 +129,27 @@ TEST(CheckResolved, WhatNoFileCouldSayIsRefusedByThePathOfTheField) {
       });
 }
 
+TEST(CheckResolved, ImagesAreThoseThatAFileMayAskFor) {
+  const auto image = [](schema::ResolvedSweep& s) { return s.mutable_sweep()->mutable_image(); };
+  expect_refused(
+      resolved_example("camera.toml"),
+      {{"image.layers[11] = \"sunn\"", [&](auto& s) { image(s)->add_layers("sunn"); }},
+       {"sweep.image.pixels has 3 elements", [&](auto& s) { image(s)->add_pixels(1); }},
+       {"may take",
+        [&](auto& s) {
+          image(s)->set_pixels(0, 4096);
+          image(s)->set_pixels(1, 4096);
+        }},
+       {"sweep.image.pixels[0] = 4e+06", [&](auto& s) { image(s)->set_pixels(0, 4000000); }},
+       {"image.kind", [&](auto& s) { image(s)->set_kind("fisheye"); }},
+       {"image.max_samples = 12", [&](auto& s) { image(s)->set_max_samples(12); }},
+       {"image.field_of_view_deg", [&](auto& s) { image(s)->clear_field_of_view_deg(); }}});
+  schema::ResolvedSweep pilot = resolved_example("camera.toml");
+  pilot.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
+  EXPECT_TRUE(check_resolved(pilot).ok()) << check_resolved(pilot);
+  EXPECT_TRUE(check_resolved(resolved_example("training_images.toml")).ok());
+}
+
 TEST(CheckResolved, RunsOfTemperaturesAreThoseOfTheFile) {
   const schema::ResolvedSweep good = resolved_example("frigate_day.toml");
   const int last = good.heat_size() - 1;

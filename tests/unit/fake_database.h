@@ -239,9 +239,10 @@ class FakeDatabase {
                               e->balance, e->balance_stderr));
       }
       if (const auto at = given_.thumbnails.find(given); at != given_.thumbnails.end())
-        must(database_->run(sql::insert_thumbnail, id, at->second.width_px(),
-                            at->second.height_px(), at->second.pixel_rad(), Blob{at->second.png()},
-                            Blob{at->second.exr()}, Blob{at->second.stderr_exr()}));
+        must(database_->run(
+            sql::insert_thumbnail, id, at->second.width_px(), at->second.height_px(),
+            at->second.pixel_rad(), at->second.error_relative(), at->second.error_k(),
+            Blob{at->second.png()}, Blob{at->second.exr()}, Blob{at->second.stderr_exr()}));
       if (const auto at = given_.silhouettes.find(given); at != given_.silhouettes.end())
         add(at->second,
             *database_->integer("SELECT job_id FROM signature WHERE signature_id = ?1", id));

@@ -215,6 +215,12 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       thumbnail.set_exr(exr_bytes > 0 ? noise(random, exr_bytes)
                                       : synthetic_exr(16, 9, 200, random));
       thumbnail.set_stderr_exr(synthetic_exr(16, 9, 100, random));
+      for (const std::string& name : sweep.sweep().image().layers()) {
+        schema::ImageLayer& layer = *row.add_image_layer();
+        layer.set_name(name);
+        layer.set_exr(synthetic_exr(16, 9, 200, random));
+        if (name == "at_sensor") layer.set_stderr_exr(synthetic_exr(16, 9, 100, random));
+      }
     }
   }
   std::mt19937_64 random(hash);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "schema/store/check_picture.h"
 #include "schema/store/content.h"
 #include "schema/store/ingest.h"
 #include "schema/store/open_database.h"
@@ -172,6 +173,48 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
   ASSERT_OK(writer->commit());
   ASSERT_OK(writer->finish());
   EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 8U);
+}
+
+TEST(StoreResult, LayersAreThoseThatTheSweepAsksFor) {
+  const TestFolder folder;
+  schema::ResolvedSweep sweep = make_sweep({});
+  for (const char* layer : {"sun", "at_sensor"})
+    sweep.mutable_sweep()->mutable_image()->add_layers(layer);
+  auto writer = StoreWriter::open(folder.file("a.sigdb")).value();
+  ASSERT_OK(submit(*writer, sweep, "sweep-a").status());
+  ASSERT_OK(writer->begin());
+  const QueuedJob job = writer->lease_next("w", 0).value().value();
+  const schema::JobResult good = make_result(sweep, job.spec);
+  const auto row = [](schema::JobResult& r) { return r.mutable_view()->mutable_row(1); };
+  for (const std::function<void(schema::JobResult&)>& change :
+       std::vector<std::function<void(schema::JobResult&)>>{
+           [&](auto& r) { row(r)->clear_image_layer(); },
+           [&](auto& r) { row(r)->mutable_image_layer()->RemoveLast(); },
+           [&](auto& r) { *row(r)->add_image_layer() = row(r)->image_layer(0); },
+           [&](auto& r) { row(r)->mutable_image_layer(0)->set_name("sky"); },
+           [&](auto& r) { row(r)->mutable_image_layer()->SwapElements(0, 1); }}) {
+    schema::JobResult bad = good;
+    change(bad);
+    const absl::Status status = writer->complete(job.fencing_token, bad, "w");
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    EXPECT_THAT(std::string(status.message()), testing::HasSubstr("image_layer"));
+  }
+  // What a worker that lies may send.
+  for (const std::function<void(schema::ImageLayer&)>& change :
+       std::vector<std::function<void(schema::ImageLayer&)>>{
+           [](auto& l) { l.set_name("sunn"); }, [](auto& l) { l.clear_exr(); },
+           [](auto& l) { l.mutable_exr()->resize(40); },
+           [](auto& l) { l.set_stderr_exr(l.exr()); }}) {
+    schema::ImageLayer bad = good.view().row(1).image_layer(0);
+    change(bad);
+    const absl::Status status = check_image_layer(bad, 16, 9, "layer");
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  }
+  for (const schema::ImageLayer& layer : good.view().row(1).image_layer())
+    ASSERT_OK(check_image_layer(layer, 16, 9, "layer"));
+  ASSERT_OK(writer->complete(job.fencing_token, good, "w"));
+  ASSERT_OK(writer->commit());
+  ASSERT_OK(writer->finish());
 }
 
 // A file that says so is damaged, and costs no memory.
