@@ -99,9 +99,9 @@ inline Reflection reflection(Float3 n, Float3 wi, Float3 wo, float cos_i, float 
 // power of two would have nearly the same points, and their errors would not be independent: an
 // edge along a column of 64 x 64 pixels was off by as much in each of them.
 [[nodiscard]] inline SeedPair of_pixel(SeedPair seed, std::uint32_t pixel) {
-  const std::uint64_t a = mix64(pixel), b = mix64(a);
-  return {seed.x ^ static_cast<std::uint32_t>(a), seed.y ^ static_cast<std::uint32_t>(a >> 32),
-          seed.shuffle ^ static_cast<std::uint32_t>(b)};
+  const std::uint64_t a = mix64(pixel);
+  const auto low = static_cast<std::uint32_t>(a), high = static_cast<std::uint32_t>(a >> 32);
+  return {seed.x ^ low, seed.y ^ high, seed.shuffle ^ (low * 0x9e3779b1u + high)};
 }
 
 // Rows of pictures are traced from below and stored from above.
