@@ -95,7 +95,8 @@ absl::StatusOr<DetectorGrid> detector_grid(const Imager& imager, std::uint32_t w
     return absl::InvalidArgumentError(absl::StrCat(
         "its pixels of ", 1e6 * pixel_rad, " urad are wider than half of the imager's ",
         1e6 * imager.ifov_rad(), " urad, so that its sharpness is unknown; run the sweep with ",
-        "[output] thumbnail_px = ", std::ceil(2 * longest_px / ratio), " or more"));
+        "[output] thumbnail_px = ", std::ceil(2 * longest_px / ratio),
+        " or more, or with as many [image] pixels"));
   if (longest_px / ratio + 2 * imager.margin_px > kMostSidePx)
     return absl::InvalidArgumentError(
         absl::StrCat("the imager needs more than ", kMostSidePx, " pixels along a side for it"));

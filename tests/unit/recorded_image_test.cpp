@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/image/reader/exr_reader.h"
 #include "view/pictures/masks.h"
 
 namespace irsig {
@@ -61,6 +62,36 @@ TEST(RecordedImage, ASmallTargetIsAPartOfOnePixel) {
   ASSERT_EQ(out->silhouette.part[0].pixel.size(), 1U);
   EXPECT_NEAR(out->silhouette.part[0].pixel[0].samples, 65535.0 / 81, 0.5);
   EXPECT_FALSE(record_image(imager, figures, row, seen, imager.ifov_rad() / 1.5, stored).ok());
+}
+
+// Once a frame of the row's background, of another radiance than sky and sea, lay around it.
+TEST(RecordedImage, SkyAndSeaGoOnBeyondTheBorder) {
+  Imager imager;
+  imager.aperture_m = 0.05;
+  imager.f_number = 2;
+  imager.pitch_m = 15e-6;
+  imager.gain = CountsOfRadiance{100, 0};
+  StoredSilhouette stored{40, 30, 4, {}};
+  RadianceImage seen{40, 30, {}};
+  for (std::uint32_t i = 0; i < 1200; ++i) seen.radiance_w_m2_sr.push_back(i < 600 ? 200 : 300);
+  StoredSignature row{};
+  row.background_radiance_w_m2_sr = 0;
+  const ImagerInBand figures{4, 0, 0, 100, 0};
+  const auto out = record_image(imager, figures, row, seen, imager.ifov_rad() / 4, stored, true);
+  ASSERT_TRUE(out.ok()) << out.status();
+  const auto noiseless = decode_exr(out->noiseless_exr, 100);
+  ASSERT_TRUE(noiseless.ok()) << noiseless.status();
+  ASSERT_EQ(noiseless->width_px, 10U);
+  ASSERT_EQ(noiseless->height_px, 8U);  // of 7.5
+  // What the row's background of 0 takes away beyond eight pixels, and the tail of the point spread
+  // at the horizon.
+  for (std::uint32_t y = 0; y < 8; ++y)
+    for (std::uint32_t x = 0; x < 10; ++x) {
+      const float value = noiseless->radiance_w_m2_sr[y * 10 + x];
+      EXPECT_NEAR(value, noiseless->radiance_w_m2_sr[y * 10 + 5], 2) << x << ", " << y;
+      if (y == 3 || y == 4) continue;
+      EXPECT_NEAR(value, y < 4 ? 200 : 300, 8) << x << ", " << y;
+    }
 }
 
 }  // namespace

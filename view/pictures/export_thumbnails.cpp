@@ -488,7 +488,8 @@ class ThumbnailFolder {
       const StoredSignature& s = image.signature;
       const RadianceImage seen{f.width_px, f.height_px, std::move(f.pixel)};
       auto one = record_image(*asked_.imager, figures[i], s, seen, image.thumbnail.pixel_rad(),
-                              image.silhouette);
+                              image.silhouette,
+                              image.layer(irsig::name_of(ImageLayer::kAtSensor)) != nullptr);
       if (!one.ok()) return not_recorded(s, one.status());
       out[i] = *std::move(one);
       f.png = std::move(out[i].png);

@@ -20,11 +20,14 @@ struct RecordedImage {
 };
 // Records an image of radiance at the sensor. The noise depends on sweep, season, time, band,
 // aspect and range of `row`, so that a slice of the database gives the same counts.
+//   with_surroundings  the image has sky, horizon and sea up to its border, beyond which its
+//                      border's pixels go on, and no margin is added; else the row's background
 // INVALID_ARGUMENT: the stored pixels are too coarse for the imager, or the image would be too
 // large.
 [[nodiscard]] absl::StatusOr<RecordedImage> record_image(
     const Imager& imager, const ImagerInBand& figures, const StoredSignature& row,
-    const RadianceImage& seen, double pixel_rad, const StoredSilhouette& silhouette);
+    const RadianceImage& seen, double pixel_rad, const StoredSilhouette& silhouette,
+    bool with_surroundings = false);
 
 // Returns the parts on the pixels of a detector: the mean fraction of the stored pixels under each,
 // weighted with the areas that they share.
