@@ -327,10 +327,10 @@ TEST(Json, TextsNumbersAndEscapes) {
   const JsonValue value = *parse_json(
       " {\"a\\n\\u00e9\\ud83d\\ude00\": [1e-400, -2.5E3, true, null], \"b\": {}}\n", "j");
   ASSERT_EQ(value.member.size(), 2U);
-  EXPECT_EQ(value.member[0].first, "a\n\xc3\xa9\xf0\x9f\x98\x80");
-  EXPECT_EQ(value.member[0].second.item[0].number, 0);
-  EXPECT_EQ(value.member[0].second.item[1].number, -2500);
-  EXPECT_TRUE(value.member[0].second.item[2].boolean);
+  EXPECT_EQ(value.member[0].name, "a\n\xc3\xa9\xf0\x9f\x98\x80");
+  EXPECT_EQ(value.member[0].value.item[0].number, 0);
+  EXPECT_EQ(value.member[0].value.item[1].number, -2500);
+  EXPECT_TRUE(value.member[0].value.item[2].boolean);
   for (const char* bad :
        {"", "{", "[1,]", "{\"a\" 1}", "\"a", "01", "1 2", "nul", "\"\\x\"", "[1e999]"})
     EXPECT_FALSE(parse_json(bad, "j").ok()) << bad;

@@ -240,7 +240,7 @@ std::string_view GltfFile::buffer(std::size_t index) {
     fail(place, extensions != nullptr && !extensions->member.empty()
                     ? fmt::format("has no bytes of its own but the extension {}, which is not "
                                   "read: export the model without compression",
-                                  extensions->member.front().first)
+                                  extensions->member.front().name)
                     : std::string("has neither a uri nor a chunk of this file"));
     return {};
   }

@@ -116,7 +116,7 @@ class JsonParser {
       std::string name = read_string();
       if (problem_.empty() && !take(':')) fail("\":\"");
       if (!problem_.empty()) return;
-      out.member.emplace_back(std::move(name), read(depth + 1));
+      out.member.push_back({std::move(name), read(depth + 1)});
     } while (problem_.empty() && take(','));
     if (problem_.empty() && !take('}')) fail("\",\" or \"}\"");
   }
