@@ -94,16 +94,26 @@ TracedPictures PictureWindow::joined(TracedPictures squares, const ImagePlan& pl
     met[{static_cast<std::uint32_t>(pixel_of_square(m.pixel)), m.part}] += m.samples;
   const std::uint64_t of_pixel = std::uint64_t{samples} * side_ * side_;
   samples = static_cast<std::uint32_t>(std::min<std::uint64_t>(of_pixel, kMostCounted));
-  std::map<std::uint32_t, std::uint32_t> left;
+  struct Pixel {
+    std::uint32_t rest;
+    double met = 0;
+  };
+  std::map<std::uint32_t, Pixel> seen;
   for (const auto& [place, count] : met) {
     // Rounded down, so that no pixel has more than there are; but a part that is seen is kept.
-    std::uint32_t& rest = left.try_emplace(place.first, samples).first->second;
+    Pixel& pixel = seen.try_emplace(place.first, Pixel{samples}).first->second;
+    pixel.met += static_cast<double>(count);
     const auto counted = std::min(
-        rest, std::max<std::uint32_t>(1, static_cast<std::uint32_t>(count * samples / of_pixel)));
+        pixel.rest,
+        std::max<std::uint32_t>(1, static_cast<std::uint32_t>(count * samples / of_pixel)));
     if (counted == 0) continue;
-    rest -= counted;
+    pixel.rest -= counted;
     out.met.push_back({place.first, place.second, counted});
   }
+  // Sums over first hits are of as many samples as are counted.
+  for (const auto& [pixel, of] : seen)
+    for (std::size_t k = 0; !out.first_sum.empty() && k < values; ++k)
+      out.first_sum[pixel * values + k] *= (samples - of.rest) / of.met;
   return out;
 }
 

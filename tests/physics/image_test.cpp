@@ -177,9 +177,14 @@ TEST(Image, TargetsFarBelowAPixelAreMet) {
       ViewRequest r = request(*simulator, 0, 0, 1e6, {300});
       r.seed = seed;
       r.image = camera(5, 5, 2 * std::atan(2.5 * pixel_m / 1e6));
-      r.image->layer.clear();
+      r.image->layer = {ImageLayer::kTemperature, ImageLayer::kRange};
       r.image->samples = 8;
       const ViewResult view = simulated(*simulator, r);
+      ASSERT_FALSE(view.seen.empty());
+      for (const TracedPictures::Met& met : view.seen) {
+        EXPECT_NEAR(at(view.row[0], ImageLayer::kTemperature, met.pixel), 300, 1e-3) << pixel_m;
+        EXPECT_NEAR(at(view.row[0], ImageLayer::kRange, met.pixel), 1e6, 1) << pixel_m;
+      }
       double sum = 0, square = 0;
       for (std::size_t i = 0; i < 25; ++i) {
         sum += static_cast<double>(view.row[0].image_w_m2_sr[i]);
