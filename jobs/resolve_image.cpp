@@ -46,13 +46,18 @@ void check_camera(const schema::ResolvedSweep& resolved, const SectionCheck& che
     }
 }
 
-void check_rays(const schema::Image& image, const SectionCheck& check) {
+void check_rays(const schema::Sweep& sweep, const SectionCheck& check) {
+  const schema::Image& image = sweep.image();
   for (const auto& [name, rays] :
        {std::pair{"samples", image.samples()}, {"max_samples", image.max_samples()}})
     if (check.has(name) && !std::has_single_bit(rays))
       check.error(name, absl::StrCat("= ", rays, ", expected a power of two"));
   (void)check.at_most_one({"pixel_error_percent", "pixel_error_k"});
   const bool error = check.has("pixel_error_percent") || check.has("pixel_error_k");
+  if (error && sweep.has_plume())
+    check.error(check.has("pixel_error_k") ? "pixel_error_k" : "pixel_error_percent",
+                "does not apply with [plume], whose rays have a number of their own: state samples "
+                "for those of the target");
   if (check.has("samples") && error)
     check.error("samples", "does not apply where an error is asked for");
   if (check.has("max_samples") && !error)
@@ -83,7 +88,8 @@ void check_layers(const schema::Sweep& sweep, const SectionCheck& check) {
                                          "\", of which it is a part: add it"));
   if (!layers.empty() && sweep.has_plume())
     check.error("layers",
-                "does not apply with [plume]: hot gas is in the image of the target alone");
+                "do not apply with [plume], whose gas is in the image of the target alone: leave "
+                "them out");
 }
 
 }  // namespace
@@ -99,7 +105,7 @@ void check_image(const schema::ResolvedSweep& resolved, Findings& findings) {
   (void)(!check.has("kind") || check.one_of("kind", {"framed", "camera"}));
   check_pixels(image, check);
   check_camera(resolved, check);
-  check_rays(image, check);
+  check_rays(sweep, check);
   check_layers(sweep, check);
   if (image.pixels_size() == 2 && image_bytes_of_row(sweep) > kMostImageBytes)
     check.error(

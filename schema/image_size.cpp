@@ -6,7 +6,10 @@
 namespace irsig {
 namespace {
 
-double pixels_of(const schema::Image& image) {
+// 0 where a pilot makes no images.
+double pixels_of(const schema::Sweep& sweep) {
+  if (sweep.output().has_thumbnail_px() && sweep.output().thumbnail_px() == 0) return 0;
+  const schema::Image& image = sweep.image();
   return image.pixels_size() == 2 ? static_cast<double>(image.pixels(0)) * image.pixels(1) : 0;
 }
 
@@ -16,16 +19,14 @@ double image_bytes_of_row(const schema::Sweep& sweep) {
   // Radiances are float32, packed if that makes them less; standard errors take a quarter. And a
   // grey picture to look at.
   constexpr double kBytesOfLayer = 4, kBytesOfRest = 1 + 1 + 1;
-  const schema::Image& image = sweep.image();
-  return pixels_of(image) * (kBytesOfLayer * (1 + image.layers_size()) + kBytesOfRest);
+  return pixels_of(sweep) * (kBytesOfLayer * (1 + sweep.image().layers_size()) + kBytesOfRest);
 }
 
 double image_memory_of_row(const schema::Sweep& sweep) {
   // At the target and at the sensor: sums, errors, and the sums of six kinds of light; then the
   // pixels and their errors as numbers, twice for a moment.
   constexpr double kBytesOfTracing = 2 * (8 + 4 + 6 * 4), kBytesOfLayer = 8;
-  const schema::Image& image = sweep.image();
-  return pixels_of(image) * (kBytesOfTracing + kBytesOfLayer * (2 + image.layers_size())) +
+  return pixels_of(sweep) * (kBytesOfTracing + kBytesOfLayer * (2 + sweep.image().layers_size())) +
          image_bytes_of_row(sweep);
 }
 

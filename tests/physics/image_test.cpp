@@ -57,19 +57,11 @@ struct Day {
 };
 Day day(double elevation_deg = 10) {
   Day out;
-  out.scene.mesh = generated("frigate", 2000);
-  out.scene.material = {*builtin_material("hull")};
-  out.scene.part = {{"hot", {"funnel*"}, 0, false, true}, {"ship", {}, 0, false, false, true}};
-  out.scene.band = {mwir(), lwir()};
+  out.scene = painted_frigate();
   const auto simulator = simulator_of(out.scene);
   out.request = request(*simulator, 60, elevation_deg, 2000, {400, 300});
   ConditionSpec& c = out.request.condition[0];
-  c.surroundings = {SurroundingsKind::kSea, 240, 0, 290, 0.96, 0};
-  c.sun = true;
-  c.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
-  c.sun_cos_zenith = 0.8 / std::sqrt(0.98);
-  c.sun_angular_radius_deg = 0.266;
-  c.sun_scale = 0.6;
+  make_day(c);
   c.air_temperature_k = 285;
   c.above_surface_m = 10;
   out.request.air = {AirModel::kHomogeneous, 1e-4, 101325, 287, true};

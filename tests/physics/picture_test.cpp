@@ -130,20 +130,9 @@ struct Scatter {
 // Sun, sky, sea, a hot part and shadows, each of its own scatter.
 TEST(Picture, ErrorsAreTheScatterOfOtherSeeds) {
   constexpr int kSeeds = 24;
-  SceneSpec scene;
-  scene.mesh = generated("frigate", 2000);
-  scene.material = {*builtin_material("hull")};
-  scene.part = {{"hot", {"funnel*"}, 0, false, true}, {"ship", {}, 0, false, false, true}};
-  scene.band = {mwir(), lwir()};
-  const auto simulator = simulator_of(scene);
+  const auto simulator = simulator_of(painted_frigate());
   ViewRequest r = request(*simulator, 60, 30, 5000, {400, 300});
-  ConditionSpec& c = r.condition[0];
-  c.surroundings = {SurroundingsKind::kSea, 240, 0, 290, 0.96, 0};
-  c.sun = true;
-  c.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
-  c.sun_cos_zenith = 0.8 / std::sqrt(0.98);
-  c.sun_angular_radius_deg = 0.266;
-  c.sun_scale = 0.6;
+  make_day(r.condition[0]);
   r.max_reflections = 3;
   std::vector<ViewResult> view;
   for (int seed = 1; seed <= kSeeds; ++seed) {

@@ -66,6 +66,26 @@ inline ViewRequest request(const Simulator& simulator, double azimuth_deg, doubl
   return r;
 }
 
+// A frigate of the hull's paint with hot funnels, in both bands.
+inline SceneSpec painted_frigate() {
+  SceneSpec scene;
+  scene.mesh = generated("frigate", 2000);
+  scene.material = {*builtin_material("hull")};
+  scene.part = {{"hot", {"funnel*"}, 0, false, true}, {"ship", {}, 0, false, false, true}};
+  scene.band = {mwir(), lwir()};
+  return scene;
+}
+
+// The sun over the ship's starboard bow, sky and sea.
+inline void make_day(ConditionSpec& condition) {
+  condition.surroundings = {SurroundingsKind::kSea, 240, 0, 290, 0.96, 0};
+  condition.sun = true;
+  condition.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
+  condition.sun_cos_zenith = 0.8 / std::sqrt(0.98);
+  condition.sun_angular_radius_deg = 0.266;
+  condition.sun_scale = 0.6;
+}
+
 inline std::unique_ptr<Simulator> simulator_of(const SceneSpec& scene) {
   auto simulator = Simulator::create(scene);
   EXPECT_TRUE(simulator.ok()) << simulator.status();

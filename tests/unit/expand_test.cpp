@@ -402,9 +402,9 @@ schema::ResolvedSweep sixteen_rows(double job_size_in_tracings) {
   return sweep;
 }
 
-std::vector<std::string> pieces_of_first_view(double job_size_in_tracings) {
+std::vector<std::string> pieces_of_first_view(const schema::ResolvedSweep& sweep) {
   std::vector<std::string> pieces;
-  for (const schema::JobSpec& job : expand_jobs(sixteen_rows(job_size_in_tracings), 1)) {
+  for (const schema::JobSpec& job : expand_jobs(sweep, 1)) {
     if (job.view().viewpoint_index() != 0) continue;
     std::string text;
     for (const auto c : job.view().condition_index()) text += std::to_string(c);
@@ -413,6 +413,10 @@ std::vector<std::string> pieces_of_first_view(double job_size_in_tracings) {
     pieces.push_back(text);
   }
   return pieces;
+}
+
+std::vector<std::string> pieces_of_first_view(double job_size_in_tracings) {
+  return pieces_of_first_view(sixteen_rows(job_size_in_tracings));
 }
 
 TEST(ExpandJobs, CutsAlongTime) {
@@ -458,6 +462,20 @@ TEST(ExpandJobs, CutsAlongBandLast) {
   ASSERT_EQ(pieces.size(), 16U);
   EXPECT_THAT(std::vector(pieces.begin(), pieces.begin() + 6),
               ElementsAre("0/0", "0/1", "4/0", "4/1", "1/0", "1/1"));
+}
+
+// Images of 15 MB a row, of which eight stay below 128 MB; of 120 MB, each alone.
+TEST(ExpandJobs, CutsSoThatImagesFitIntoAResult) {
+  schema::ResolvedSweep sweep = sixteen_rows(1e9);
+  schema::Image& image = *sweep.mutable_sweep()->mutable_image();
+  for (const std::uint32_t pixels : {1000, 1000}) image.add_pixels(pixels);
+  for (const char* layer : {"sun", "at_sensor"}) image.add_layers(layer);
+  EXPECT_THAT(pieces_of_first_view(sweep), ElementsAre("0145/01", "2367/01"));
+  image.set_pixels(0, 4000);
+  image.set_pixels(1, 2000);
+  EXPECT_EQ(pieces_of_first_view(sweep).size(), 16U);
+  sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);  // as a pilot has it
+  EXPECT_THAT(pieces_of_first_view(sweep), ElementsAre("01234567/01"));
 }
 
 TEST(ExpandJobs, PiecesCoverEveryRowOnceAndHaveTheirOwnKeys) {
