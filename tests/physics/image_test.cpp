@@ -4,6 +4,7 @@
 // the target less the one without adds up to the row's contrast, also for targets far below a
 // pixel. Errors are as small as they are asked to be, and true. Source: closed forms; the row.
 #include <cmath>
+#include <numbers>
 
 #include "core/signature/pixel_background.h"
 #include "tests/physics/scene_fixture.h"
@@ -232,6 +233,53 @@ TEST(Image, CamerasShowThePlaceTheRangeAndTheTemperature) {
 
   r.image->camera->look_at_m = Vec<Body>{2000, 0, 0};
   EXPECT_EQ(simulator->simulate(r).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// From 357 m up the sea ends 0.6 deg below the horizontal, and the middle is 10 deg below it.
+TEST(Image, SkyIsAboveTheHorizonAndSeaBelow) {
+  Day d = day(10);
+  d.request.image = camera(3, 200, 0.01);
+  d.request.image->layer = {ImageLayer::kPath, ImageLayer::kBackground, ImageLayer::kAtSensor};
+  d.request.image->camera->field_of_view_rad = 2 * std::atan(3 * 0.002);  // pixels of 4 mrad
+  const auto simulator = simulator_of(d.scene);
+  const ViewResult view = simulated(*simulator, d.request);
+  const double down = std::numbers::pi / 18,
+               dip = std::acos(6371e3 / (6371e3 + 10 + 2000 * std::sin(down)));
+  const double horizon_px = 100 - std::tan(down - dip) / view.pixel_rad;
+  ASSERT_GT(horizon_px, 10);
+  for (const SignatureResult& row : view.row) {
+    const double sky = at(row, ImageLayer::kBackground, 0),
+                 sea = at(row, ImageLayer::kBackground, 3 * 199);
+    EXPECT_LT(sky, 0.7 * sea);  // 240 and 290 K
+    for (std::uint32_t y = 0; y < 200; ++y) {
+      const double of_sky = std::clamp(horizon_px - y, 0.0, 1.0);
+      const bool near = std::abs(y + 0.5 - horizon_px) < 1.5;
+      EXPECT_NEAR(at(row, ImageLayer::kBackground, 3 * y + 1), of_sky * sky + (1 - of_sky) * sea,
+                  near ? 0.3 * sea : 1e-6 * sea)
+          << y << ", horizon " << horizon_px;
+    }
+  }
+}
+
+TEST(Image, FramesHaveTheirMarginAndConditionsTheirTemperatures) {
+  const auto simulator =
+      simulator_of(scene_of(generated("box", 12, 0, 0.02, 4, 2), grey(0.9), lwir()));
+  ViewRequest r = request(*simulator, 0, 0, 1000, {320});
+  r.condition.push_back(r.condition[0]);
+  r.condition[1].part_temperature_k = {280};
+  r.selected_condition = {0, 1};
+  for (const double margin : {0.0, 0.5, 2.0}) {
+    r.image = framed(100, 100, margin);
+    const ViewResult view = simulated(*simulator, r);
+    double pixels = 0;
+    for (const TracedPictures::Met& met : view.seen) {
+      pixels += static_cast<double>(met.samples) / view.pixel_samples;
+      EXPECT_NEAR(at(view.row[0], ImageLayer::kTemperature, met.pixel), 320, 1e-3);
+      EXPECT_NEAR(at(view.row[1], ImageLayer::kTemperature, met.pixel), 280, 1e-3);
+    }
+    const double wide_px = 100 / (1 + 2 * margin);
+    EXPECT_NEAR(pixels, 0.5 * wide_px * wide_px, 0.02 * wide_px * wide_px) << margin;
+  }
 }
 
 // A pixel is the mean radiance in its own solid angle, also far from the axis.

@@ -45,6 +45,9 @@ class ImageLayers(unittest.TestCase):
             numpy.testing.assert_allclose(sum(parts) - hidden, seen, rtol=1e-6)
         stderr = rows.images("at_sensor", stderr=True)[0]
         self.assertTrue((stderr > 0).all() and stderr.max() < 1)
+        # Beside the target: what lies between the directions at which the background is known.
+        self.assertTrue((sum(rows.silhouettes()[0].values())[:, :3] == 0).all())
+        self.assertGreater(stderr[:, 0].max(), 1e-6)
         self.assertEqual(rows.images("at_sensr"), [None] * 6)
         self.assertEqual(rows.images("sun", stderr=True), [None] * 6)
         temperature, filled = rows.images("temperature")[0], sum(rows.silhouettes()[0].values())
