@@ -28,6 +28,7 @@
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/export_journal.h"
+#include "view/pictures/image_labels.h"
 #include "view/pictures/masks.h"
 #include "view/pictures/recorded_image.h"
 
@@ -35,7 +36,6 @@ namespace irsig {
 namespace {
 
 namespace fs = std::filesystem;
-using S = StoredSignature;
 
 // As many as one call of the painter gets: what is computed again after an end in between. Images
 // of 128 pixels: 2000 of 20 kB, with silhouettes 100 MB. Of larger ones fewer.
@@ -73,8 +73,9 @@ struct Image {
   }
 };
 
-std::uint64_t fnv1a(std::string_view bytes) {
-  std::uint64_t hash = 14695981039346656037u;
+constexpr std::uint64_t kFnvBasis = 14695981039346656037u;
+
+std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = kFnvBasis) {
   for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
   return hash;
 }
@@ -200,14 +201,9 @@ class ThumbnailFolder {
     auto lock = FolderLock::take(partial_);
     if (!lock.ok()) return lock;
     ASSIGN_OR_RETURN(const auto progress, reader_.progress());
-    std::uint64_t hash = 14695981039346656037u;  // FNV-1a
-    const auto add = [&](std::uint64_t value) {
-      for (int byte = 0; byte < 8; ++byte, value >>= 8)
-        hash = (hash ^ (value & 255)) * 1099511628211u;
-    };
-    for (const std::int64_t id : ids_) add(static_cast<std::uint64_t>(id));
-    for (const SweepProgress& p : progress)
-      for (const char c : p.sweep_sha256) add(static_cast<unsigned char>(c));
+    std::uint64_t hash = kFnvBasis;
+    for (const std::int64_t id : ids_) hash = fnv1a(std::to_string(id) + " ", hash);
+    for (const SweepProgress& p : progress) hash = fnv1a(p.sweep_sha256, hash);
     journal_.asked = fmt::format(
         "{} scale {} of {} bits{}{}{}{}{} validation {} by {}, {} rows {:016x}", asked_.said,
         asked_.scale, asked_.bits, asked_.exr ? " exr" : "", asked_.masks ? " masks" : "",
@@ -259,12 +255,6 @@ class ThumbnailFolder {
           {std::move(s), *std::move(thumbnail), **std::move(silhouette), std::move(layers)});
     }
     return out;
-  }
-
-  // Of the silhouette.
-  static double area_px(const Image& image) {
-    const double pixel_m = image.thumbnail.pixel_rad() * image.signature.range_m;
-    return image.signature.projected_area_m2 / (pixel_m * pixel_m);
   }
 
   absl::StatusOr<PictureTask> picture(const Image& image) {
@@ -427,6 +417,8 @@ class ThumbnailFolder {
       tasks.push_back({.exr = exr, .most_px = most_px, .pixels = true});
     };
     for (const schema::ImageLayer& layer : image.layers) {
+      if (!image_layer_of(layer.name()))
+        return damaged(image.signature, "a layer has no known name");
       add(layer.name(), layer.exr());
       if (!layer.stderr_exr().empty()) add(layer.name() + "_stderr", layer.stderr_exr());
     }
@@ -611,86 +603,24 @@ class ThumbnailFolder {
   absl::Status write_labels(const std::vector<Image>& some,
                             const std::vector<PictureTask>& pictures,
                             const std::vector<RecordedImage>& recorded, std::ostream& out) {
-    struct Number {
-      const char* name;
-      double S::*member;
-    };
-    static constexpr Number kAspect[] = {{"aspect_azimuth_deg", &S::aspect_azimuth_deg},
-                                         {"aspect_elevation_deg", &S::aspect_elevation_deg},
-                                         {"range_m", &S::range_m},
-                                         {"sun_azimuth_deg", &S::sun_azimuth_deg},
-                                         {"sun_zenith_deg", &S::sun_zenith_deg}};
-    static constexpr Number kValues[] = {
-        {"intensity_w_sr", &S::intensity_w_sr},
-        {"numerical_error_w_sr", &S::numerical_error_w_sr},
-        {"apparent_intensity_w_sr", &S::apparent_intensity_w_sr},
-        {"apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr},
-        {"contrast_intensity_w_sr", &S::contrast_intensity_w_sr},
-        {"contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr},
-        {"background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr},
-        {"projected_area_m2", &S::projected_area_m2}};
-    std::vector<Column> heads;
-    const auto head = [&](std::string name) { heads.push_back({std::move(name)}); };
-    head("image");
-    if (asked_.masks) head("mask");
-    if (asked_.validation > 0) head("split");
-    for (const char* name : {"sweep", "row", "season", "time_utc", "band"}) head(name);
-    for (const Number& n : kAspect) head(n.name);
-    for (const char* name : {"width_px", "height_px", "pixel_rad"}) head(name);
-    if (asked_.imager) {
-      for (const char* name :
-           {"imager", "counts_per_w_m2_sr", "offset_counts", "noise_w_m2_sr", "saturated_px"})
-        head(name);
-    } else {
-      for (const char* name : {"black_w_m2_sr", "white_w_m2_sr"}) head(name);
-    }
-    for (const char* name : {"target_area_px", "target_px", "box_left_px", "box_top_px",
-                             "box_width_px", "box_height_px"})
-      head(name);
-    for (const Number& n : kValues) head(n.name);
-    for (const std::string& part : parts_) {
-      head(part + ":part_intensity_w_sr");
-      head(part + ":part_intensity_stderr_w_sr");
-    }
-    ASSIGN_OR_RETURN(auto table, make_table_writer("csv", heads, out));
-    const auto known = [](double v) { return std::isnan(v) ? Cell() : Cell(v); };
+    std::vector<ImageLabel> labels;
     for (std::size_t i = 0; i < some.size(); ++i) {
-      const S& s = some[i].signature;
-      const schema::Thumbnail& t = some[i].thumbnail;
-      std::vector<Cell> line{name_of(s) + ".png"};
-      if (asked_.masks) line.emplace_back(mask_of(s));
-      if (asked_.validation > 0) line.emplace_back(is_for_validation(s) ? "validation" : "train");
-      line.insert(line.end(), {s.sweep, s.row, s.season, s.time_utc, s.band});
-      for (const Number& n : kAspect) line.push_back(known(s.*n.member));
-      for (const std::uint32_t n : {t.width_px(), t.height_px()})
-        line.emplace_back(std::uint64_t{n});
-      line.emplace_back(t.pixel_rad());
+      const StoredSignature& s = some[i].signature;
+      ImageLabel& label = labels.emplace_back(
+          ImageLabel{name_of(s) + ".png", mask_of(s), is_for_validation(s) ? "validation" : "train",
+                     s, some[i].silhouette, some[i].thumbnail.pixel_rad()});
       if (asked_.imager) {
-        const RecordedImage& r = recorded[i];
-        line.insert(line.end(), {asked_.imager_name, r.figures.counts_per_w_m2_sr,
-                                 r.figures.offset_counts, r.figures.noise_w_m2_sr, r.saturated_px});
+        const ImagerInBand& figures = recorded[i].figures;
+        label.counts = {asked_.imager_name, figures.counts_per_w_m2_sr, figures.offset_counts,
+                        figures.noise_w_m2_sr, recorded[i].saturated_px};
       } else {
-        const PictureTask& task = pictures[i];
-        for (const float v : {task.black_w_m2_sr, task.white_w_m2_sr})
-          line.emplace_back(static_cast<double>(v));
+        label.scale = {static_cast<double>(pictures[i].black_w_m2_sr),
+                       static_cast<double>(pictures[i].white_w_m2_sr)};
       }
-      line.emplace_back(area_px(some[i]));
-      const ImageContent target = covered_pixels(some[i].silhouette);
-      for (const std::uint32_t n :
-           {target.shown_px, target.left_px, target.top_px, target.width_px, target.height_px})
-        line.emplace_back(std::uint64_t{n});
-      for (const Number& n : kValues) line.push_back(known(s.*n.member));
-      ASSIGN_OR_RETURN(const auto parts, reader_.parts(s.signature_id));
-      for (const std::string& name : parts_) {
-        const auto part = std::find_if(parts.begin(), parts.end(),
-                                       [&](const StoredPart& p) { return p.part == name; });
-        const bool there = part != parts.end();
-        line.push_back(there ? Cell(part->intensity_w_sr) : Cell());
-        line.push_back(there ? Cell(part->intensity_stderr_w_sr) : Cell());
-      }
-      table->row(line);
     }
-    return table->finish();
+    return irsig::write_labels(
+        reader_, {asked_.masks, asked_.validation > 0, asked_.imager.has_value(), parts_}, labels,
+        out);
   }
 
   StoreReader& reader_;

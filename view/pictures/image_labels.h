@@ -1,0 +1,42 @@
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "schema/store/reader.h"
+#include "schema/store/rows.h"
+
+namespace irsig {
+
+// Which columns labels.csv has, the same for all of its lines (docs/reference/export.md).
+struct LabelColumns {
+  bool mask = false, split = false, imager = false;
+  std::vector<std::string> part;
+};
+
+// ImageLabel is a line of labels.csv.
+struct ImageLabel {
+  std::string image, mask, split;  // the last two: where there are such columns
+  const StoredSignature& signature;
+  const StoredSilhouette& silhouette;  // of the exported image
+  double pixel_rad = 0;
+  struct Scale {
+    double black_w_m2_sr, white_w_m2_sr;
+  };
+  std::optional<Scale> scale = std::nullopt;
+  struct Counts {  // of an imager instead
+    std::string imager;
+    double counts_per_w_m2_sr, offset_counts, noise_w_m2_sr;
+    std::uint64_t saturated_px;
+  };
+  std::optional<Counts> counts = std::nullopt;
+};
+
+// Writes the heading and a line for each label, with what each part of its row sends.
+[[nodiscard]] absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
+                                        const std::vector<ImageLabel>& labels, std::ostream& out);
+
+}  // namespace irsig
