@@ -6,6 +6,8 @@ import pathlib, sqlite3, struct, subprocess, sys, tempfile, unittest
 
 import numpy
 
+import readme_digest
+
 IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
 sys.path.insert(0, str(ROOT / "python"))
 import irsig as reader  # noqa: E402
@@ -53,6 +55,9 @@ class ImageLayers(unittest.TestCase):
         temperature, filled = rows.images("temperature")[0], sum(rows.silhouettes()[0].values())
         self.assertEqual(set(temperature[filled == 0]), {0})
         self.assertTrue(((temperature[filled > 0] > 313) & (temperature[filled > 0] < 400.01)).all())
+
+    def test_the_digest_is_what_the_readme_of_the_schema_defines(self):
+        self.assertEqual(irsig("digest", self.db).stdout.split()[0], readme_digest.digest(self.db))
 
     def test_the_error_that_was_missed_is_said(self):
         said = "pixels are known to"

@@ -4,6 +4,8 @@ usage: merge_test.py <irsig> <repository>
 """
 import csv, io, os, pathlib, re, shutil, sqlite3, subprocess, sys, tempfile, time, unittest
 
+import readme_digest
+
 IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
 # Two days whose temperatures are computed, two bands, images, profiles, an uncertain input; seven views: shards of 3, 2 and 2.
 SWEEP = """
@@ -177,6 +179,14 @@ class Merge(unittest.TestCase):
             del line["seconds"]
             return line
         self.assertEqual(row(self.shard[1]), row(self.whole))
+
+    def test_the_digest_is_what_the_readme_of_the_schema_defines(self):
+        self.assertEqual(self.digest.split()[0], readme_digest.digest(self.whole))
+
+    def test_the_readme_of_the_schema_names_the_format_of_new_files(self):
+        with sqlite3.connect(self.whole) as db:
+            number = str(db.execute("PRAGMA user_version").fetchone()[0])
+        self.assertEqual(re.findall(r"(?:database,|number of the) format:? (\d+)", (ROOT / "schema/README.md").read_text()), [number] * 2)
 
     # The statements of schema/README.md.
     def test_attached_shards_answer_together(self):
