@@ -51,6 +51,13 @@ Written overlaid(Written base, const Written& over) {
   }
   if (over.season.has_weather_file()) season.clear_day();
   if (over.season.has_day()) season.clear_weather_file();
+  if (over.season.cloud_size() > 0) {
+    season.clear_cloud();
+    season.clear_cloud_cover();
+    season.clear_cloud_type();
+    season.clear_cloud_base_m();
+    season.clear_cloud_water_path_g_m2();
+  }
   const schema::Surroundings around = overridden(season.surroundings(), over.season.surroundings());
   const bool stated = season.has_surroundings() || over.season.has_surroundings();
   season.MergeFrom(over.season);
@@ -272,7 +279,8 @@ class Expansion {
       check.only(
           {"air_temperature_k", "relative_humidity_percent", "pressure_pa", "wind_speed_m_s",
            "wind_speed_24h_m_s", "visibility_m", "profile", "profile_file", "sun_irradiance_w_m2",
-           "weather_file", "day", "cloud_cover", "wind_from_deg", "above_surface_m"},
+           "weather_file", "day", "cloud", "cloud_cover", "cloud_type", "cloud_base_m",
+           "cloud_water_path_g_m2", "wind_from_deg", "above_surface_m"},
           "to [weather], which has what all seasons share");
       weather.season = sweep_.weather();
       weather.where = below(file_, "weather");

@@ -40,6 +40,7 @@ constexpr std::string_view kZenith = "a grazing direction sees no surface";
 constexpr std::string_view kWind =
     "no storm blows harder for ten minutes; the Navy's aerosol ends at 20";
 constexpr std::string_view kVisibility = "dense fog to air without particles";
+constexpr std::string_view kCloud = "clouds from the ground to the stratosphere";
 constexpr std::string_view kHumidity = "dry to saturated, over water";
 constexpr std::string_view kStep = "the finest that 64 bits resolve, to the longest wavelength";
 constexpr std::string_view kShape = "far beyond any that fits a measured surface";
@@ -130,6 +131,14 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Season.wind_speed_24h_m_s", 0, 20, "the Navy's aerosol ends there"},
     {"Season.visibility_m", 100, 100e3, kVisibility},
     {"Season.cloud_cover", 0, 1, kFraction},
+    {"Season.cloud_base_m", 0, 25e3, kCloud},
+    {"Season.cloud_water_path_g_m2", 0, 1e6, kCloud},
+    {"Cloud.cover", 0, 1, kFraction},
+    {"Cloud.cover_oktas", 0, 8, "eighths of the sky"},
+    {"Cloud.base_m", 0, 25e3, kCloud},
+    {"Cloud.top_m", 1, 25e3, kCloud},
+    {"Cloud.water_path_g_m2", 0, 1e6, kCloud},
+    {"Cloud.effective_radius_um", 1.5, 153.3, "droplets to 50 um, ice crystals from 6.4 um"},
     {"Season.wind_from_deg", -360, 360, kAzimuth},
     {"Day.air_temperature_min_k", 180, 340, kAirOutdoors},
     {"Day.air_temperature_max_k", 180, 340, kAirOutdoors},
@@ -141,6 +150,9 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Vary.air_temperature_k", 0, kHottestK, kTemperature},
     {"Vary.sea_temperature_k", 0, kHottestK, kTemperature},
     {"Vary.above_surface_m", 1, 100e3, kAboveHere},
+    {"Vary.cloud_cover", 0, 1, kFraction},
+    {"Vary.cloud_base_m", 0, 25e3, kCloud},
+    {"Vary.cloud_water_path_g_m2", 0, 1e6, kCloud},
 
     {"Uncertainty.air_temperature_k", 1e-3, 50, kSigma},
     {"Uncertainty.dew_point_k", 1e-3, 50, kSigma},
@@ -148,6 +160,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Uncertainty.wind_speed_relative", 1e-4, 1, kSigma},
     {"Uncertainty.visibility_relative", 1e-4, 1, kSigma},
     {"Uncertainty.cloud_cover", 1e-4, 1, kSigma},
+    {"Uncertainty.cloud_base_m", 1, 5000, kSigma},
+    {"Uncertainty.cloud_water_path_relative", 1e-4, 1, kSigma},
     {"Uncertainty.solar_absorptance", 1e-4, 0.5, kSigma},
     {"Uncertainty.emissivity", 1e-4, 0.5, kSigma},
     {"Uncertainty.conductivity_relative", 1e-4, 1, kSigma},
@@ -306,6 +320,10 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Weather.wind_speed_24h_m_s", 0, 150, "more than any storm"},
     {"Weather.above_surface_m", 0, 100e3, kAbove},
     {"Weather.cloud_cover", 0, 1, kFraction},
+    {"CloudLayer.base_m", 0, 25e3, kCloud},
+    {"CloudLayer.top_m", 0, 28e3, kCloud},
+    {"CloudLayer.water_path_g_m2", 0, 1e6, kCloud},
+    {"CloudLayer.effective_radius_um", 0, 153.3, kCloud},
     {"Weather.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
 
     {"Goniometer.seed", 0, 18446744073709551615.0, kSeed},

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_profile.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_cloud.h"
 #include "jobs/resolve_plume.h"
 #include "messages/environment/weather_from_message.h"
 
@@ -168,18 +169,17 @@ bool by_place(const schema::Sweep& sweep, const schema::Season& season) {
 }
 
 void check_weather_of_season(const schema::Sweep& sweep, const schema::Season& season,
-                             const schema::Surroundings& surroundings, const std::string& path,
-                             Findings& findings) {
+                             const schema::Surroundings& surroundings, int season_index,
+                             const std::string& path, Findings& findings) {
   const schema::Air& air = sweep.air();
   const SectionCheck check(season, path, findings);
   if (season.has_sun_irradiance_w_m2())
     check.error("sun_irradiance_w_m2",
                 "does not apply to air.model \"atmosphere\", which computes the sun's irradiance");
   check_surface_weather(season, sweep.has_heat(), path, check, findings);
+  check_cloud_of_season(season, season_index, findings);
   check_wind(air, surroundings, sweep.has_heat() || season.has_day() || has_funnel_plume(sweep),
              check);
-  if (check.has("cloud_cover") && !sweep.has_heat())
-    check.error("cloud_cover", "does not apply without [heat]");
   if (has_funnel_plume(sweep)) {
     if (!season.has_weather_file()) require_wind(check, findings);
   } else if (check.has("wind_from_deg") && !sweep.has_heat()) {
@@ -239,7 +239,7 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
   const SectionCheck check(season, path, findings);
   const std::string& model = sweep.air().model();
   if (model == "atmosphere") {
-    check_weather_of_season(sweep, season, surroundings, path, findings);
+    check_weather_of_season(sweep, season, surroundings, season_index, path, findings);
     return;
   }
   SectionCheck::Names of_any_air = {"name",

@@ -7,6 +7,7 @@
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_cloud.h"
 #include "jobs/resolve_heat.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/season_course.h"
@@ -130,20 +131,6 @@ void resolve_sun(const schema::Sweep& sweep, int season_index, const UtcTime& ut
   }
 }
 
-// The sky is clear whatever the weather says.
-void warn_of_clouds(const schema::Season& season, int season_index, schema::Condition& condition,
-                    Findings& findings) {
-  const char* from = season.has_cloud_cover()    ? "cloud_cover"
-                     : season.has_weather_file() ? "weather_file"
-                                                 : "day";
-  const std::string key = absl::StrCat("season[", season_index, "].", from);
-  condition.add_warning(findings.odd(
-      key, absl::StrCat(key,
-                        ": its clouds are in computed temperatures, but not in the sky: rows "
-                        "see and reflect a clear one and the full sun, and their model errors "
-                        "have what clouds would change")));
-}
-
 }  // namespace
 
 void check_place(const schema::Sweep& sweep, Findings& findings) {
@@ -227,14 +214,17 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
         weather = resolve_weather(file, s, now, month_of(season.date()), findings);
         weather.set_cloud_cover(weather_at(*group.course, unix_seconds(utc)).cloud_cover);
       }
+      if (atmosphere && !group.course)
+        weather.set_cloud_cover(stated_cloud_cover(season).value_or(0));
       wind.push_back({now.wind_speed_m_s(), now.wind_from_deg()});
       if (atmosphere) {
+        resolve_cloud(season, s, sweep.uncertainty().has_cloud_cover(), weather, condition,
+                      findings);
         condition.set_air_temperature_k(weather.air_temperature_k());
         *condition.mutable_weather() = weather;
       }
       for (const Problem& warning : group.warning)
         condition.add_warning(findings.odd(warning.key, warning.text));
-      if (atmosphere && weather.cloud_cover() > 0) warn_of_clouds(season, s, condition, findings);
     }
   }
   resolve_heat(groups, resolved, findings);

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_cloud.h"
 #include "jobs/resolve_plume.h"
 
 namespace irsig {
@@ -136,6 +137,10 @@ void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep&
     run.mutable_weather()->clear_modtran_text();
     run.mutable_weather()->clear_modtran_file_name();
     run.mutable_weather()->clear_cloud_cover();  // the course has it
+    run.mutable_weather()->clear_cloud();
+    if (std::any_of(run.course().record().begin(), run.course().record().end(),
+                    [](const schema::WeatherRecord& r) { return r.cloud_cover() > 0; }))
+      *run.mutable_weather()->mutable_cloud() = cloud_layer(season, run.weather());
     *run.mutable_part_temperature_k() = first.part_temperature_k();
     for (const int p : parts) run.set_part_temperature_k(p, 0);
     const std::string bytes = bytes_of(run);

@@ -23,8 +23,9 @@ std::string expected_for(const std::string& input) {
   if (absl::StartsWith(input, "wind_speed_"))
     return "a rough sea, the Navy's aerosol or computed temperatures ([heat]), and a wind";
   if (input == "visibility_relative") return "air.visibility_m or a season's";
-  if (input == "cloud_cover")
-    return "computed temperatures ([heat]), and radiation that the weather file does not state";
+  if (absl::StartsWith(input, "cloud_"))
+    return "air.model \"atmosphere\" and a cloud: cloud_cover, [[season.cloud]] or a "
+           "weather_file's";
   if (input == "solar_absorptance" || input == "conductivity_relative")
     return "computed temperatures ([heat])";
   if (input == "inside_temperature_k")

@@ -14,6 +14,7 @@
 #include "core/thermal/weather_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_cloud.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/weather_files.h"
 
@@ -156,7 +157,8 @@ class CourseReader {
     wanted.radiation = sweep_.has_heat();
     wanted.wind_direction = of_plume;
     if (season.has_wind_from_deg()) wanted.wind_from_deg = season.wind_from_deg();
-    if (season.has_cloud_cover()) wanted.cloud_cover = season.cloud_cover();
+    wanted.cloud_cover = stated_cloud_cover(season);
+    wanted.cloud_cover_wins = season.cloud_size() > 0;
     wanted.periodic = repeats(sweep_);
     if (wanted.periodic) {
       // In the file's own hours, where it has any.
@@ -204,7 +206,7 @@ class CourseReader {
                   .pressure_pa = season.pressure_pa(),
                   .wind_m_s = season.wind_speed_m_s(),
                   .wind_from_deg = season.wind_from_deg(),
-                  .cloud_cover = season.cloud_cover()};
+                  .cloud_cover = stated_cloud_cover(season).value_or(0)};
     if (season.has_day()) {
       day.air_min_k = season.day().air_temperature_min_k();
       day.air_max_k = season.day().air_temperature_max_k();

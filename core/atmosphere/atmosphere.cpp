@@ -31,7 +31,15 @@ absl::StatusOr<Atmosphere> Atmosphere::make(AtmosphereSpec spec) {
     }
   }
   for (AirLevel& level : spec.profile.level) level.gas.co2_ppmv = spec.co2_ppmv;
-  return Atmosphere(std::move(spec));
+  if (!spec.cloud) return Atmosphere(std::move(spec));
+  RETURN_IF_ERROR(check_cloud(*spec.cloud));
+  AirProfile clear = std::move(spec.profile);
+  spec.profile = with_cloud(clear, *spec.cloud);
+  Atmosphere out(std::move(spec));
+  out.surface_humidity_percent_ = irsig::relative_humidity_percent(clear.level.front());
+  out.cloud_ = cloud_optics(*out.spec_.cloud, out.spec_.forward_peak);
+  out.cloud_levels_m_ = irsig::cloud_levels_m(clear, *out.spec_.cloud);
+  return out;
 }
 
 namespace {
@@ -79,11 +87,50 @@ void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const Atmosph
   }
 }
 
+// The part of a step's length that lies in the cloud, as a multiple of the cloud's thickness.
+double cloud_share(const Atmosphere& atmosphere, const LightPath& path, std::size_t step) {
+  if (atmosphere.cloud_levels_m().empty()) return 0;
+  const double base_m = atmosphere.cloud_levels_m().front(),
+               top_m = atmosphere.cloud_levels_m().back();
+  const auto [low_m, high_m] = std::minmax(path.node[step].height_m, path.node[step + 1].height_m);
+  constexpr double kLevelM = 1e-6;
+  double inside = 0;
+  if (high_m - low_m < kLevelM) {
+    inside = low_m >= base_m && high_m <= top_m ? 1 : 0;
+  } else {
+    inside = std::max(0.0, std::min(high_m, top_m) - std::max(low_m, base_m)) / (high_m - low_m);
+  }
+  return inside * path.step_m[step] / (top_m - base_m);
+}
+
+void add_cloud(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere& atmosphere,
+               const LightPath& path, std::size_t step, const BandChoice& bands) {
+  if (atmosphere.cloud_levels_m().empty()) return;
+  const double share = cloud_share(atmosphere, path, step);
+  const CloudOptics& cloud = atmosphere.cloud();
+  if (scattering) {
+    scattering->cloud_depth.assign(kAirBandCount, 0.0);
+    scattering->cloud_asymmetry = cloud.asymmetry;
+  }
+  if (share <= 0) return;
+  AirSpectrum& absorption =
+      out.optical_depth[static_cast<std::size_t>(GreyAbsorber::kAerosolAbsorption)];
+  AirSpectrum& scatter =
+      out.optical_depth[static_cast<std::size_t>(GreyAbsorber::kAerosolScattering)];
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t band = r.first; band < r.last; ++band) {
+      absorption[band] += share * cloud.absorption[band];
+      scatter[band] += share * cloud.scattering[band];
+      if (scattering) scattering->cloud_depth[band] = share * cloud.scattering[band];
+    }
+  }
+}
+
 }  // namespace
 
-void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
-              double surface_humidity_percent, const LightPath& path, std::size_t step,
-              const BandChoice& bands) {
+void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere& atmosphere,
+              const LightPath& path, std::size_t step, const BandChoice& bands) {
+  const AtmosphereSpec& spec = atmosphere.spec();
   const LightPath::Node &a = path.node[step], &b = path.node[step + 1];
   const double length_m = path.step_m[step];
   const AirProfile& profile = spec.profile;
@@ -98,7 +145,8 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
   }
   add_gases(out, air_at(profile, a.height_m), air_at(profile, b.height_m), length_m,
             spec.cfc11_ppmv, spec.cfc12_ppmv, bands);
-  add_aerosol(out, scattering, spec, surface_humidity_percent, path, step, bands);
+  add_aerosol(out, scattering, spec, atmosphere.surface_humidity_percent(), path, step, bands);
+  add_cloud(out, scattering, atmosphere, path, step, bands);
   for (const BandChoice::Range& r : bands.ranges()) {
     for (std::size_t band = r.first; scattering && band < r.last; ++band) {
       scattering->molecular_depth[band] = molecular[band] - scattering->molecular_depth[band];
@@ -110,7 +158,7 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
 AbsorberAmounts Atmosphere::amounts(const LightPath& path, const BandChoice& bands) const {
   AbsorberAmounts sum;
   for (std::size_t i = 0; i < path.step_m.size(); ++i) {
-    add_step(sum, nullptr, spec_, surface_humidity_percent_, path, i, bands);
+    add_step(sum, nullptr, *this, path, i, bands);
   }
   return sum;
 }
@@ -138,7 +186,7 @@ AirSpectrum Atmosphere::sun_irradiance_w_m2_um(double height_m, const SunPlace& 
 
 PathRadiance Atmosphere::radiance(const LightPath& path, const PathLight& light,
                                   const AbsorberAmounts* near) const {
-  return PathSums(*this, surface_humidity_percent_, path, light, near).result();
+  return PathSums(*this, path, light, near).result();
 }
 
 PathRadiance Atmosphere::sky_radiance(double height_m, double zenith_deg, const PathLight& light,

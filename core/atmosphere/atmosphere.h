@@ -8,6 +8,7 @@
 #include "core/atmosphere/absorber_amounts.h"
 #include "core/atmosphere/aerosol.h"
 #include "core/atmosphere/air_profile.h"
+#include "core/atmosphere/cloud.h"
 #include "core/atmosphere/light_path.h"
 
 namespace irsig {
@@ -17,6 +18,9 @@ struct AtmosphereSpec {
   AerosolSpec aerosol;
   double co2_ppmv = 425;  // mean of 2024, replaces the profile's     [noaa_gml_co2]
   double cfc11_ppmv = 0.000216, cfc12_ppmv = 0.000485;
+  // A layer that covers all of the sky; the air inside is saturated.
+  std::optional<CloudSpec> cloud = std::nullopt;
+  ForwardPeak forward_peak = ForwardPeak::kDiffuse;  // of the cloud
 };
 
 // The sun as seen from the surface below a path's first node.
@@ -56,7 +60,12 @@ class Atmosphere {
   [[nodiscard]] static absl::StatusOr<Atmosphere> make(AtmosphereSpec spec);
 
   [[nodiscard]] const AtmosphereSpec& spec() const { return spec_; }
+  // With the cloud's levels.
   [[nodiscard]] const AirProfile& profile() const { return spec_.profile; }
+  [[nodiscard]] double surface_humidity_percent() const { return surface_humidity_percent_; }
+  // Optical depths of the cloud, and the heights of its levels; empty without one.
+  [[nodiscard]] const CloudOptics& cloud() const { return cloud_; }
+  [[nodiscard]] const std::vector<double>& cloud_levels_m() const { return cloud_levels_m_; }
 
   // Returns the absorbers in the path, 0 in bands that are not wanted. Amounts of pieces add up to
   // the amounts of the whole, to 2e-4 of transmittance.
@@ -98,6 +107,8 @@ class Atmosphere {
 
   AtmosphereSpec spec_;
   double surface_humidity_percent_;
+  CloudOptics cloud_;
+  std::vector<double> cloud_levels_m_;
 };
 
 }  // namespace irsig

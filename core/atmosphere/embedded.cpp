@@ -21,6 +21,9 @@ constexpr char kAerosolHeights[] =
 constexpr char kAerosolNavy[] =
 #include "atmosphere/aerosol_navy.csv.inc"
     ;
+constexpr char kCloudOptics[] =
+#include "atmosphere/cloud_optics.csv.inc"
+    ;
 }  // namespace
 
 std::string_view embedded_gas_table() { return {kGasTable, sizeof kGasTable - 1}; }
@@ -30,6 +33,7 @@ std::string_view embedded_aerosol_heights() {
   return {kAerosolHeights, sizeof kAerosolHeights - 1};
 }
 std::string_view embedded_aerosol_navy() { return {kAerosolNavy, sizeof kAerosolNavy - 1}; }
+std::string_view embedded_cloud_optics() { return {kCloudOptics, sizeof kCloudOptics - 1}; }
 
 double number(std::string_view field) {
   double value = 0;

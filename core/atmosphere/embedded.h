@@ -11,6 +11,7 @@ namespace irsig {
 [[nodiscard]] std::string_view embedded_aerosol_optics();
 [[nodiscard]] std::string_view embedded_aerosol_heights();
 [[nodiscard]] std::string_view embedded_aerosol_navy();
+[[nodiscard]] std::string_view embedded_cloud_optics();
 
 // Rows of comma-separated fields after the comments and the header line. For embedded files only: a
 // wrong number is a failed check.

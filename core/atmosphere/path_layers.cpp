@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/atmosphere/cloud_light.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
@@ -22,7 +23,8 @@ constexpr std::array kLayerEnds = {2e-4, 1e-3, 4e-3, 0.015, 0.05, 0.12,
                                    0.25, 0.42, 0.62, 0.82,  0.95};
 
 // The nodes of a path at which its layers end.
-std::vector<std::size_t> layer_ends(const AirProfile& profile, const LightPath& path) {
+std::vector<std::size_t> layer_ends(const Atmosphere& atmosphere, const LightPath& path) {
+  const AirProfile& profile = atmosphere.profile();
   const std::size_t steps = path.step_m.size();
   std::vector<double> air(steps + 1, 0.0);
   for (std::size_t i = 0; i < steps; ++i) {
@@ -36,6 +38,17 @@ std::vector<std::size_t> layer_ends(const AirProfile& profile, const LightPath& 
     const auto at = static_cast<std::size_t>(
         std::lower_bound(air.begin(), air.end(), share * air.back()) - air.begin());
     if (at > 0 && at < steps && (end.empty() || at > end.back())) end.push_back(at);
+  }
+  // Each step in a cloud is a layer: its light changes within a few of its depths.
+  if (const std::vector<double>& level = atmosphere.cloud_levels_m(); !level.empty()) {
+    constexpr double kMarginM = 1e-3;
+    for (std::size_t i = 1; i < steps; ++i) {
+      const double height_m = path.node[i].height_m;
+      if (height_m > level.front() - kMarginM && height_m < level.back() + kMarginM)
+        end.push_back(i);
+    }
+    std::sort(end.begin(), end.end());
+    end.erase(std::unique(end.begin(), end.end()), end.end());
   }
   if (steps > 0) end.push_back(steps);
   return end;
@@ -54,6 +67,17 @@ void for_spectra(Layer& layer, const Each& each) {
   each(layer.scattering.grey_depth);
   each(layer.emission.thermal_w_m2_sr_um);
   each(layer.emission.surroundings_fraction);
+  if (layer.scattering.cloud_depth.empty()) return;
+  each(layer.scattering.cloud_depth);
+  each(layer.scattering.cloud_asymmetry);
+}
+
+// Beyond, no band lets pass so much as to matter.
+constexpr double kOpaque = 1e-12;
+
+bool opaque(const AirSpectrum& transmittance) {
+  return std::all_of(transmittance.begin(), transmittance.end(),
+                     [](double t) { return t < kOpaque; });
 }
 
 }  // namespace
@@ -62,9 +86,17 @@ SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zen
                        const BandChoice& bands)
     : bands_(bands) {
   const double top_m = atmosphere.profile().level.back().height_m;
-  for (const double above_m : kSunHeightsM) {
-    const double at_m = height_m + above_m;
-    if (at_m >= top_m && above_m > 0) break;
+  std::vector<double> at;
+  for (const double above_m : kSunHeightsM) at.push_back(height_m + above_m);
+  for (const double level_m : atmosphere.cloud_levels_m())
+    if (level_m > height_m) at.push_back(level_m);
+  std::sort(at.begin(), at.end());
+  if (!atmosphere.cloud_levels_m().empty()) {
+    cloud_base_m_ = atmosphere.cloud_levels_m().front();
+    cloud_top_m_ = atmosphere.cloud_levels_m().back();
+  }
+  for (const double at_m : at) {
+    if (at_m >= top_m && at_m > height_m) break;
     std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(at_m, zenith_deg, bands_);
     const bool lit = amounts.has_value();
     point_.push_back({at_m, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
@@ -84,17 +116,21 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
   // As if all thinned out over 3 km: water does over 2, dry air over 8, and over the short way
   // between the heights the difference does not matter.
   constexpr double kScaleM = 3000;
-  const double f = std::clamp(std::expm1((a.height_m - height_m) / kScaleM) /
-                                  std::expm1((a.height_m - b.height_m) / kScaleM),
-                              0.0, 1.05);
+  const bool in_cloud = a.height_m >= cloud_base_m_ && b.height_m <= cloud_top_m_;
+  const double f = in_cloud
+                       ? std::clamp((height_m - a.height_m) / (b.height_m - a.height_m), 0.0, 1.0)
+                       : std::clamp(std::expm1((a.height_m - height_m) / kScaleM) /
+                                        std::expm1((a.height_m - b.height_m) / kScaleM),
+                                    0.0, 1.05);
   add_between(sum, a.amounts, b.amounts, f, bands_);
   return true;
 }
 
-PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands)
-    : bands_(bands) {
+PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
+                       const CloudLight* cloud)
+    : bands_(bands), cloudy_(!atmosphere.cloud_levels_m().empty()) {
+  IRSIG_CHECK((!cloudy_ || cloud != nullptr));
   const AirProfile& profile = atmosphere.profile();
-  const double humidity_percent = relative_humidity_percent(profile.level.front());
   thermal_w_m2_sr_um = surroundings_fraction = AirSpectrum(kAirBandCount, 0.0);
   AbsorberAmounts sum;
   transmittance = irsig::transmittance(sum, bands_);
@@ -112,24 +148,33 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     return t;
   };
   const AirSpectrum dark(kAirBandCount, 0.0);
-  const std::vector<std::size_t> ends = layer_ends(profile, path);
+  const std::vector<std::size_t> ends = layer_ends(atmosphere, path);
   AirSpectrum planck_near = dark, planck_far = dark;
   planck_spectrum(planck_near, temperature_at(0), bands_);
   add_node(path.node[0].height_m);
   StepScattering step;
-  const Layer nothing{StepScattering(), {dark, dark}};
+  const Layer nothing = empty_layer();
   Layer merged = nothing;
+  AirSpectrum source_near = dark, source_far = dark;
   for (std::size_t i = 0, next = 0; i < path.step_m.size(); ++i) {
-    add_step(sum, &step, atmosphere.spec(), humidity_percent, path, i, bands_);
+    add_step(sum, &step, atmosphere, path, i, bands_);
     AirSpectrum t_far = irsig::transmittance(sum, bands_);
     planck_spectrum(planck_far, temperature_at(i + 1), bands_);
-    add_emission(merged.emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far,
-                 bands_);
+    if (cloudy_) {
+      source_near = planck_near;
+      source_far = planck_far;
+      add_cloud_source(source_near, source_far, step, transmittance, t_far,
+                       cloud->thermal(path.node[i].height_m),
+                       cloud->thermal(path.node[i + 1].height_m), bands_);
+    }
+    add_emission(merged.emission.thermal_w_m2_sr_um, step, transmittance, t_far,
+                 cloudy_ ? source_near : planck_near, cloudy_ ? source_far : planck_far, bands_);
     add_surroundings(merged.emission.surroundings_fraction, step, transmittance, t_far, bands_);
     merge(merged.scattering, step, bands_);
     transmittance = std::move(t_far);
     std::swap(planck_near, planck_far);
-    if (i + 1 != ends[next]) continue;
+    const bool last = cloudy_ && opaque(transmittance);
+    if (i + 1 != ends[next] && !last) continue;
     ++next;
     add_node(path.node[i + 1].height_m);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -140,7 +185,15 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     kept.reserve(6 * node_.back().transmittance.size());
     for_spectra(merged, [&](const AirSpectrum& of) { pack(kept, of, bands_); });
     merged = nothing;
+    if (last) break;
   }
+}
+
+PathLayers::Layer PathLayers::empty_layer() const {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  Layer out{StepScattering(), {dark, dark}};
+  if (cloudy_) out.scattering.cloud_depth = out.scattering.cloud_asymmetry = dark;
+  return out;
 }
 
 AirSpectrum PathLayers::transmittance_to(std::size_t node) const {
@@ -160,7 +213,7 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
   Behind out{{dark, dark}, through_near};
   AirSpectrum &seen_near = out.transmittance, mean = dark, seen = dark;
   AbsorberAmounts sum;
-  Layer layer{StepScattering(), {dark, dark}};
+  Layer layer = empty_layer();
   const auto& [scatters, emits] = layer;
   AirSpectrum t_near = transmittance_to(0);
   for (std::size_t l = 0; l < layer_.size(); ++l) {
@@ -188,7 +241,8 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
   return out;
 }
 
-ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts* near) const {
+ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts* near,
+                                   const CloudSunlight* cloud) const {
   const AbsorberAmounts none;
   AbsorberAmounts amounts;
   const auto at_node = [&](const Node& node) {
@@ -197,9 +251,19 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
                                               : AirSpectrum(kAirBandCount, 0.0);
   };
   ScatteredSun out;
-  const AirSpectrum dark(kAirBandCount, 0.0);
-  Layer layer{StepScattering(), {dark, dark}};
+  Layer layer = empty_layer();
+  if (cloudy_) {
+    out.cloud = out.cloud_asymmetry = out.diffuse_per_sr = out.peak =
+        AirSpectrum(kAirBandCount, 0.0);
+  }
   AirSpectrum t_near = at_node(node_.front()), light(kAirBandCount);
+  // Transmittances of the observer's own air.
+  const auto seen_at = [&](const Node& node) {
+    set_sum(amounts, node.amounts, near ? *near : none, bands_);
+    return irsig::transmittance(amounts, bands_);
+  };
+  AirSpectrum seen_near, seen_far, seen(cloud ? kAirBandCount : 0);
+  if (cloud) seen_near = seen_at(node_.front());
   for (std::size_t l = 0; l < layer_.size(); ++l) {
     AirSpectrum t_far = at_node(node_[l + 1]);
     get(l, layer);
@@ -213,6 +277,19 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
         out.aerosol[b] += aerosol;
         out.asymmetry[b] += (step.asymmetry[b] - out.asymmetry[b]) * aerosol / out.aerosol[b];
       }
+      for (std::size_t b = r.first; cloudy_ && b < r.last; ++b) {
+        out.cloud[b] += light[b] * step.cloud_depth[b];
+        out.cloud_asymmetry[b] = std::max(out.cloud_asymmetry[b], step.cloud_asymmetry[b]);
+      }
+    }
+    if (cloud) {
+      seen_far = seen_at(node_[l + 1]);
+      mean_of_decay(seen, seen_near, seen_far, step.grey_depth, bands_);
+      const AirSpectrum mean =
+          cloud->mean_per_sr(0.5 * (node_[l].height_m + node_[l + 1].height_m));
+      for (std::size_t b = 0; b < kAirBandCount; ++b)
+        out.diffuse_per_sr[b] += seen[b] * step.cloud_depth[b] * mean[b];
+      seen_near = std::move(seen_far);
     }
     t_near = std::move(t_far);
   }
@@ -225,13 +302,21 @@ AirSpectrum ScatteredSun::per_sr(const PhaseMean& phase) const {
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     out[b] = molecular[b] * rayleigh;
     if (aerosol[b] > 0) out[b] += aerosol[b] * phase.aerosol_per_sr(asymmetry[b]);
+    if (cloud.empty()) continue;
+    out[b] += cloud[b] * phase.aerosol_per_sr(cloud_asymmetry[b]) + diffuse_per_sr[b] +
+              peak[b] * phase.aerosol_per_sr(kPeakAsymmetry);
   }
   return out;
 }
 
 double ScatteredSun::per_sr(std::size_t band, double cosine) const {
-  return aerosol[band] * henyey_greenstein_per_sr(asymmetry[band], cosine) +
-         molecular[band] * rayleigh_per_sr(cosine);
+  double out = aerosol[band] * henyey_greenstein_per_sr(asymmetry[band], cosine) +
+               molecular[band] * rayleigh_per_sr(cosine);
+  if (!cloud.empty()) {
+    out += cloud[band] * henyey_greenstein_per_sr(cloud_asymmetry[band], cosine) +
+           diffuse_per_sr[band] + peak[band] * henyey_greenstein_per_sr(kPeakAsymmetry, cosine);
+  }
+  return out;
 }
 
 void PhaseMean::add(double weight, double cosine) {

@@ -8,6 +8,9 @@
 
 namespace irsig {
 
+class CloudLight;
+class CloudSunlight;
+
 // Scattering of a stretch of a path.
 struct StepScattering {
   AirSpectrum aerosol_depth = AirSpectrum(kAirBandCount, 0.0);
@@ -16,6 +19,8 @@ struct StepScattering {
   // Depth of all grey extinction, scattering included. It bounds an optical depth whose
   // transmittance has underflowed.
   AirSpectrum grey_depth = AirSpectrum(kAirBandCount, 0.0);
+  // Depth and asymmetry of scattering by the cloud; empty where the air has none.
+  AirSpectrum cloud_depth, cloud_asymmetry;
 };
 
 // Mean of a quantity that decays exponentially from a to b.
@@ -51,6 +56,7 @@ class SunAmounts {
     AbsorberAmounts amounts;
   };
   BandChoice bands_;
+  double cloud_base_m_ = 0, cloud_top_m_ = 0;  // equal without a cloud
   std::vector<Point> point_;
 };
 
@@ -109,12 +115,19 @@ class PhaseMean {
   double molecular_ = 0, weight_ = 0;
 };
 
+// Asymmetry of the forward peak around the sun, wider than a cloud's particles make it: as narrow
+// as nodes of the sky can hold it.
+inline constexpr double kPeakAsymmetry = 0.85;
+
 // Light scattered once, without the phase function's dependence on angle, per unit of irradiance
 // outside the air: aerosol with its mean asymmetry, molecules.
 struct ScatteredSun {
   AirSpectrum aerosol = AirSpectrum(kAirBandCount, 0.0);
   AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);
   AirSpectrum molecular = AirSpectrum(kAirBandCount, 0.0);
+  // Light of a cloud, empty without one: scattered once, with its asymmetry; scattered more often,
+  // the same in all directions, per sr; and the forward peak around the sun (kPeakAsymmetry).
+  AirSpectrum cloud, cloud_asymmetry, diffuse_per_sr, peak;
 
   [[nodiscard]] AirSpectrum per_sr(const PhaseMean& phase) const;
   [[nodiscard]] double per_sr(std::size_t band, double cosine) const;
@@ -129,7 +142,9 @@ struct ScatteredSun {
 // near air and sun: tests/physics/environment_nodes_test.cpp.
 class PathLayers {
  public:
-  PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands);
+  //   cloud  light that the atmosphere's cloud scatters; null: the atmosphere has no cloud
+  PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
+             const CloudLight* cloud = nullptr);
 
   // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
   AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_fraction;
@@ -149,13 +164,14 @@ class PathLayers {
   [[nodiscard]] Behind behind(const AbsorberAmounts& near, const AirSpectrum& through_near) const;
 
   // Sunlight that the path scatters once to the observer, behind near air if any.
-  [[nodiscard]] ScatteredSun scattered(const SunAmounts& sun,
-                                       const AbsorberAmounts* near = nullptr) const;
+  //   cloud  mean radiance of sunlight in the cloud
+  [[nodiscard]] ScatteredSun scattered(const SunAmounts& sun, const AbsorberAmounts* near = nullptr,
+                                       const CloudSunlight* cloud = nullptr) const;
 
  private:
   struct Node {
     double height_m;
-    PackedAmounts amounts;  // from the observer
+    PackedAmounts amounts;              // from the observer
     std::vector<double> transmittance;  // [band that is wanted]
   };
   // A layer scatters this, and emits this if no near air is in front of it.
@@ -165,8 +181,10 @@ class PathLayers {
   };
   [[nodiscard]] AirSpectrum transmittance_to(std::size_t node) const;
   void get(std::size_t layer, Layer& out) const;
+  [[nodiscard]] Layer empty_layer() const;
 
   BandChoice bands_;
+  bool cloudy_ = false;  // layers have a cloud's spectra
   std::vector<Node> node_;
   std::vector<std::vector<double>> layer_;  // Layer's spectra one after the other, as Node has them
   double warmest_k_ = 0;

@@ -117,11 +117,35 @@ void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const 
   }
 }
 
+void add_cloud_source(AirSpectrum& planck_near, AirSpectrum& planck_far,
+                      const StepScattering& scattering, const AirSpectrum& t_near,
+                      const AirSpectrum& t_far, const AirSpectrum& mean_near,
+                      const AirSpectrum& mean_far, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t b = r.first; b < r.last; ++b) {
+      const double cloud = scattering.cloud_depth[b];
+      if (cloud <= 0) continue;
+      // Of all that takes light away, but scattering by air and aerosol, the cloud's scattering.
+      const double others = scattering.aerosol_depth[b] + scattering.molecular_depth[b];
+      const double whole = t_near[b] > 0 && t_far[b] > 0 ? std::log(t_near[b] / t_far[b]) : 0;
+      const double rest = std::max(whole, scattering.grey_depth[b]) - others;
+      const double of = cloud / std::max(cloud, rest);
+      planck_near[b] += of * (mean_near[b] - planck_near[b]);
+      planck_far[b] += of * (mean_far[b] - planck_far[b]);
+    }
+  }
+}
+
 void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands) {
+  if (!step.cloud_depth.empty()) {
+    if (sum.cloud_depth.empty()) sum.cloud_depth.assign(kAirBandCount, 0.0);
+    sum.cloud_asymmetry = step.cloud_asymmetry;
+  }
   for (const BandChoice::Range& r : bands.ranges()) {
     for (std::size_t i = r.first; i < r.last; ++i) {
       sum.molecular_depth[i] += step.molecular_depth[i];
       sum.grey_depth[i] += step.grey_depth[i];
+      if (!step.cloud_depth.empty()) sum.cloud_depth[i] += step.cloud_depth[i];
       if (step.aerosol_depth[i] <= 0) continue;
       sum.aerosol_depth[i] += step.aerosol_depth[i];
       sum.asymmetry[i] +=
@@ -130,13 +154,9 @@ void merge(StepScattering& sum, const StepScattering& step, const BandChoice& ba
   }
 }
 
-PathSums::PathSums(const Atmosphere& atmosphere, double surface_humidity_percent,
-                   const LightPath& path, const PathLight& light, const AbsorberAmounts* near)
-    : atmosphere_(atmosphere),
-      surface_humidity_percent_(surface_humidity_percent),
-      path_(path),
-      light_(light),
-      near_(near) {
+PathSums::PathSums(const Atmosphere& atmosphere, const LightPath& path, const PathLight& light,
+                   const AbsorberAmounts* near)
+    : atmosphere_(atmosphere), path_(path), light_(light), near_(near) {
   const AirSpectrum dark(kAirBandCount, 0.0);
   out_.thermal_w_m2_sr_um = out_.scattered_w_m2_sr_um = out_.total_w_m2_sr_um = dark;
   out_.model_error_transmittance = out_.model_error_w_m2_sr_um = dark;
@@ -230,7 +250,7 @@ PathRadiance PathSums::result() {
   if (steps > 0) planck_at(planck_near, 0);
   if (!sun_node_.empty()) sun_near = sunlight_by(0, behind);
   for (std::size_t i = 0; i < steps; ++i) {
-    add_step(behind, &scattering_[i], atmosphere_.spec(), surface_humidity_percent_, path_, i);
+    add_step(behind, &scattering_[i], atmosphere_, path_, i);
     AirSpectrum t_far = transmittance(behind);
     planck_at(planck_far, i + 1);
     add_emission(out_.thermal_w_m2_sr_um, scattering_[i], t_near, t_far, planck_near, planck_far,
@@ -252,7 +272,7 @@ PathRadiance PathSums::result() {
   }
   if (near_) {
     for (std::size_t i = 0; i < steps; ++i) {
-      add_step(sum_, nullptr, atmosphere_.spec(), surface_humidity_percent_, path_, i);
+      add_step(sum_, nullptr, atmosphere_, path_, i);
     }
     out_.transmittance = transmittance(sum_);
   } else {

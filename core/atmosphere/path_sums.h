@@ -8,9 +8,8 @@
 
 namespace irsig {
 
-void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
-              double surface_humidity_percent, const LightPath& path, std::size_t step,
-              const BandChoice& bands = BandChoice());
+void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere& atmosphere,
+              const LightPath& path, std::size_t step, const BandChoice& bands = BandChoice());
 
 // Planck's function at the bands' centres.
 void planck_spectrum(AirSpectrum& out, double temperature_k, const BandChoice& bands);
@@ -23,6 +22,14 @@ void planck_spectrum(AirSpectrum& out, double temperature_k, const BandChoice& b
 void add_emission(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
                   const AirSpectrum& t_far, const AirSpectrum& planck_near,
                   const AirSpectrum& planck_far, const BandChoice& bands);
+// Replaces Planck's function at a step's ends by the source of everything but the light that air
+// and aerosol scatter: the cloud in the step scatters the mean radiance around.
+//   t_near, t_far        transmittances at the step's ends
+//   mean_near, mean_far  CloudLight's mean radiances there
+void add_cloud_source(AirSpectrum& planck_near, AirSpectrum& planck_far,
+                      const StepScattering& scattering, const AirSpectrum& t_near,
+                      const AirSpectrum& t_far, const AirSpectrum& mean_near,
+                      const AirSpectrum& mean_far, const BandChoice& bands);
 // The share of the surroundings' mean radiance that the step scatters to the observer.
 void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
                       const AirSpectrum& t_far, const BandChoice& bands);
@@ -39,8 +46,8 @@ void merge(StepScattering& sum, const StepScattering& step, const BandChoice& ba
 // The sums along one path that Atmosphere::radiance returns.
 class PathSums {
  public:
-  PathSums(const Atmosphere& atmosphere, double surface_humidity_percent, const LightPath& path,
-           const PathLight& light, const AbsorberAmounts* near);
+  PathSums(const Atmosphere& atmosphere, const LightPath& path, const PathLight& light,
+           const AbsorberAmounts* near);
 
   [[nodiscard]] PathRadiance result();
 
@@ -56,7 +63,6 @@ class PathSums {
   void add_model_error();
 
   const Atmosphere& atmosphere_;
-  double surface_humidity_percent_;
   const LightPath& path_;
   const PathLight& light_;
   const AbsorberAmounts* near_;

@@ -14,6 +14,7 @@
 #include "core/base/check.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
+#include "core/environment/broken_cloud.h"
 #include "core/environment/lazy.h"
 #include "core/environment/light_bounds.h"
 #include "core/environment/line_horizon.h"
@@ -40,6 +41,14 @@ constexpr std::uint32_t kAzimuths = 24;
 
 absl::Status check(const WeatherSpec& w) {
   const SurfaceBoundary& l = w.lower;
+  if (!(w.cloud_cover >= 0 && w.cloud_cover <= 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("cloud_cover %g: expected 0 to 1", w.cloud_cover));
+  }
+  if (w.cloud_cover > 0 && !w.cloud) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("cloud_cover %g without a cloud: expected its layer", w.cloud_cover));
+  }
   if (!(l.temperature_k >= 100 && l.temperature_k <= 400)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("surface temperature_k %g: expected 100 to 400", l.temperature_k));
@@ -80,6 +89,14 @@ std::vector<float> limb_rings(const std::map<double, double>& dip) {
   for (std::size_t i = 1; i < out.size(); ++i)
     out[i] = std::max(out[i], std::nextafter(out[i - 1], 1.0f));
   return out;
+}
+
+absl::StatusOr<Atmosphere> atmosphere_of(const WeatherSpec& spec,
+                                         const std::optional<CloudSpec>& cloud, ForwardPeak peak) {
+  AtmosphereSpec air = spec.air;
+  air.cloud = cloud;
+  air.forward_peak = peak;
+  return Atmosphere::make(std::move(air));
 }
 
 // The rest of a unit vector where its z is another.
@@ -134,10 +151,17 @@ Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, doub
 
 // What does not depend on the view is computed once, by whoever asks first; what it is does not
 // depend on who asked.
+//
+// A weather under broken cloud is two of the weathers below, one clear and one overcast, and each
+// of its conditions two conditions: their light is mixed in the end.
 struct Environment::Parts {
   struct Weather {
     WeatherSpec spec;
-    std::optional<Atmosphere> atmosphere;
+    // beam: for what arrives sharply; of a sky without cloud the same as `atmosphere`
+    std::optional<Atmosphere> atmosphere, beam_of_cloud;
+    [[nodiscard]] const Atmosphere& beam() const {
+      return beam_of_cloud ? *beam_of_cloud : *atmosphere;
+    }
     double height_m = 0;     // of the target, as the profile counts
     double reference_m = 0;  // of its reference point, above the surface
     GrazingRay ray;
@@ -153,8 +177,21 @@ struct Environment::Parts {
     [[nodiscard]] bool sun_is_up() const { return seen.visible > 0; }
   };
 
+  // Parts of a weather or condition of the environment, by index: one, or a clear and an overcast
+  // one.
+  struct Mix {
+    struct Part {
+      std::uint32_t index;
+      double fraction;
+    };
+    std::vector<Part> part;
+    [[nodiscard]] std::uint32_t first() const { return part.front().index; }
+  };
+
   std::deque<Weather> weather;
   std::deque<Condition> condition;
+  std::vector<Mix> of_weather, of_condition;
+  mutable std::deque<Lazy<AirSpectrum>> surroundings;  // [weather of the environment]
   NodeWavelengths wavelengths;
   DirectionNodes nodes, rings;  // rings: the same with one azimuth
   double point_above_m = 0;     // the point that stands for the target, above its reference point
@@ -165,11 +202,14 @@ struct Environment::Parts {
                                                    wavelengths.bands, w.suns);
     });
   }
+  [[nodiscard]] const CloudLight* cloud_of(const Weather& w) const {
+    return w.beam_of_cloud ? light_of(w).cloud() : nullptr;
+  }
   [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
     const Weather& w = weather[c.spec.weather];
     return *c.sun.get([&] {
       return std::make_unique<SunLight>(c.spec, c.seen, light_of(w), w.spec.lower, *w.atmosphere,
-                                        w.height_m, nodes, wavelengths);
+                                        w.beam(), w.height_m, nodes, wavelengths);
     });
   }
   [[nodiscard]] const ConditionBounds& bounds_of(const Condition& c) const {
@@ -208,11 +248,18 @@ struct Environment::SightLine::Parts {
     here.horizon.emplace(w.ray, w.height_m, line, here.path.lift_rad);
     return absl::OkStatus();
   }
+  //   index      of the condition's part
+  //   condition  of the environment, as the effects count
+  [[nodiscard]] absl::StatusOr<ViewEnvironment> evaluate(std::uint32_t index,
+                                                         std::uint32_t condition,
+                                                         const EffectSet& effects,
+                                                         bool with_azimuths);
   [[nodiscard]] const SensorPath& sensor_path_of(std::uint32_t index) {
     Weather& here = weather.at(index);
     const Environment::Parts::Weather& w = of.weather[index];
     if (!here.leg) {
-      here.leg = std::make_unique<SensorPath>(here.path, *w.atmosphere, w.height_m, of.wavelengths);
+      here.leg = std::make_unique<SensorPath>(here.path, w.beam(), w.height_m, of.wavelengths,
+                                              of.cloud_of(w));
     }
     return *here.leg;
   }
@@ -222,8 +269,8 @@ struct Environment::SightLine::Parts {
       const Environment::Parts::Weather& w = of.weather[index];
       for (Line::End end : line.end) {
         end.height_m += w.reference_m;
-        here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end),
-                              *w.atmosphere, w.height_m, of.wavelengths);
+        here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end), w.beam(),
+                              w.height_m, of.wavelengths, of.cloud_of(w));
       }
       here.light = std::make_unique<ViewLight>(sensor_path_of(index), of.light_of(w), line,
                                                *here.horizon, of.wavelengths, here.end);
@@ -240,7 +287,17 @@ Environment::SightLine& Environment::SightLine::operator=(SightLine&&) noexcept 
 Environment::SightLine::~SightLine() = default;
 
 const AirSpectrum& Environment::surroundings_w_m2_sr_um(std::uint32_t weather) const {
-  return parts_->light_of(parts_->weather[weather]).surroundings;
+  const Parts::Mix& mix = parts_->of_weather[weather];
+  const auto of = [&](const Parts::Mix::Part& part) -> const AirSpectrum& {
+    return parts_->light_of(parts_->weather[part.index]).surroundings;
+  };
+  if (mix.part.size() == 1) return of(mix.part.front());
+  return parts_->surroundings[weather].get([&] {
+    AirSpectrum sum(kAirBandCount, 0.0);
+    for (const Parts::Mix::Part& part : mix.part)
+      for (std::size_t b = 0; b < kAirBandCount; ++b) sum[b] += part.fraction * of(part)[b];
+    return sum;
+  });
 }
 
 const DirectionNodes& Environment::nodes() const { return parts_->nodes; }
@@ -257,36 +314,38 @@ Environment::Line Environment::line(const Viewpoint& v) const {
 
 Environment::Horizon Environment::horizon(const Line& line) const {
   Horizon sum{0, 0, 0, 0};
-  for (std::uint32_t c = 0; c < parts_->condition.size(); ++c) {
+  for (std::uint32_t c = 0; c < conditions(); ++c) {
     const Horizon h = horizon(line, c);
     sum.z += h.z;
     sum.earth_radius_m += 1 / h.earth_radius_m;
     sum.lift_rad += h.lift_rad;
     sum.hides_m += h.hides_m;
   }
-  const auto n = static_cast<double>(parts_->condition.size());
+  const auto n = static_cast<double>(conditions());
   return {sum.z / n, n / sum.earth_radius_m, sum.lift_rad / n, sum.hides_m / n};
 }
 
 Environment::Horizon Environment::horizon(const Line& line, std::uint32_t condition) const {
-  IRSIG_CHECK(condition < parts_->condition.size());
-  const Parts::Weather& w = parts_->weather[parts_->condition[condition].spec.weather];
+  IRSIG_CHECK(condition < conditions());
+  const Parts::Condition& c = parts_->condition[parts_->of_condition[condition].first()];
+  const Parts::Weather& w = parts_->weather[c.spec.weather];
   return LineHorizon(w.ray, w.height_m, line, 0).horizon();
 }
 
 std::vector<float> Environment::horizons_z(const Line& line) const {
   std::vector<float> out;
-  for (const Parts::Weather& w : parts_->weather) {
+  for (const Parts::Mix& mix : parts_->of_weather) {
+    const Parts::Weather& w = parts_->weather[mix.first()];
     out.push_back(LineHorizon(w.ray, w.height_m, line, 0).z());
   }
   return out;
 }
 
 const Environment::SunSeen& Environment::sun_seen(std::uint32_t condition) const {
-  IRSIG_CHECK(condition < parts_->condition.size());
-  return parts_->condition[condition].seen;
+  IRSIG_CHECK(condition < conditions());
+  return parts_->condition[parts_->of_condition[condition].first()].seen;
 }
-std::size_t Environment::conditions() const { return parts_->condition.size(); }
+std::size_t Environment::conditions() const { return parts_->of_condition.size(); }
 
 absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     std::vector<WeatherSpec> weather, std::vector<ConditionEnvironment> condition,
@@ -312,35 +371,55 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       return absl::Status(s.code(), absl::StrCat("weather ", i, ": ", s.message()));
     };
     if (const absl::Status s = check(weather[i]); !s.ok()) return named(s);
-    Parts::Weather& w = parts->weather.emplace_back();
-    w.spec = std::move(weather[i]);
-    absl::StatusOr<Atmosphere> atmosphere = Atmosphere::make(w.spec.air);
-    if (!atmosphere.ok()) return named(atmosphere.status());
-    w.atmosphere.emplace(*std::move(atmosphere));
-    const AirProfile& profile = w.atmosphere->profile();
-    w.reference_m = w.spec.above_surface_m;
-    if (!(w.reference_m >= 0 && w.reference_m <= 100e3)) {
+    WeatherSpec& spec = weather[i];
+    absl::StatusOr<Atmosphere> clear = atmosphere_of(spec, std::nullopt, {});
+    if (!clear.ok()) return named(clear.status());
+    const AirProfile& profile = clear->profile();
+    const double reference_m = spec.above_surface_m;
+    if (!(reference_m >= 0 && reference_m <= 100e3)) {
       return named(absl::InvalidArgumentError(
-          absl::StrFormat("above_surface_m %g: expected 0 to 100000", w.reference_m)));
+          absl::StrFormat("above_surface_m %g: expected 0 to 100000", reference_m)));
     }
-    if ((w.reference_m > 0) != (raised_m > 0)) {
+    if ((reference_m > 0) != (raised_m > 0)) {
       return named(absl::InvalidArgumentError(
           "above_surface_m: expected it in all weathers or in none of them"));
     }
-    w.height_m = profile.level.front().height_m +
-                 (w.reference_m > 0 ? std::max(w.reference_m, kLowestAirPointM) : target_height_m);
-    w.ray = GrazingRay(profile, w.spec.refraction);
-    const double own_dip = sin_of_dip(profile, w.height_m, w.spec.refraction);
+    const double height_m =
+        profile.level.front().height_m +
+        (reference_m > 0 ? std::max(reference_m, kLowestAirPointM) : target_height_m);
+    const GrazingRay ray(profile, spec.refraction);
+    const double own_dip = sin_of_dip(profile, height_m, spec.refraction);
     dip = std::max(dip, own_dip);
-    if (w.reference_m > 0) {
-      double& of_height = dip_of_height[w.reference_m];
+    if (reference_m > 0) {
+      double& of_height = dip_of_height[reference_m];
       of_height = std::max(of_height, own_dip);
+    }
+    Parts::Mix& mix = parts->of_weather.emplace_back();
+    parts->surroundings.emplace_back();
+    const auto add = [&](double fraction) -> Parts::Weather& {
+      mix.part.push_back({static_cast<std::uint32_t>(parts->weather.size()), fraction});
+      Parts::Weather& w = parts->weather.emplace_back();
+      w.spec = spec;
+      w.height_m = height_m;
+      w.reference_m = reference_m;
+      w.ray = ray;
+      return w;
+    };
+    if (spec.cloud_cover < 1) add(1 - spec.cloud_cover).atmosphere.emplace(*std::move(clear));
+    if (spec.cloud_cover > 0) {
+      absl::StatusOr<Atmosphere> diffuse = atmosphere_of(spec, spec.cloud, ForwardPeak::kDiffuse);
+      if (!diffuse.ok()) return named(diffuse.status());
+      absl::StatusOr<Atmosphere> beam = atmosphere_of(spec, spec.cloud, ForwardPeak::kBeam);
+      if (!beam.ok()) return named(beam.status());
+      Parts::Weather& overcast = add(spec.cloud_cover);
+      overcast.atmosphere.emplace(*std::move(diffuse));
+      overcast.beam_of_cloud.emplace(*std::move(beam));
     }
   }
   bool sun = false;
   for (std::size_t i = 0; i < condition.size(); ++i) {
     const ConditionEnvironment& c = condition[i];
-    if (c.weather >= parts->weather.size()) {
+    if (c.weather >= parts->of_weather.size()) {
       return absl::InvalidArgumentError(
           absl::StrFormat("condition %d: there is no weather %d", i, c.weather));
     }
@@ -348,13 +427,24 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       return absl::InvalidArgumentError(
           absl::StrFormat("condition %d: the sun needs a unit vector and a distance", i));
     }
-    Parts::Condition& here = parts->condition.emplace_back();
-    here.spec = c;
-    if (!c.sun) continue;
-    Parts::Weather& w = parts->weather[c.weather];
-    here.seen = sun_from(w.atmosphere->profile(), w.ray, w.height_m, c, w.spec.refraction);
-    if (here.sun_is_up()) ++w.suns;
-    sun = sun || here.sun_is_up();
+    Parts::Mix& mix = parts->of_condition.emplace_back();
+    SunSeen seen{};
+    const Parts::Mix& of_weather = parts->of_weather[c.weather];
+    if (c.sun) {
+      const Parts::Weather& w = parts->weather[of_weather.first()];
+      // Lines of sight and the sun's place are those of clear air: one geometry for both skies.
+      const AirProfile& clear = w.beam_of_cloud ? w.spec.air.profile : w.atmosphere->profile();
+      seen = sun_from(clear, w.ray, w.height_m, c, w.spec.refraction);
+    }
+    for (const Parts::Mix::Part& part : of_weather.part) {
+      mix.part.push_back({static_cast<std::uint32_t>(parts->condition.size()), part.fraction});
+      Parts::Condition& here = parts->condition.emplace_back();
+      here.spec = c;
+      here.spec.weather = part.index;
+      here.seen = seen;
+      if (here.sun_is_up()) ++parts->weather[part.index].suns;
+      sun = sun || here.sun_is_up();
+    }
   }
   // The first ring below the horizon lies safely on the sea.
   const double first = dip * 1.001 + 1e-5;
@@ -380,7 +470,10 @@ double Environment::bytes_per_condition() const {
   const bool sun = nodes.azimuths() > 1;
   const double kept = sun ? (nodes.sky() + 2.0 * nodes.lower()) * bands : 0;
   const double rings = sun ? static_cast<double>(kSkySines.size() + 2 * kLowerSines.size()) : 0;
-  return kept * sizeof(float) + (rings * bands + 3 * kBehind * wavelengths) * sizeof(double);
+  std::size_t parts = 1;
+  for (const Parts::Mix& mix : parts_->of_condition) parts = std::max(parts, mix.part.size());
+  return static_cast<double>(parts) *
+         (kept * sizeof(float) + (rings * bands + 3 * kBehind * wavelengths) * sizeof(double));
 }
 
 absl::StatusOr<Environment::SightLine> Environment::sight_line(const Line& line) const {
@@ -396,13 +489,14 @@ absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
   // A line that another condition's weather does not cover is none of this view's business.
   auto parts = std::unique_ptr<SightLine::Parts>(new SightLine::Parts{*parts_, line, {}, {}});
   for (const std::uint32_t c : conditions) {
-    if (c >= parts_->condition.size()) {
+    if (c >= this->conditions()) {
       return absl::InvalidArgumentError(absl::StrCat("there is no condition ", c));
     }
-    RETURN_IF_ERROR(parts->add(parts_->condition[c].spec.weather));
+    for (const Parts::Mix::Part& part : parts_->of_condition[c].part)
+      RETURN_IF_ERROR(parts->add(parts_->condition[part.index].spec.weather));
   }
   SightLine look(std::move(parts));
-  EffectSet wanted = EffectSet::everything(parts_->condition.size(), 1);
+  EffectSet wanted = EffectSet::everything(this->conditions(), 1);
   wanted.sky = wanted.lower = around;
   std::vector<ViewEnvironment> out;
   for (const std::uint32_t c : conditions) {
@@ -416,14 +510,33 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::evaluate(std::uint32_t c
                                                                  const EffectSet& effects,
                                                                  bool with_azimuths) {
   const Environment::Parts& of = parts_->of;
-  if (condition >= of.condition.size()) {
+  if (condition >= of.of_condition.size()) {
     return absl::InvalidArgumentError(absl::StrCat("there is no condition ", condition));
   }
-  const Environment::Parts::Condition& c = of.condition[condition];
-  if (effects.sun.size() != of.condition.size()) {
-    return absl::InvalidArgumentError(absl::StrCat("effects of ", effects.sun.size(),
-                                                   " conditions, expected ", of.condition.size()));
+  if (effects.sun.size() != of.of_condition.size()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "effects of ", effects.sun.size(), " conditions, expected ", of.of_condition.size()));
   }
+  const Environment::Parts::Mix& mix = of.of_condition[condition];
+  ASSIGN_OR_RETURN(ViewEnvironment out,
+                   parts_->evaluate(mix.first(), condition, effects, with_azimuths));
+  if (mix.part.size() == 1) return out;
+  ASSIGN_OR_RETURN(const ViewEnvironment overcast,
+                   parts_->evaluate(mix.part[1].index, condition, effects, with_azimuths));
+  const auto sky_mean = [&](const Environment::Parts::Mix::Part& part) -> const AirSpectrum& {
+    return of.light_of(of.weather[of.condition[part.index].spec.weather]).sky_mean;
+  };
+  const double cover = mix.part[1].fraction;
+  return under_broken_cloud(
+      out, overcast, cover,
+      broken_cloud_relative(sky_mean(mix.part[0]), sky_mean(mix.part[1]), cover));
+}
+
+absl::StatusOr<ViewEnvironment> Environment::SightLine::Parts::evaluate(std::uint32_t index,
+                                                                        std::uint32_t condition,
+                                                                        const EffectSet& effects,
+                                                                        bool with_azimuths) {
+  const Environment::Parts::Condition& c = of.condition[index];
   const bool diffuse_sun = effects.scattered_sun(condition);
   if (c.sun_is_up() && diffuse_sun && !with_azimuths) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -432,7 +545,7 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::evaluate(std::uint32_t c
   const bool any_sun = effects.follows_sun(condition) || diffuse_sun ||
                        effects.sun[condition].path || effects.sun[condition].background;
   const SunLight* sun = c.sun_is_up() && any_sun ? &of.sun_of(c) : nullptr;
-  return parts_->light_of(c.spec.weather)
+  return light_of(c.spec.weather)
       .seen_under(sun, effects, condition, with_azimuths ? of.nodes : of.rings);
 }
 
@@ -440,11 +553,17 @@ const LightBounds& Environment::SightLine::bounds(std::uint32_t condition) {
   const auto known = parts_->bounds.find(condition);
   if (known != parts_->bounds.end()) return known->second;
   const Environment::Parts& of = parts_->of;
-  IRSIG_CHECK(condition < of.condition.size());
-  const Environment::Parts::Condition& c = of.condition[condition];
-  return parts_->bounds[condition] =
-             light_bounds(of.bounds_of(c), parts_->sensor_path_of(c.spec.weather), parts_->line,
-                          *parts_->weather.at(c.spec.weather).horizon);
+  IRSIG_CHECK(condition < of.of_condition.size());
+  const auto bounds_of = [&](std::uint32_t index) {
+    const Environment::Parts::Condition& c = of.condition[index];
+    return light_bounds(of.bounds_of(c), parts_->sensor_path_of(c.spec.weather), parts_->line,
+                        *parts_->weather.at(c.spec.weather).horizon);
+  };
+  const Environment::Parts::Mix& mix = of.of_condition[condition];
+  LightBounds out = bounds_of(mix.first());
+  if (mix.part.size() > 1)
+    out = under_broken_cloud(out, bounds_of(mix.part[1].index), mix.part[1].fraction);
+  return parts_->bounds[condition] = std::move(out);
 }
 
 std::vector<double> air_band_edges_um(double lambda_min_um, double lambda_max_um) {

@@ -86,8 +86,7 @@ void IncidentRadiance::add_sun(std::shared_ptr<const Sunlight> sunlight, Ratios 
   IRSIG_CHECK(sunlight->error.size() == count());
   IRSIG_CHECK(sunlight->air.bands == shapes_->bands);
   IRSIG_CHECK(ratios.air.bands == shapes_->bands);
-  sunlight_ = std::move(sunlight);
-  ratio_ = std::make_shared<const Ratios>(std::move(ratios));
+  sun_.push_back({1, std::move(sunlight), std::make_shared<const Ratios>(std::move(ratios))});
 }
 
 IncidentRadiance IncidentRadiance::of_spectra(const std::vector<Spectrum>& node,
@@ -119,6 +118,32 @@ IncidentRadiance IncidentRadiance::dark(std::shared_ptr<const Shapes> shapes) {
   return {std::move(shapes), std::move(thermal), std::move(apparent), 1, 1};
 }
 
+IncidentRadiance IncidentRadiance::mixed(const IncidentRadiance& a, const IncidentRadiance& b,
+                                         double fraction) {
+  IRSIG_CHECK(a.rings_ == b.rings_);
+  IRSIG_CHECK(a.azimuths_ == b.azimuths_);
+  IRSIG_CHECK(a.shapes_->bands == b.shapes_->bands);
+  IncidentRadiance out = a;
+  const auto mix = [&](BandRows<double>& to, const BandRows<double>& other) {
+    for (std::size_t i = 0; i < to.value.size(); ++i)
+      to.value[i] = (1 - fraction) * to.value[i] + fraction * other.value[i];
+  };
+  auto thermal = std::make_shared<Thermal>(*a.thermal_);
+  mix(thermal->ring, b.thermal_->ring);
+  for (std::size_t r = 0; r < thermal->error.size(); ++r)
+    thermal->error[r] = std::max(thermal->error[r], b.thermal_->error[r]);
+  auto apparent = std::make_shared<BandRows<double>>(*a.apparent_);
+  mix(*apparent, *b.apparent_);
+  out.thermal_ = std::move(thermal);
+  out.apparent_ = std::move(apparent);
+  for (Sun& sun : out.sun_) sun.fraction *= 1 - fraction;
+  for (Sun sun : b.sun_) {
+    sun.fraction *= fraction;
+    out.sun_.push_back(std::move(sun));
+  }
+  return out;
+}
+
 IncidentRadiance IncidentRadiance::only(bool sky, bool lower) const {
   IncidentRadiance out = *this;
   out.sky_dark_ = sky_dark_ || !sky;
@@ -130,15 +155,22 @@ void IncidentRadiance::sunlight_of(std::uint32_t node, bool apparent, double* ou
   const std::size_t n = shapes_->bands;
   const std::uint32_t ring = node / azimuths_;
   std::fill_n(out, n, 0.0);
-  if (sunlight_ == nullptr) return;
-  const auto add = [&](const float* light, const double* ratio) {
-    for (std::size_t b = 0; b < n; ++b)
-      out[b] += static_cast<double>(light[b]) * (apparent ? ratio[b] : 1);
-  };
-  add(sunlight_->air.row(node), ratio_->air.row(ring));
-  if (ring >= sky_rings_)
-    add(sunlight_->surface.row(node - sky_rings_ * azimuths_),
-        ratio_->surface.row(ring - sky_rings_));
+  for (const Sun& sun : sun_) {
+    const auto add = [&](const float* light, const double* ratio) {
+      for (std::size_t b = 0; b < n; ++b)
+        out[b] += sun.fraction * static_cast<double>(light[b]) * (apparent ? ratio[b] : 1);
+    };
+    add(sun.light->air.row(node), sun.ratio->air.row(ring));
+    if (ring >= sky_rings_)
+      add(sun.light->surface.row(node - sky_rings_ * azimuths_),
+          sun.ratio->surface.row(ring - sky_rings_));
+  }
+}
+
+double IncidentRadiance::sunlight_error(std::uint32_t node) const {
+  double error = 0;
+  for (const Sun& sun : sun_) error = std::max(error, sun.light->error[node]);
+  return error;
 }
 
 IncidentRadiance::Spectrum IncidentRadiance::spread(const double* thermal, const double* sunlight,
@@ -177,7 +209,7 @@ IncidentRadiance::Spectrum IncidentRadiance::interpolation(std::uint32_t node) c
   sunlight_of(node, false, sunlight.data());
   for (std::size_t b = 0; b < shapes_->bands; ++b) {
     thermal[b] = thermal_->error[ring] * thermal_->ring.row(ring)[b];
-    if (sunlight_ != nullptr) sunlight[b] *= sunlight_->error[node];
+    if (!sun_.empty()) sunlight[b] *= sunlight_error(node);
   }
   return spread(thermal.data(), sunlight.data(), 0, 0, n);
 }
@@ -217,35 +249,38 @@ IncidentRadiance::Integrals IncidentRadiance::integrals(std::size_t first,
   for (auto* list : {&out.source, &out.apparent, &out.interpolation})
     list->assign(count() * columns, 0.0);
   // Of sunlight behind the line's air.
-  BandRows<double> air(columns, n), surface(columns, n);
+  std::vector<BandRows<double>> air(sun_.size(), {columns, n}), surface = air;
   for (std::uint32_t ring = 0; ring < rings_; ++ring) {
     if (is_dark(ring)) continue;
     const bool lower = ring >= sky_rings_;
-    if (sunlight_ != nullptr)
+    for (std::size_t q = 0; q < sun_.size(); ++q) {
+      const Ratios& ratio = *sun_[q].ratio;
       for (std::size_t k = 0; k < columns; ++k)
         for (std::size_t b = 0; b < n; ++b) {
-          air.row(k)[b] = f.solar.row(k)[b] * ratio_->air.row(ring)[f.first + b];
+          air[q].row(k)[b] = f.solar.row(k)[b] * ratio.air.row(ring)[f.first + b];
           if (lower)
-            surface.row(k)[b] =
-                f.solar.row(k)[b] * ratio_->surface.row(ring - sky_rings_)[f.first + b];
+            surface[q].row(k)[b] =
+                f.solar.row(k)[b] * ratio.surface.row(ring - sky_rings_)[f.first + b];
         }
+    }
     for (std::size_t k = 0; k < columns; ++k) {
       const double here = ordered_dot(f.thermal.row(k), thermal_->ring.row(ring) + f.first, n),
                    seen = ordered_dot(f.thermal.row(k), apparent_->row(ring) + f.first, n);
       for (std::uint32_t a = 0; a < azimuths_; ++a) {
         const std::uint32_t node = ring * azimuths_ + a;
         double sun = 0, sun_seen = 0, sun_error = 0;
-        if (sunlight_ != nullptr) {
-          const float* light = sunlight_->air.row(node) + f.first;
-          sun = dot(f.solar.row(k), light, n);
-          sun_seen = dot(air.row(k), light, n);
+        for (std::size_t q = 0; q < sun_.size(); ++q) {
+          const Sunlight& from = *sun_[q].light;
+          const float* light = from.air.row(node) + f.first;
+          double of = dot(f.solar.row(k), light, n), seen_of = dot(air[q].row(k), light, n);
           if (lower) {
-            const float* reflected =
-                sunlight_->surface.row(node - sky_rings_ * azimuths_) + f.first;
-            sun += dot(f.solar.row(k), reflected, n);
-            sun_seen += dot(surface.row(k), reflected, n);
+            const float* reflected = from.surface.row(node - sky_rings_ * azimuths_) + f.first;
+            of += dot(f.solar.row(k), reflected, n);
+            seen_of += dot(surface[q].row(k), reflected, n);
           }
-          sun_error = sunlight_->error[node] * sun;
+          sun += sun_[q].fraction * of;
+          sun_seen += sun_[q].fraction * seen_of;
+          sun_error += from.error[node] * (sun_[q].fraction * of);
         }
         out.source[node * columns + k] = here + sun;
         out.apparent[node * columns + k] = seen + sun_seen;
@@ -277,7 +312,8 @@ IncidentRadiance::Binned IncidentRadiance::binned(std::size_t first, std::span<c
     share_first.push_back(share.size());
   }
   // Of a ring's sunlight behind the line's air.
-  std::vector<double> seen_air(share.size()), seen_surface(share.size());
+  std::vector<std::vector<double>> seen_air(sun_.size(), std::vector<double>(share.size())),
+      seen_surface = seen_air;
   Binned out;
   out.source.assign(count() * bins, 0.0);
   out.apparent.assign(count() * bins, 0.0);
@@ -285,16 +321,19 @@ IncidentRadiance::Binned IncidentRadiance::binned(std::size_t first, std::span<c
     if (is_dark(ring)) continue;
     const bool lower = ring >= sky_rings_;
     const double *here = thermal_->ring.row(ring), *seen = apparent_->row(ring);
-    for (std::size_t j = 0; sunlight_ != nullptr && j < share.size(); ++j) {
-      seen_air[j] = share[j].solar * ratio_->air.row(ring)[share[j].band];
-      if (lower)
-        seen_surface[j] = share[j].solar * ratio_->surface.row(ring - sky_rings_)[share[j].band];
+    for (std::size_t q = 0; q < sun_.size(); ++q) {
+      const Ratios& ratio = *sun_[q].ratio;
+      for (std::size_t j = 0; j < share.size(); ++j) {
+        seen_air[q][j] = share[j].solar * ratio.air.row(ring)[share[j].band];
+        if (lower)
+          seen_surface[q][j] = share[j].solar * ratio.surface.row(ring - sky_rings_)[share[j].band];
+      }
     }
     for (std::uint32_t a = 0; a < azimuths_; ++a) {
       const std::uint32_t node = ring * azimuths_ + a;
       double* source = out.source.data() + node * bins;
       double* apparent = out.apparent.data() + node * bins;
-      if (a > 0 && sunlight_ == nullptr) {  // as the first of its ring
+      if (a > 0 && sun_.empty()) {  // as the first of its ring
         std::copy_n(source - a * bins, bins, source);
         std::copy_n(apparent - a * bins, bins, apparent);
         continue;
@@ -304,8 +343,8 @@ IncidentRadiance::Binned IncidentRadiance::binned(std::size_t first, std::span<c
           source[k] += share[j].thermal * here[share[j].band];
           apparent[k] += share[j].thermal * seen[share[j].band];
         }
-      if (sunlight_ == nullptr) continue;
-      const auto add = [&](const float* light, const std::vector<double>& seen_fraction) {
+      const auto add = [&](double fraction, const float* light,
+                           const std::vector<double>& seen_fraction) {
         for (std::size_t k = 0; k < bins; ++k) {
           double at_target = 0, at_sensor = 0;
           for (std::size_t j = share_first[k]; j < share_first[k + 1]; ++j) {
@@ -313,12 +352,16 @@ IncidentRadiance::Binned IncidentRadiance::binned(std::size_t first, std::span<c
             at_target += share[j].solar * l;
             at_sensor += seen_fraction[j] * l;
           }
-          source[k] += at_target;
-          apparent[k] += at_sensor;
+          source[k] += fraction * at_target;
+          apparent[k] += fraction * at_sensor;
         }
       };
-      add(sunlight_->air.row(node), seen_air);
-      if (lower) add(sunlight_->surface.row(node - sky_rings_ * azimuths_), seen_surface);
+      for (std::size_t q = 0; q < sun_.size(); ++q) {
+        const Sunlight& from = *sun_[q].light;
+        add(sun_[q].fraction, from.air.row(node), seen_air[q]);
+        if (lower)
+          add(sun_[q].fraction, from.surface.row(node - sky_rings_ * azimuths_), seen_surface[q]);
+      }
     }
   }
   return out;
@@ -348,17 +391,20 @@ std::vector<IncidentRadiance::Sum> IncidentRadiance::sums(bool sky,
       if (!any) continue;
       add_scaled(whole, thermal_->ring.row(ring) + at, bands, thermal.row(list));
       add_scaled(whole, apparent_->row(ring) + at, bands, thermal_seen.row(list));
-      if (sunlight_ == nullptr) continue;
-      const auto add = [&](const float* light, const double* ratio) {
-        std::fill(of_ring.begin(), of_ring.end(), 0.0);
-        add_rows(of_node, stride, light + at, shapes_->bands, azimuths_, bands, of_ring.data());
-        add_scaled(1, of_ring.data(), bands, sun.row(list));
-        add_product(of_ring.data(), ratio + at, bands, sun_seen.row(list));
-      };
-      add(sunlight_->air.row(node), ratio_->air.row(ring));
-      if (!sky)
-        add(sunlight_->surface.row(node - sky_rings_ * azimuths_),
-            ratio_->surface.row(ring - sky_rings_));
+      for (const Sun& part : sun_) {
+        const auto add = [&](const float* light, const double* ratio) {
+          std::fill(of_ring.begin(), of_ring.end(), 0.0);
+          add_rows(of_node, stride, light + at, shapes_->bands, azimuths_, bands, of_ring.data());
+          if (part.fraction != 1)
+            for (double& x : of_ring) x *= part.fraction;
+          add_scaled(1, of_ring.data(), bands, sun.row(list));
+          add_product(of_ring.data(), ratio + at, bands, sun_seen.row(list));
+        };
+        add(part.light->air.row(node), part.ratio->air.row(ring));
+        if (!sky)
+          add(part.light->surface.row(node - sky_rings_ * azimuths_),
+              part.ratio->surface.row(ring - sky_rings_));
+      }
     }
   }
   std::vector<Sum> out;
@@ -395,9 +441,7 @@ struct IncidentRadiance::Changes {
     return of_light(of.is_dark(ring) ? dark.data() : of.thermal_->ring.row(ring), false,
                     f.thermal.row(0));
   }
-  [[nodiscard]] bool lit(std::uint32_t ring) const {
-    return of.sunlight_ != nullptr && !of.is_dark(ring);
-  }
+  [[nodiscard]] bool lit(std::uint32_t ring) const { return !of.sun_.empty() && !of.is_dark(ring); }
   double sun(std::uint32_t node, const Folded& f) {
     if (lit(node / of.azimuths_)) of.sunlight_of(node, false, sunlight.data());
     return of_light(lit(node / of.azimuths_) ? sunlight.data() : dark.data(), true, f.solar.row(0));

@@ -70,6 +70,9 @@ class IncidentRadiance {
                                                    std::uint32_t sky_nodes = 1);
   // Two dark nodes.
   [[nodiscard]] static IncidentRadiance dark(std::shared_ptr<const Shapes> shapes);
+  // (1 - fraction) a + fraction b, of the same nodes on the same wavelengths.
+  [[nodiscard]] static IncidentRadiance mixed(const IncidentRadiance& a, const IncidentRadiance& b,
+                                              double fraction);
   // Returns a copy in which the sides that are not wanted are dark.
   [[nodiscard]] IncidentRadiance only(bool sky, bool lower) const;
 
@@ -138,6 +141,8 @@ class IncidentRadiance {
   }
   // The largest change of the light of a ring and of a node, in the bands.
   struct Changes;
+  // Sunlight's error of straight lines at a node, relative.
+  [[nodiscard]] double sunlight_error(std::uint32_t node) const;
   // Sunlight of a node in the bands.
   void sunlight_of(std::uint32_t node, bool apparent, double* out) const;
   // Numbers of bands from first_band on, on wavelengths.
@@ -151,8 +156,13 @@ class IncidentRadiance {
   std::shared_ptr<const Shapes> shapes_;
   std::shared_ptr<const Thermal> thermal_;
   std::shared_ptr<const BandRows<double>> apparent_;
-  std::shared_ptr<const Sunlight> sunlight_;  // null: none
-  std::shared_ptr<const Ratios> ratio_;
+  // Sunlight is a sum: of a clear and an overcast sky under broken cloud. Empty: none.
+  struct Sun {
+    double fraction;
+    std::shared_ptr<const Sunlight> light;
+    std::shared_ptr<const Ratios> ratio;
+  };
+  std::vector<Sun> sun_;
   std::uint32_t rings_ = 0, sky_rings_ = 0, azimuths_ = 1;
   bool sky_dark_ = false, lower_dark_ = false;
 };

@@ -32,6 +32,13 @@ double rayleigh_per_sr(double cosine) {
   return phase.molecular_per_sr();
 }
 
+double cloud_peak_per_sr() {
+  ScatteredSun peak;
+  peak.aerosol[0] = 1;
+  peak.asymmetry[0] = kPeakAsymmetry;
+  return peak.per_sr(0, 1);
+}
+
 AirSpectrum grey_transmittance(const AbsorberAmounts& amounts) {
   AirSpectrum t(kAirBandCount);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -44,8 +51,8 @@ AirSpectrum grey_transmittance(const AbsorberAmounts& amounts) {
 
 }  // namespace
 
-ConditionBounds::ConditionBounds(const ConditionEnvironment& condition,
-                                 const SunSeen& seen, const WeatherBounds& of_weather)
+ConditionBounds::ConditionBounds(const ConditionEnvironment& condition, const SunSeen& seen,
+                                 const WeatherBounds& of_weather)
     : weather(of_weather), direction(seen.middle) {
   const AirSpectrum dark(kAirBandCount, 0.0);
   outside = sun = diffuse_sun = diffuse_sun_w_m2_um = mirrored_sun = mirrored_sun_w_m2_um = dark;
@@ -158,6 +165,12 @@ void ConditionBounds::scatter(double slant) {
     diffuse_sun[b] = std::max(sky, lower_sun[b]);
     diffuse_sun_w_m2_um[b] =
         sum * (1 + weather.mirrored_sky[b]) + 2 * std::numbers::pi * sun_reflected;
+    if (weather.cloudy) {
+      // A cloud may send all that is not absorbed into its forward peak.
+      diffuse_sun[b] += weather.overshoot * light * cloud_peak_per_sr();
+      lower_sun[b] = diffuse_sun[b];
+      diffuse_sun_w_m2_um[b] += 2 * light * (1 + weather.mirrored_sky[b]);
+    }
   }
 }
 
@@ -196,6 +209,8 @@ LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       path[b] =
           sun[b] * (-std::expm1(-depth[b]) * aerosol[b] + std::min(1.0, molecules[b]) * rayleigh);
+      if (weather.cloudy)
+        path[b] += condition.outside[b] * -std::expm1(-depth[b]) * cloud_peak_per_sr();
     }
   }
   if (condition.shines) {
@@ -235,6 +250,7 @@ LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg
         const double scattered = sine > 0 ? -std::expm1(-weather.scattering_up[b] / sine) : 1;
         light = overshoot * condition.outside[b] * weather.absorption[b] *
                 (scattered * aerosol[b] + weather.molecular[b] * rayleigh);
+        if (weather.cloudy) light += overshoot * condition.diffuse_sun[b];
       }
       if (lower) {
         double below = condition.lower_sun[b];

@@ -155,8 +155,8 @@ SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double
 }
 
 SensorPath::SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
-                       const NodeWavelengths& wavelengths)
-    : layers(atmosphere, path.path, wavelengths.bands),
+                       const NodeWavelengths& wavelengths, const CloudLight* cloud)
+    : layers(atmosphere, path.path, wavelengths.bands, cloud),
       transmittance(layers.transmittance),
       imported(path.imported != nullptr),
       imported_radiance(imported && !path.imported->radiance_w_m2_sr_um.empty()),

@@ -33,8 +33,7 @@ struct SensorRay {
 // INVALID_ARGUMENT as Environment::view has it.
 [[nodiscard]] absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec,
                                                    const Atmosphere& atmosphere, double height_m,
-                                                   const SensorLine& line,
-                                                   const BandChoice& bands);
+                                                   const SensorLine& line, const BandChoice& bands);
 
 // Returns the ray to another place of the target, without imported air. A place that the Earth
 // hides is replaced by the lowest visible one above it.
@@ -45,8 +44,9 @@ struct SensorRay {
 // The air of one weather between sensor and target.
 class SensorPath {
  public:
+  //   cloud  light that the atmosphere's cloud scatters; null: it has no cloud
   SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
-             const NodeWavelengths& wavelengths);
+             const NodeWavelengths& wavelengths, const CloudLight* cloud = nullptr);
 
   PathLayers layers;          // the embedded model's
   AirSpectrum transmittance;  // that, or the imported

@@ -42,11 +42,19 @@ void multiply(AirSpectrum& a, const AirSpectrum& b) {
   for (std::size_t i = 0; i < kAirBandCount; ++i) a[i] *= b[i];
 }
 
+// All that is scattered, over all directions.
+double scattered_in_all(const ScatteredSun& light, std::size_t band) {
+  double sum = light.aerosol[band] + light.molecular[band];
+  if (!light.cloud.empty()) {
+    sum += light.cloud[band] + 4 * std::numbers::pi * light.diffuse_per_sr[band] + light.peak[band];
+  }
+  return sum;
+}
+
 AirSpectrum ratio_of_scattered(const ScatteredSun& part, const ScatteredSun& whole) {
   AirSpectrum q(kAirBandCount, 0.0);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    q[b] = ratio_of(part.aerosol[b] + part.molecular[b], whole.aerosol[b] + whole.molecular[b]);
-  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    q[b] = ratio_of(scattered_in_all(part, b), scattered_in_all(whole, b));
   return q;
 }
 
@@ -80,8 +88,8 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
 
 SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
                    const ThermalSurroundings& weather, const SurfaceBoundary& surface,
-                   const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
-                   const NodeWavelengths& wavelengths)
+                   const Atmosphere& atmosphere, const Atmosphere& beam, double height_m,
+                   const DirectionNodes& nodes, const NodeWavelengths& wavelengths)
     : visible(seen.visible),
       weather_(weather),
       direction_(seen.middle),
@@ -95,11 +103,15 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       far_(weather.lower.size()) {
   outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
   if (!(seen.visible > 0)) return;
-  sun_.emplace(atmosphere, height_m, std::acos(std::clamp(-direction_.z, -1.0, 1.0)) / kRadPerDeg,
-               bands_);
+  const double zenith_deg = std::acos(std::clamp(-direction_.z, -1.0, 1.0)) / kRadPerDeg;
+  sun_.emplace(atmosphere, height_m, zenith_deg, bands_);
   if (!sun_->lit()) {
     sun_.reset();
     return;
+  }
+  if (weather_.cloud()) {
+    beam_.emplace(beam, height_m, zenith_deg, bands_);
+    cloud_.emplace(*weather_.cloud(), *sun_, zenith_deg);
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     outside[b] = solar_irradiance_w_m2_um(air_band_lambda_um(b)) /
@@ -114,11 +126,23 @@ const SunLight::Around& SunLight::around() const {
   return around_.get([this] { return make_around(); });
 }
 const ScatteredSun& SunLight::sky_source(std::size_t ring) const {
-  return sky_source_[ring].get([this, ring] { return weather_.sky[ring].layers.scattered(*sun_); });
+  return sky_source_[ring].get(
+      [this, ring] { return scattered_in_sky(weather_.sky[ring].layers); });
 }
 const ScatteredSun& SunLight::limb_source(std::size_t ring) const {
   return limb_source_[ring].get(
-      [this, ring] { return weather_.limb()[ring].layers.scattered(*sun_); });
+      [this, ring] { return scattered_in_sky(weather_.limb()[ring].layers); });
+}
+ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAmounts* near) const {
+  ScatteredSun out = path.scattered(*sun_, near, cloud());
+  if (!cloud_) return out;
+  // The beam's loss to the forward peak.
+  AbsorberAmounts amounts = near ? *near : AbsorberAmounts();
+  const AirSpectrum beam = joined(amounts);
+  if (!sun_->add_to(amounts, height_m_)) return out;
+  const AirSpectrum both = transmittance(amounts, bands_);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) out.peak[b] = std::max(0.0, both[b] - beam[b]);
+  return out;
 }
 const AirSpectrum& SunLight::far(std::size_t ring) const {
   return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers.amounts()); });
@@ -170,7 +194,7 @@ SunLight::Sky SunLight::make_sky() const {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       const double part = weight[n / azimuths_] / azimuths_ * out.node[n][b];
       mean[b] += part;
-      error[b] += std::max(kAerosolRelativeError, weather_.cloud_cover()) * part;
+      error[b] += kAerosolRelativeError * part;
     }
   }
   out.model_relative = mean_relative(error, mean);
@@ -181,7 +205,7 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const BandRows<double>& sky)
   Lower out;
   const std::vector<double> sine = sines_of(weather_.lower);
   const LowerRing& ring = weather_.lower[r];
-  const ScatteredSun air = ring.layers.scattered(*sun_);
+  const ScatteredSun air = ring.layers.scattered(*sun_, nullptr, cloud());
   const AirSpectrum through = quotient(far(r), near_);
   const double diffuse = ring.limb ? 0 : diffuse_per_sr();
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
@@ -238,8 +262,8 @@ std::vector<double> SunLight::lower_node_error(const std::vector<Lower>& lower) 
 
 AirSpectrum SunLight::joined(const AbsorberAmounts& amounts) const {
   AbsorberAmounts sum = amounts;
-  return sun_->add_to(sum, height_m_) ? transmittance(sum, bands_)
-                                      : AirSpectrum(kAirBandCount, 0.0);
+  const SunAmounts& sun = beam_ ? *beam_ : *sun_;
+  return sun.add_to(sum, height_m_) ? transmittance(sum, bands_) : AirSpectrum(kAirBandCount, 0.0);
 }
 
 PhaseMean SunLight::phase(const std::vector<double>& sine, std::size_t ring, double up,
@@ -338,9 +362,7 @@ void SunLight::find_errors(Sky& out) const {
       part.resize(quarter + 1, 0.0);
       band.resize(quarter + 1, 0);
     }
-    const double solar = (sky_source(weather_.sky.size() - 1).aerosol[b] +
-                          sky_source(weather_.sky.size() - 1).molecular[b]) *
-                         outside[b];
+    const double solar = scattered_in_all(sky_source(weather_.sky.size() - 1), b) * outside[b];
     const double share =
         ratio_of(solar, solar + 4 * std::numbers::pi * weather_.sky.back().total[b]);
     if (share > part[quarter]) {
@@ -424,7 +446,7 @@ SunLight::LowerRatio SunLight::lower_ratio(std::size_t ring, const AbsorberAmoun
 }
 
 AirSpectrum SunLight::sky_ratio(std::size_t ring, const AbsorberAmounts& near) const {
-  return ratio_of_scattered(weather_.sky[ring].layers.scattered(*sun_, &near), sky_source(ring));
+  return ratio_of_scattered(scattered_in_sky(weather_.sky[ring].layers, &near), sky_source(ring));
 }
 
 AirSpectrum SunLight::limb_towards(Vec<Body> direction, std::size_t ring) const {
@@ -435,12 +457,12 @@ AirSpectrum SunLight::limb_towards(Vec<Body> direction, std::size_t ring) const 
 }
 
 AirSpectrum SunLight::limb_ratio(std::size_t ring, const AbsorberAmounts& near) const {
-  return ratio_of_scattered(weather_.limb()[ring].layers.scattered(*sun_, &near),
+  return ratio_of_scattered(scattered_in_sky(weather_.limb()[ring].layers, &near),
                             limb_source(ring));
 }
 
 AirSpectrum SunLight::scattered_by(const PathLayers& path, Vec<Body> towards) const {
-  const ScatteredSun source = path.scattered(*sun_);
+  const ScatteredSun source = path.scattered(*sun_, nullptr, cloud());
   const double cosine = -dot(direction_, towards);
   AirSpectrum s = outside;
   for (std::size_t b = 0; b < kAirBandCount; ++b) s[b] *= source.per_sr(b, cosine);

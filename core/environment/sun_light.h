@@ -18,10 +18,11 @@ namespace irsig {
 class SunLight {
  public:
   // All arguments outlive the object.
+  //   beam  the atmosphere for what arrives in the beam: other than `atmosphere` with a cloud
   SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
            const ThermalSurroundings& weather, const SurfaceBoundary& surface,
-           const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
-           const NodeWavelengths& wavelengths);
+           const Atmosphere& atmosphere, const Atmosphere& beam, double height_m,
+           const DirectionNodes& nodes, const NodeWavelengths& wavelengths);
 
   [[nodiscard]] bool shines() const { return sun_.has_value(); }
   [[nodiscard]] Vec<Body> direction() const { return direction_; }
@@ -70,6 +71,10 @@ class SunLight {
   [[nodiscard]] AirSpectrum limb_ratio(std::size_t ring, const AbsorberAmounts& near) const;
 
  private:
+  // Scattered by a path of the sky, behind near air if any, with the forward peak of a cloud.
+  [[nodiscard]] ScatteredSun scattered_in_sky(const PathLayers& path,
+                                              const AbsorberAmounts* near = nullptr) const;
+  [[nodiscard]] const CloudSunlight* cloud() const { return cloud_ ? &*cloud_ : nullptr; }
   [[nodiscard]] const ScatteredSun& sky_source(std::size_t ring) const;
   [[nodiscard]] const ScatteredSun& limb_source(std::size_t ring) const;
   // Transmittance from the sun to the surface and back to the target.
@@ -103,9 +108,11 @@ class SunLight {
   const SurfaceBoundary& surface_;
   const NodeWavelengths& wavelengths_;
   const BandChoice& bands_;
-  std::optional<SunAmounts> sun_;
-  AirSpectrum near_;                               // transmittance from the sun to the target
-  std::deque<Lazy<ScatteredSun>> sky_source_;      // [ring]
+  // Amounts for scattered light, and with a cloud other ones for the beam.
+  std::optional<SunAmounts> sun_, beam_;
+  std::optional<CloudSunlight> cloud_;
+  AirSpectrum near_;                           // transmittance from the sun to the target
+  std::deque<Lazy<ScatteredSun>> sky_source_;  // [ring]
   std::deque<Lazy<ScatteredSun>> limb_source_;
   std::deque<Lazy<AirSpectrum>> far_;  // [ring below]
   Lazy<Around> around_;

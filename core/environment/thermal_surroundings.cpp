@@ -29,6 +29,12 @@ std::vector<SeaFacet> facets_of(const SurfaceBoundary& spec, Vec<Body> to_observ
              : sea_facets(to_observer, spec.wind_speed_m_s);
 }
 
+// One sigma of an overcast sky by two streams, as a temperature of its radiance
+// (docs/evidence/validation.md, "Clouds").  [K]
+constexpr double kCloudErrorK = 0.5;
+// Bases of low clouds.
+constexpr double kLowestBaseM = 300, kHighestBaseM = 2500;
+
 // Light from a hemisphere's cell: where on average it meets the facets.
 struct Gathered {
   double share = 0, cosine = 0;
@@ -112,22 +118,10 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
       nodes_(nodes),
       bands_(bands),
       refraction_(spec.refraction),
-      cloud_cover_(spec.cloud_cover),
       in_the_air_(spec.above_surface_m > 0),
       suns_to_come_(suns) {
   surface_planck = AirSpectrum(kAirBandCount, 0.0);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    if (chosen(bands, b)) {
-      surface_planck[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), spec_.temperature_k);
-    }
-  }
-  for (const double base_m : {300.0, 2500.0}) {
-    if (cloud_cover_ == 0 || base_m <= height_m_) continue;
-    const double kelvin = air_at(atmosphere_.profile(), base_m).temperature_k;
-    AirSpectrum& black = cloud_base_.emplace_back(kAirBandCount, 0.0);
-    for (std::size_t b = 0; b < kAirBandCount; ++b)
-      if (chosen(bands, b)) black[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), kelvin);
-  }
+  planck_of(spec_.temperature_k, surface_planck);
   std::vector<double> lambda_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) lambda_um.push_back(air_band_lambda_um(b));
   water_ = sea_water_spectrum(lambda_um);
@@ -142,6 +136,15 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
       }
       rough_reflectance_.push_back(std::move(reflectance));
     }
+  }
+
+  if (atmosphere_.spec().cloud)
+    cloud_ = std::make_unique<const CloudLight>(atmosphere_, ground(), refraction_, bands_);
+  for (const double base_m : {kLowestBaseM, kHighestBaseM}) {
+    const double at_m = atmosphere_.profile().level.front().height_m + base_m;
+    if (!cloud_ || spec.cloud_base_known || at_m <= height_m_) continue;
+    planck_of(air_at(atmosphere_.profile(), at_m).temperature_k,
+              other_base_.emplace_back(kAirBandCount, 0.0));
   }
 
   const auto sines = [&](std::uint32_t first, std::uint32_t last) {
@@ -217,14 +220,42 @@ AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
   const PathLayers& path = ring.layers;
   AirSpectrum scattered = path.surroundings_fraction;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
-  AirSpectrum out = model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(),
-                                bands_, &surroundings)
-                        .radiance_w_m2_sr_um;
+  if (!cloud_) {
+    return model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(), bands_,
+                       &surroundings)
+        .radiance_w_m2_sr_um;
+  }
+  // The cloud's particles are no aerosol of unknown amount: their light has errors of its own.
+  AbsorberAmounts air = path.amounts();
+  for (const GreyAbsorber particles :
+       {GreyAbsorber::kAerosolAbsorption, GreyAbsorber::kAerosolScattering})
+    air.optical_depth[static_cast<std::size_t>(particles)].assign(kAirBandCount, 0.0);
+  AirSpectrum out =
+      model_error(air, path.transmittance, scattered, path.warmest_k(), bands_, &surroundings)
+          .radiance_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    double change = 0;
-    for (const AirSpectrum& black : cloud_base_)
-      change = std::max(change, std::abs(black[b] - ring.total[b]));
-    if (change > 0) out[b] = std::hypot(out[b], cloud_cover_ * change);
+    double change = 0;  // of anything as probable up to the largest
+    for (const AirSpectrum& other : other_base_)
+      change = std::max(change, std::abs(other[b] - ring.total[b]) * std::numbers::inv_sqrt3);
+    const double per_k = kC2UmK / (air_band_lambda_um(b) * path.warmest_k() * path.warmest_k());
+    out[b] = std::hypot(out[b], kCloudErrorK * per_k * ring.total[b], change);
+  }
+  return out;
+}
+
+void ThermalSurroundings::planck_of(double kelvin, AirSpectrum& out) const {
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    if (chosen(bands_, b)) out[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), kelvin);
+}
+
+GroundBelow ThermalSurroundings::ground() const {
+  GroundBelow out{surface_planck, AirSpectrum(kAirBandCount, 1 - spec_.emissivity)};
+  if (spec_.kind == SurfaceBoundary::Kind::kRoughSea ||
+      spec_.kind == SurfaceBoundary::Kind::kFlatSea) {
+    // Of diffuse light, about that of a ray 53 deg from the vertical.
+    constexpr double kDiffuseCosine = 0.6;
+    out.reflectance.assign(kAirBandCount, 0.0);
+    reflect(out.reflectance, kDiffuseCosine);
   }
   return out;
 }
@@ -252,7 +283,7 @@ const std::vector<SkyRing>& ThermalSurroundings::limb() const {
 SkyRing ThermalSurroundings::make_sky(double sin_elevation) const {
   const LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation),
                               std::numeric_limits<double>::infinity(), refraction_);
-  return {sin_elevation, PathLayers(atmosphere_, path, bands_), {}};
+  return {sin_elevation, PathLayers(atmosphere_, path, bands_, cloud_.get()), {}};
 }
 
 LowerRing ThermalSurroundings::make_lower(double sin_elevation) const {
@@ -261,7 +292,7 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation) const {
   if (in_the_air_ && path.end != PathEnd::kSurface) {
     const AirSpectrum dark(kAirBandCount, 0.0);
     return {sin_elevation,
-            PathLayers(atmosphere_, path, bands_),
+            PathLayers(atmosphere_, path, bands_, cloud_.get()),
             {},
             std::vector<AirSpectrum>(nodes_.sky() / nodes_.azimuths(), dark),
             dark,
@@ -282,8 +313,9 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation) const {
       path.node.empty()
           ? sin_elevation
           : std::clamp(-std::cos(path.node.back().zenith_deg * kRadPerDeg), 1e-6, 1.0);
-  LowerRing ring{sin_elevation, PathLayers(atmosphere_, path, bands_), {}, {}, {}, 0, {}, {}, {},
-                 false};
+  LowerRing ring{
+      sin_elevation, PathLayers(atmosphere_, path, bands_, cloud_.get()), {}, {}, {}, 0, {}, {}, {},
+      false};
   ring.emission = AirSpectrum(kAirBandCount, 0.0);
   ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));
   if (spec_.kind == SurfaceBoundary::Kind::kGreySea ||

@@ -4,8 +4,10 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "core/atmosphere/cloud_light.h"
 #include "core/atmosphere/path_layers.h"
 #include "core/environment/direction_nodes.h"
 #include "core/environment/lazy.h"
@@ -48,6 +50,7 @@ class ThermalSurroundings {
  public:
   // suns: of how many conditions the sunlight will be asked for: LowerRing::cell, most of all that
   // is kept, goes with the last of them (sun_is_made), and is not made without any.
+  //   atmosphere  clear, or with a cloud that covers all of the sky
   ThermalSurroundings(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
                       const DirectionNodes& nodes, const BandChoice& bands, int suns);
 
@@ -76,13 +79,12 @@ class ThermalSurroundings {
   // One more of the suns will not ask for LowerRing::cell any more.
   void sun_is_made() const;
 
-  // WeatherSpec::cloud_cover: one sigma of sunlight, of which clouds may let nothing pass.
-  [[nodiscard]] double cloud_cover() const { return cloud_cover_; }
+  // Light that the atmosphere's cloud scatters; null without one.
+  [[nodiscard]] const CloudLight* cloud() const { return cloud_.get(); }
 
   // surface_model_relative() of what is below the horizon.
   [[nodiscard]] double surface_relative(double sine) const;
-  // Returns one sigma of the model's radiance of a sky's ring. With clouds in the weather it
-  // includes the change by a black cloud base at 0.3 or 2.5 km, whichever is larger.
+  // Returns one sigma of the model's radiance of a sky's ring.
   [[nodiscard]] AirSpectrum model_error_of(const SkyRing& ring) const;
 
   // Radiance of the sky's ring through so much air in front, over its own.
@@ -101,6 +103,10 @@ class ThermalSurroundings {
   void reflect(AirSpectrum& out, double cos_incidence) const;
   void reflect_from_facets(LowerRing& ring, double cos_zenith) const;
   void reflect_diffusely(LowerRing& ring) const;
+  // Sets Planck's function in the wanted bands.
+  void planck_of(double kelvin, AirSpectrum& out) const;
+  // Returns the surface below the air, for a cloud's diffuse light.
+  [[nodiscard]] GroundBelow ground() const;
   void finish(SkyRing& ring) const;
   void finish(LowerRing& ring) const;
   void solve_surroundings();
@@ -111,10 +117,10 @@ class ThermalSurroundings {
   const DirectionNodes& nodes_;
   const BandChoice& bands_;
   bool refraction_;
-  double cloud_cover_;
-  std::vector<AirSpectrum> cloud_base_;         // Planck's radiance of black ones above the target
-  bool in_the_air_;                             // WeatherSpec::above_surface_m > 0
-  WaterSpectrum water_;                         // per band
+  std::unique_ptr<const CloudLight> cloud_;
+  std::vector<AirSpectrum> other_base_;  // Planck's function at other bases of an unknown cloud
+  bool in_the_air_;                      // WeatherSpec::above_surface_m > 0
+  WaterSpectrum water_;                  // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
   Lazy<std::vector<SkyRing>> limb_;
   mutable std::atomic<int> suns_to_come_;

@@ -279,8 +279,7 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
       std::hypot(diffuse_sun ? sun->around().model_relative : light_.sky_model_relative,
                  leg_.imported ? 0.2 : 0.0);
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
-  out.sun_model_relative =
-      std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0, light_.cloud_cover());
+  out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
   return out;
 }
 

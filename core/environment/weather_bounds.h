@@ -41,6 +41,7 @@ struct WeatherBounds {
   AirSpectrum scattering_up, scattering_down;
   AirSpectrum molecular;  // the most that molecules scatter of light on any path to the target
   bool no_aerosol = false;
+  bool cloudy = false;  // light is scattered more than once, and into narrow forward peaks
   AirSpectrum smallest_asymmetry, largest_asymmetry;
   AirSpectrum aerosol_sum;  // of aerosol_per_sr() over all directions
   // Factor by which the nodes of the sky can exceed the fitted means.

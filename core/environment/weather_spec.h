@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/atmosphere/atmosphere.h"
 #include "core/atmosphere/imported_path.h"
@@ -35,9 +36,11 @@ struct WeatherSpec {
   // Height of the target's reference point above sea or ground; it then stands for the target, from
   // kLowestAirPointM on. 0: the target stands on the surface (Environment::make). [m]
   double above_surface_m = 0;
-  // [0, 1] Of the weather, which the sky here does not show: it is clear. The models' errors of sky
-  // and sun have what clouds would change.
+  // [0, 1] Fraction of the sky that `cloud` covers. All light is the mean of that of a clear and of
+  // an overcast sky with these weights; which of both a target has is part of the models' errors.
   double cloud_cover = 0;
+  std::optional<CloudSpec> cloud = std::nullopt;  // required if anything is covered
+  bool cloud_base_known = true;  // else any low cloud's may be true, by the models' errors
 };
 
 // The air, sky and sea of one condition of a sweep.

@@ -73,9 +73,4 @@ double sky_emissivity_berdahl_martin(double dew_point, double solar_hour, double
          0.00012 * (pressure_pa / 100 - 1000);
 }
 
-double cloud_factor(double cover) {
-  const double n = 10 * cover;
-  return 1 + ((0.00028 * n - 0.0035) * n + 0.0224) * n;
-}
-
 }  // namespace irsig

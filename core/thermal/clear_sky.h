@@ -52,8 +52,5 @@ struct ClearSkyIrradiance {
 // 100 deg C, hour of local solar time [berdahl1984].
 [[nodiscard]] double sky_emissivity_berdahl_martin(double dew_point_k, double solar_hour,
                                                    double pressure_pa);
-// Factor on either, 1 + 0.0224 N - 0.0035 N^2 + 0.00028 N^3 with N tenths of the sky covered
-// [clark1978, walton1983]; cover [0, 1]. The product is to be cut at 1.
-[[nodiscard]] double cloud_factor(double cover);
 
 }  // namespace irsig

@@ -9,7 +9,9 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
+#include "core/base/table.h"
 #include "core/thermal/clear_sky.h"
+#include "core/thermal/condensation.h"
 #include "core/thermal/sun_sine.h"
 
 namespace irsig {
@@ -175,6 +177,11 @@ absl::StatusOr<CourseRadiation> CourseRadiation::make(WeatherCourse course,
             sun_position(utc_time(t), place.latitude_deg, place.longitude_deg, place.height_m);
         !sun.ok())
       return sun.status();
+  const auto asks_for_cloud = [](const WeatherRecord& r) {
+    return r.cloud_cover > 0 && (!r.sky_w_m2 || !r.direct_normal_w_m2);
+  };
+  if (!sky.cloud && std::any_of(course.record.begin(), course.record.end(), asks_for_cloud))
+    return absl::InvalidArgumentError("a course has a cloud cover, but no layer of cloud is known");
   CourseRadiation out;
   out.place_ = place;
   out.sky_ = sky;
@@ -213,6 +220,33 @@ SunPosition CourseRadiation::sun_at(double unix_s) const {
   return sun.ok() ? *sun : SunPosition{};  // make() has asked for the first and the last
 }
 
+double base_height_m(const CloudAbove& cloud, const WeatherRecord& now) {
+  if (cloud.base_m) return *cloud.base_m;
+  constexpr double kLowestM = 300, kHighestM = 2500;
+  const double percent = 100 * vapour_pressure_pa(now.dew_point_k) / vapour_pressure_pa(now.air_k);
+  return std::clamp(condensation_level_m(now.air_k, percent), kLowestM, kHighestM);
+}
+
+double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now) {
+  constexpr double kBentM = 2000;  // core/atmosphere/air_profile.h, bend_to_surface
+  const double base_m = base_height_m(cloud, now);
+  const double there_k = interpolate(
+      cloud.air_k, locate(cloud.height_m, std::clamp(base_m, 0.0, cloud.height_m.back())));
+  return there_k + (now.air_k - cloud.air_k.front()) * std::max(0.0, 1 - base_m / kBentM);
+}
+
+namespace {
+
+struct CloudedSun {
+  double global, beam;  // fractions that pass
+};
+CloudedSun through_cloud(double depth, double sine) {
+  constexpr double kAsymmetry = 0.85;
+  return {1 / (1 + 0.75 * (1 - kAsymmetry) * depth), std::exp(-depth / std::max(sine, 1e-3))};
+}
+
+}  // namespace
+
 Radiation CourseRadiation::at(double unix_s, Side side) const {
   double t = within_course(course_, unix_s);
   // Where a day ends the next one begins.
@@ -246,11 +280,18 @@ Radiation CourseRadiation::at(double unix_s, Side side) const {
          .aerosol_depth_380 = sky_.depth_380,
          .aerosol_depth_500 = sky_.depth_500,
          .ground_albedo = sky_.albedo});
-    const double n = now.cloud_cover, passed = 1 - 0.75 * std::pow(n, 3.4);
-    const double direct = clear.direct_normal_w_m2 * sine;
-    const double global = (direct + clear.diffuse_horizontal_w_m2) * passed;
-    out.direct_normal_w_m2 = clear.direct_normal_w_m2 * passed * (1 - n * n);
-    out.diffuse_horizontal_w_m2 = global - direct * passed * (1 - n * n);
+    const double n = now.cloud_cover, direct = clear.direct_normal_w_m2 * sine;
+    if (n > 0 && sky_.cloud && sky_.cloud->solar_depth) {
+      const CloudedSun under = through_cloud(*sky_.cloud->solar_depth, sine);
+      const double global = (direct + clear.diffuse_horizontal_w_m2) * (1 - n + n * under.global);
+      out.direct_normal_w_m2 = clear.direct_normal_w_m2 * (1 - n + n * under.beam);
+      out.diffuse_horizontal_w_m2 = std::max(0.0, global - out.direct_normal_w_m2 * sine);
+    } else {
+      const double passed = 1 - 0.75 * std::pow(n, 3.4);
+      const double global = (direct + clear.diffuse_horizontal_w_m2) * passed;
+      out.direct_normal_w_m2 = clear.direct_normal_w_m2 * passed * (1 - n * n);
+      out.diffuse_horizontal_w_m2 = global - direct * passed * (1 - n * n);
+    }
     out.low_sun = clear.low_sun;
   }
   if (interval.sky_w_m2) {
@@ -258,9 +299,12 @@ Radiation CourseRadiation::at(double unix_s, Side side) const {
         course_.radiation_interval_s > 0 ? *interval.sky_w_m2 : *at.of(&WeatherRecord::sky_w_m2);
   } else {
     const double emissivity =
-        std::min(1.0, sky_emissivity_prata(now.air_k, vapour_pressure_pa(now.dew_point_k)) *
-                          cloud_factor(now.cloud_cover));
+        std::min(1.0, sky_emissivity_prata(now.air_k, vapour_pressure_pa(now.dew_point_k)));
     out.sky_w_m2 = emissivity * kStefanBoltzmannWM2K4 * std::pow(now.air_k, 4);
+    if (now.cloud_cover > 0 && sky_.cloud) {
+      out.sky_w_m2 += now.cloud_cover * (1 - emissivity) * sky_.cloud->emissivity *
+                      kStefanBoltzmannWM2K4 * std::pow(base_temperature_k(*sky_.cloud, now), 4);
+    }
   }
   return out;
 }

@@ -70,11 +70,24 @@ struct WeatherPlace {
   double latitude_deg, longitude_deg, height_m;
 };
 
+// A layer of cloud that covers a part of the sky, for the long-wave radiation and the sunlight that
+// no weather states.
+struct CloudAbove {
+  // Temperature of the air by height above the surface, in some weather: that of another weather is
+  // shifted by the difference at the surface, less and less up to 2 km.
+  std::vector<double> height_m, air_k;  // heights increase from 0
+  std::optional<double> base_m;         // absent: the level of condensation, 300 to 2500 m
+  double emissivity = 1;                // of the layer, long-wave
+  std::optional<double> solar_depth;    // optical, straight up; absent: [kasten1980]
+};
+
 // Inputs of the clear-sky model that weather does not state (clear_sky.h).
 struct SkyAerosol {
   double depth_380, depth_500;  // vertical aerosol optical depths at 380 and 500 nm
   double ozone_cm;
   double albedo;  // of sea or ground, to sunlight: [0, 1]
+  // Of the cover that a course has; required if any record has one.
+  std::optional<CloudAbove> cloud = {};
 };
 
 struct Radiation {
@@ -95,11 +108,14 @@ struct Radiation {
 // Without sunlight in the course: [bird1981] for a clear sky; G = G_clear (1 - 0.75 N^3.4)
 // [kasten1980] under clouds of cover N, with the diffuse share k + (1 - k) N^2, k that of the clear
 // sky (0.3 in the paper's): direct = direct_clear (1 - 0.75 N^3.4) (1 - N^2). Without long-wave
-// radiation: [prata1996] times the factor of [clark1978], at most 1.
+// radiation: [prata1996], and what it lets pass of a cloud's emission:
+//   sky = e sigma T_air^4 + N (1 - e) e_cloud sigma T_base^4.
+// A cloud of known water lets pass 1 / (1 + 0.75 (1 - 0.85) depth) of global sunlight, and
+// exp(-depth / sine) of the beam.
 class CourseRadiation {
  public:
-  // Copies the course, which must pass check_course(). INVALID_ARGUMENT: it does not, or the place
-  // or the time has no sun.
+  // Copies the course, which must pass check_course(). INVALID_ARGUMENT: it does not, the place or
+  // the time has no sun, or a cover has no layer.
   [[nodiscard]] static absl::StatusOr<CourseRadiation> make(WeatherCourse course,
                                                             const WeatherPlace& place,
                                                             const SkyAerosol& sky);
@@ -132,6 +148,10 @@ class CourseRadiation {
   std::vector<double> crossing_;
   double unplaced_j_m2_ = 0;
 };
+
+// Height and temperature of a cloud's base in some weather.  [m, K]
+[[nodiscard]] double base_height_m(const CloudAbove& cloud, const WeatherRecord& now);
+[[nodiscard]] double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now);
 
 // Returns the instant of 0 h local (true) solar time on a date, by the equation of time of
 // [spencer1971]: 1 minute.

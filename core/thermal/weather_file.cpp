@@ -319,7 +319,7 @@ class CourseMaker {
       r.wind_from_deg = r.wind_m_s == 0 && std::isnan(value(row, Q::kWindFrom))
                             ? 0
                             : needed(u, Q::kWindFrom, "the wind's direction");
-    if (!file_.has[at(Q::kCloudCover)])
+    if (!file_.has[at(Q::kCloudCover)] || (wanted_.cloud_cover && wanted_.cloud_cover_wins))
       r.cloud_cover = wanted_.cloud_cover.value_or(0);
     else if (wanted_.radiation && !(direct_ && sky_) && !(diffuse_ && global_ && sky_))
       r.cloud_cover = needed(u, Q::kCloudCover, "the cloud cover");

@@ -86,6 +86,7 @@ struct CourseWanted {
   // Values where the file has no column for them; absent: an error (where the quantity is wanted),
   // and 0.
   std::optional<double> wind_from_deg, cloud_cover;
+  bool cloud_cover_wins = false;  // over the file's
 };
 struct FileCourse {
   WeatherCourse course;

@@ -109,6 +109,17 @@ absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather) 
                                    .pressure_pa = weather.pressure_pa()});
 }
 
+absl::StatusOr<CloudSpec> cloud_from_message(const schema::CloudLayer& layer) {
+  const auto phase = named<CloudPhase>("cloud.phase", layer.phase(),
+                                       {{"water", CloudPhase::kWater}, {"ice", CloudPhase::kIce}});
+  if (!phase.ok()) return phase.status();
+  constexpr double kKgPerG = 1e-3;
+  CloudSpec out{*phase, layer.base_m(), layer.top_m(), kKgPerG * layer.water_path_g_m2(),
+                layer.effective_radius_um()};
+  RETURN_IF_ERROR(check_cloud(out));
+  return out;
+}
+
 absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
                                                  const schema::Surroundings& surroundings) {
   WeatherSpec spec;
@@ -126,6 +137,10 @@ absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
   spec.refraction = weather.refraction();
   spec.above_surface_m = weather.above_surface_m();
   spec.cloud_cover = weather.cloud_cover();
+  if (weather.cloud_cover() > 0) {
+    ASSIGN_OR_RETURN(spec.cloud, cloud_from_message(weather.cloud()));
+    spec.cloud_base_known = !weather.cloud().base_from_weather();
+  }
   ASSIGN_OR_RETURN(auto lower, lower_from_message(surroundings, weather.wind_speed_m_s()));
   spec.lower = lower;
   if (!weather.modtran_text().empty()) {

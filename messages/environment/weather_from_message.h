@@ -46,6 +46,9 @@ namespace irsig {
 
 // A condition's air and what lies below it, imported paths included. Both messages complete, as
 // resolve_sweep writes them.
+// INVALID_ARGUMENT: a layer outside the limits of core/atmosphere/cloud.h.
+[[nodiscard]] absl::StatusOr<CloudSpec> cloud_from_message(const schema::CloudLayer& layer);
+
 [[nodiscard]] absl::StatusOr<WeatherSpec> weather_from_message(
     const schema::Weather& weather, const schema::Surroundings& surroundings);
 

@@ -70,6 +70,21 @@ void move_cloud(Mover& mover, schema::WeatherRecord& r) {
     r.set_cloud_cover(mover.moved(r.cloud_cover(), 0, 1));
 }
 
+// Conditions have a layer where they have a cover, or where their cover may be moved.
+void move_cloud(Mover& mover, schema::Weather& w) {
+  if (w.has_cloud()) w.set_cloud_cover(mover.moved(w.cloud_cover(), 0, 1));
+}
+
+constexpr double kHighestBaseM = 20e3, kMostWaterGM2 = 1e6;
+void move_cloud_base(Mover& mover, schema::Weather& w) {
+  if (!w.has_cloud()) return;
+  schema::CloudLayer& layer = *w.mutable_cloud();
+  const double base_m = mover.moved(layer.base_m(), 0, kHighestBaseM);
+  layer.set_top_m(layer.top_m() + base_m - layer.base_m());
+  layer.set_base_m(base_m);
+  layer.set_base_from_weather(false);
+}
+
 class SweepMover {
  public:
   SweepMover(const schema::ResolvedSweep& sweep, const UncertainInput& input, double move)
@@ -103,7 +118,17 @@ class SweepMover {
     } else if (input == "visibility_relative") {
       of_weathers([&](schema::Weather& w) { move_visibility(mover_, w); });
     } else if (input == "cloud_cover") {
+      for (schema::Condition& c : *sweep_.mutable_condition())
+        if (c.has_weather()) move_cloud(mover_, *c.mutable_weather());
       of_runs({}, [&](schema::WeatherRecord& r) { move_cloud(mover_, r); });
+    } else if (input == "cloud_base_m") {
+      of_weathers([&](schema::Weather& w) { move_cloud_base(mover_, w); });
+    } else if (input == "cloud_water_path_relative") {
+      of_weathers([&](schema::Weather& w) {
+        if (w.has_cloud())
+          w.mutable_cloud()->set_water_path_g_m2(
+              mover_.moved(w.cloud().water_path_g_m2(), 0, kMostWaterGM2));
+      });
     } else if (input == "part_temperature_k") {
       move_parts();
     } else if (input == "sea_temperature_k" || input == "ground_temperature_k" ||

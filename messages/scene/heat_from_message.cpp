@@ -1,7 +1,10 @@
 #include "messages/scene/heat_from_message.h"
 
+#include <cmath>
+
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_column.h"
+#include "core/atmosphere/cloud.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/materials/optical/material_library.h"
@@ -11,7 +14,8 @@
 
 namespace irsig {
 
-absl::StatusOr<WallBuildUp> wall_from_message(const schema::BuildUp& message, const std::string& path) {
+absl::StatusOr<WallBuildUp> wall_from_message(const schema::BuildUp& message,
+                                              const std::string& path) {
   const auto side = named<InnerSide>(path + ".inside", message.inside(),
                                      {{"adiabatic", InnerSide::kAdiabatic},
                                       {"heat_flux", InnerSide::kHeatFlux},
@@ -54,7 +58,7 @@ WeatherCourse course_from_message(const schema::WeatherCourse& message) {
 }
 
 absl::StatusOr<GroundBoundary> ground_from_message(const schema::Sweep& sweep,
-                                          const schema::Surroundings& s) {
+                                                   const schema::Surroundings& s) {
   GroundBoundary out;
   if (s.kind() == "ground") {
     out.temperature_k = s.ground_temperature_k();
@@ -78,14 +82,39 @@ absl::StatusOr<GroundBoundary> ground_from_message(const schema::Sweep& sweep,
   return out;
 }
 
+absl::StatusOr<CloudAbove> cloud_above(const schema::CloudLayer& layer, const AirProfile& profile) {
+  ASSIGN_OR_RETURN(const CloudSpec spec, cloud_from_message(layer));
+  CloudAbove out;
+  const double ground_m = profile.level.front().height_m;
+  for (const AirLevel& level : profile.level) {
+    if (level.height_m - ground_m > kHighestCloudM) break;
+    out.height_m.push_back(level.height_m - ground_m);
+    out.air_k.push_back(level.temperature_k);
+  }
+  if (!layer.base_from_weather()) out.base_m = spec.base_m;
+  // In the middle of the window, where the sky is clear without it.
+  constexpr double kWindowUm = 10.5, kDiffusivity = 1.66;
+  ASSIGN_OR_RETURN(const std::size_t window, air_band(kWindowUm));
+  out.emissivity =
+      -std::expm1(-kDiffusivity * cloud_optics(spec, ForwardPeak::kDiffuse).absorption[window]);
+  // Particles much larger than the wavelength take twice their cross section out of the beam.
+  constexpr double kWaterKgM3 = 1000;
+  if (layer.water_path_stated())
+    out.solar_depth = 1.5 * spec.water_path_kg_m2 / (kWaterKgM3 * 1e-6 * spec.effective_radius_um);
+  return out;
+}
+
 absl::StatusOr<SkyAerosol> sky_from_message(const schema::HeatRun& heat, double solar_albedo) {
   ASSIGN_OR_RETURN(const auto weather, weather_from_message(heat.weather(), heat.surroundings()));
   const AerosolSpec& aerosol = weather.air.aerosol;
-  const double humidity_percent =
-      relative_humidity_percent(weather.air.profile.level.front());
-  return SkyAerosol{aerosol_depth(aerosol, humidity_percent, 380),
-                    aerosol_depth(aerosol, humidity_percent, 500), ozone_cm(weather.air.profile),
-                    solar_albedo};
+  const double humidity_percent = relative_humidity_percent(weather.air.profile.level.front());
+  SkyAerosol out{aerosol_depth(aerosol, humidity_percent, 380),
+                 aerosol_depth(aerosol, humidity_percent, 500), ozone_cm(weather.air.profile),
+                 solar_albedo, std::nullopt};
+  if (heat.weather().has_cloud()) {
+    ASSIGN_OR_RETURN(out.cloud, cloud_above(heat.weather().cloud(), weather.air.profile));
+  }
+  return out;
 }
 
 }  // namespace irsig

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/atmosphere/air_profile.h"
 #include "core/thermal/scene/scene_heat.h"
 #include "core/thermal/weather_course.h"
 #include "schema/job.pb.h"
@@ -20,6 +21,10 @@ namespace irsig {
 // INVALID_ARGUMENT: surroundings without a sea or ground.
 [[nodiscard]] absl::StatusOr<GroundBoundary> ground_from_message(const schema::Sweep& sweep,
                                                                  const schema::Surroundings& s);
+
+// A layer of cloud above walls, in the air of a profile. INVALID_ARGUMENT as cloud_from_message.
+[[nodiscard]] absl::StatusOr<CloudAbove> cloud_above(const schema::CloudLayer& layer,
+                                                     const AirProfile& profile);
 
 // solar_albedo: of the ground.
 [[nodiscard]] absl::StatusOr<SkyAerosol> sky_from_message(const schema::HeatRun& heat,

@@ -300,7 +300,6 @@ TEST(EnvironmentNodes, SunlightScatteredByLayersAsStepByStep) {
   const Light l(std::vector<ConditionEnvironment>(1));
   constexpr double kSunZenithDeg = 50;
   const SunAmounts sun(l.air, kHeightM, kSunZenithDeg);
-  const double humidity_percent = relative_humidity_percent(l.air.profile().level.front());
   double worst = 0;
   for (const double zenith_deg : {0.0, 60.0, 80.0, 88.0, 90.0}) {
     const LightPath path = look(l.air.profile(), kHeightM, zenith_deg, INFINITY);
@@ -311,7 +310,7 @@ TEST(EnvironmentNodes, SunlightScatteredByLayersAsStepByStep) {
       through.push_back(transmittance(
           so_far + *l.air.sun_amounts(path.node[i].height_m, kSunZenithDeg), l.choice));
       if (i < step.size()) {
-        add_step(so_far, &step[i], l.air.spec(), humidity_percent, path, i);
+        add_step(so_far, &step[i], l.air, path, i);
       }
     }
     const ScatteredSun layered = PathLayers(l.air, path, l.choice).scattered(sun);

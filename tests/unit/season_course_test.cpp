@@ -19,7 +19,7 @@ using ::testing::SizeIs;
 
 std::string shipped() {
   return irsig::text_of(std::filesystem::path(IRSIG_SOURCE_DIR) /
-                 "jobs/examples/weather/san_francisco.epw");
+                        "jobs/examples/weather/san_francisco.epw");
 }
 
 // A sweep that nothing is wrong with; tests replace one piece.
@@ -284,9 +284,10 @@ TEST(SeasonCourse, WhatIsWrongWithAFile) {
               HasSubstr("below the horizon at the sweep's place"));
   EXPECT_THAT(course_error_of(p, "nonsense"),
               HasSubstr("sf.epw:1:1: there is no line DATA PERIODS"));
-  p.heat = "";
+  p = {};
   p.season += "cloud_cover = 0.5\n";
-  EXPECT_THAT(course_error_of(p), HasSubstr("season[0].cloud_cover does not apply without [heat]"));
+  EXPECT_THAT(course_error_of(p),
+              HasSubstr("season[0].cloud_cover does not apply: the weather file has it"));
 }
 
 TEST(SeasonCourse, AnHourOfAnotherDayIsSaid) {

@@ -5,6 +5,7 @@
 
 #include "core/base/constants.h"
 #include "core/thermal/clear_sky.h"
+#include "core/thermal/condensation.h"
 #include "tests/physics/wall_run.h"
 
 namespace irsig {
@@ -165,8 +166,10 @@ TEST(ClearSky, EmissivityAndVapour) {
   // Second opinions on the same sky: within 0.03 of each other.
   EXPECT_NEAR(sky_emissivity_prata(288.15, vapour_pressure_pa(280)),
               sky_emissivity_berdahl_martin(280, 6, 100000), 0.03);
-  EXPECT_EQ(cloud_factor(0), 1);
-  EXPECT_NEAR(cloud_factor(1), 1.154, 1e-12);
+  // Saturated air condenses where it is; dry air high up. [bolton1980]
+  EXPECT_NEAR(condensation_level_m(288.15, 100), 0, 1e-9);
+  EXPECT_NEAR(condensation_temperature_k(288.15, 60), 278.9, 0.3);
+  EXPECT_NEAR(condensation_level_m(288.15, 60), 950, 40);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr WeatherPlace kBay{37.62, -122.4, 2};
-constexpr SkyAerosol kSky{0.3, 0.2, 0.3, 0.06};
+const SkyAerosol kSky{0.3, 0.2, 0.3, 0.06,
+                      CloudAbove{{0, 1000, 3000}, {285, 279, 266}, 1000.0, 0.95, std::nullopt}};
 const double kMidnight = solar_midnight_unix_s(2025, 6, 21, kBay.longitude_deg);
 
 double sine_at(double t) {
@@ -199,7 +200,24 @@ TEST(CourseRadiation, InstantsAreLinearAndCloudsTakeTheirShare) {
               (1 - 0.75 * std::pow(0.5, 3.4)) * 0.75, 1e-12);
   const double emissivity = sky_emissivity_prata(285, vapour_pressure_pa(280));
   EXPECT_NEAR(clear.sky_w_m2, emissivity * kStefanBoltzmannWM2K4 * std::pow(285, 4), 1e-9);
-  EXPECT_NEAR(full.sky_w_m2 / clear.sky_w_m2, std::min(1.154, 1 / emissivity), 1e-12);
+  // The base: 6 K colder than the air.
+  EXPECT_NEAR(full.sky_w_m2 - clear.sky_w_m2,
+              (1 - emissivity) * 0.95 * kStefanBoltzmannWM2K4 * std::pow(279, 4), 1e-9);
+  EXPECT_NEAR(half.sky_w_m2, 0.5 * (clear.sky_w_m2 + full.sky_w_m2), 1e-9);
+  // A layer of known water.
+  SkyAerosol thin = kSky;
+  thin.cloud->solar_depth = 2;
+  WeatherCourse dry = course;
+  for (WeatherRecord& r : dry.record) {
+    r.direct_normal_w_m2 = r.diffuse_horizontal_w_m2 = r.sky_w_m2 = std::nullopt;
+    r.cloud_cover = 1;
+  }
+  const Radiation under = CourseRadiation::make(dry, kBay, thin)->at(noon);
+  EXPECT_NEAR(under.direct_normal_w_m2, clear.direct_normal_w_m2 * std::exp(-2 / sine), 1e-9);
+  EXPECT_NEAR(global(under), global(clear) / (1 + 0.75 * 0.15 * 2), 1e-9);
+  // Clouds of which nothing is known.
+  thin.cloud = std::nullopt;
+  EXPECT_FALSE(CourseRadiation::make(dry, kBay, thin).ok());
 }
 
 TEST(DayCourse, IsACosineOfLocalSolarTime) {
@@ -242,7 +260,8 @@ TEST(DayCourse, RefusesWhatCannotBe) {
   EXPECT_THAT(error({280, 290, 15, 281, 101300, 4, 0, 0}), HasSubstr("dew point, 281 K, is above"));
   EXPECT_THAT(error({290, 280, 15, 270, 101300, 4, 0, 0}), HasSubstr("below its minimum"));
   EXPECT_THAT(error({280, 290, 25, 270, 101300, 4, 0, 0}), HasSubstr("warmest hour is 25"));
-  EXPECT_THAT(error({280, 290, 15, 270, 101300, 4, 0, 1.5}), HasSubstr("1.5: expected a cloud cover from 0 to 1"));
+  EXPECT_THAT(error({280, 290, 15, 270, 101300, 4, 0, 1.5}),
+              HasSubstr("1.5: expected a cloud cover from 0 to 1"));
 }
 
 TEST(CheckCourse, NamesTheRecord) {

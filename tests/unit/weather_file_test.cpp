@@ -492,7 +492,8 @@ TEST(ShippedDays, ModelsAreNearTheFile) {
     WeatherCourse none = stated->course;
     for (WeatherRecord& r : none.record)
       r.direct_normal_w_m2 = r.diffuse_horizontal_w_m2 = r.sky_w_m2 = std::nullopt;
-    const SkyAerosol air{0.19, 0.13, 0.3, 0.15};
+    const SkyAerosol air{0.19, 0.13, 0.3, 0.15,
+                         CloudAbove{{0, 2500}, {288, 273}, std::nullopt, 1, std::nullopt}};
     const auto a = CourseRadiation::make(stated->course, kFileBay, air),
                b = CourseRadiation::make(none, kFileBay, air);
     ASSERT_TRUE(a.ok() && b.ok());

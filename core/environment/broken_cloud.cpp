@@ -1,0 +1,124 @@
+#include "core/environment/broken_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/check.h"
+
+namespace irsig {
+namespace {
+
+using Spectrum = ViewEnvironment::Spectrum;
+
+struct Mixer {
+  double cover;
+  [[nodiscard]] double operator()(double clear, double overcast) const {
+    return (1 - cover) * clear + cover * overcast;
+  }
+  [[nodiscard]] Spectrum operator()(const Spectrum& clear, const Spectrum& overcast) const {
+    IRSIG_CHECK(clear.size() == overcast.size());
+    Spectrum out(clear.size());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (*this)(clear[i], overcast[i]);
+    return out;
+  }
+  [[nodiscard]] std::vector<Spectrum> operator()(const std::vector<Spectrum>& clear,
+                                                 const std::vector<Spectrum>& overcast) const {
+    IRSIG_CHECK(clear.size() == overcast.size());
+    std::vector<Spectrum> out;
+    for (std::size_t k = 0; k < clear.size(); ++k) out.push_back((*this)(clear[k], overcast[k]));
+    return out;
+  }
+  // Error of a mixture whose parts have errors of their own.
+  [[nodiscard]] Spectrum error(const Spectrum& clear_error, const Spectrum& overcast_error,
+                               const Spectrum& clear, const Spectrum& overcast) const {
+    Spectrum out = (*this)(clear_error, overcast_error);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = std::hypot(out[i], spread(clear[i], overcast[i]));
+    return out;
+  }
+  [[nodiscard]] double spread(double clear, double overcast) const {
+    return std::sqrt(cover * (1 - cover)) * std::abs(overcast - clear);
+  }
+};
+
+double sum_of(const Spectrum& s) {
+  double sum = 0;
+  for (const double x : s) sum += x;
+  return sum;
+}
+
+}  // namespace
+
+ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvironment& overcast,
+                                   double cover, double sky_relative) {
+  const Mixer mix{cover};
+  ViewEnvironment out;
+  out.transmittance = mix(clear.transmittance, overcast.transmittance);
+  out.path_radiance = mix(clear.path_radiance, overcast.path_radiance);
+  out.air = clear.air;
+  IRSIG_CHECK(clear.end.size() == overcast.end.size());
+  for (std::size_t k = 0; k < clear.end.size(); ++k) {
+    out.end.push_back(
+        {mix(clear.end[k].transmittance, overcast.end[k].transmittance),
+         mix(clear.end[k].path_radiance_w_m2_sr_um, overcast.end[k].path_radiance_w_m2_sr_um)});
+    const IncidentRadiance::AirChange &a = clear.end_change[k], &b = overcast.end_change[k];
+    out.end_change.push_back({mix(a.transmittance, b.transmittance),
+                              mix(a.path_thermal, b.path_thermal),
+                              mix(a.path_solar, b.path_solar)});
+  }
+  out.sun = mix(clear.sun, overcast.sun);
+  out.sun_apparent = mix(clear.sun_apparent, overcast.sun_apparent);
+  out.around = IncidentRadiance::mixed(clear.around, overcast.around, cover);
+  out.background_apparent = mix(clear.background_apparent, overcast.background_apparent);
+  out.background_interpolation =
+      mix(clear.background_interpolation, overcast.background_interpolation);
+  for (std::size_t k = 0; k < clear.background_model_error.size(); ++k) {
+    out.background_model_error.push_back(
+        mix.error(clear.background_model_error[k], overcast.background_model_error[k],
+                  clear.background_apparent[k], overcast.background_apparent[k]));
+  }
+  out.sky_interpolation = std::max(clear.sky_interpolation, overcast.sky_interpolation);
+  out.lower_interpolation = std::max(clear.lower_interpolation, overcast.lower_interpolation);
+  out.joined_lines_bound = std::max(clear.joined_lines_bound, overcast.joined_lines_bound);
+  out.model_error_transmittance =
+      mix.error(clear.model_error_transmittance, overcast.model_error_transmittance,
+                clear.transmittance, overcast.transmittance);
+  out.model_error_path_radiance =
+      mix.error(clear.model_error_path_radiance, overcast.model_error_path_radiance,
+                clear.path_radiance, overcast.path_radiance);
+  out.sky_model_relative =
+      std::hypot(mix(clear.sky_model_relative, overcast.sky_model_relative), sky_relative);
+  out.lower_model_relative = std::max(clear.lower_model_relative, overcast.lower_model_relative);
+  const double a = sum_of(clear.sun), b = sum_of(overcast.sun), mean = mix(a, b);
+  out.sun_model_relative =
+      std::hypot(std::max(clear.sun_model_relative, overcast.sun_model_relative),
+                 mean > 0 ? mix.spread(a, b) / mean : 0);
+  return out;
+}
+
+LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& overcast,
+                               double cover) {
+  const Mixer mix{cover};
+  LightBounds out;
+  for (Spectrum LightBounds::*of :
+       {&LightBounds::transmittance, &LightBounds::path_radiance, &LightBounds::thermal,
+        &LightBounds::sun, &LightBounds::diffuse_sun, &LightBounds::diffuse_sun_w_m2_um,
+        &LightBounds::mirrored_sun, &LightBounds::mirrored_sun_w_m2_um, &LightBounds::path_sun,
+        &LightBounds::background_sun})
+    out.*of = mix(clear.*of, overcast.*of);
+  return out;
+}
+
+double broken_cloud_relative(const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
+  const Mixer mix{cover};
+  double sum = 0, count = 0;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double mean = mix(clear[b], overcast[b]);
+    if (mean <= 0) continue;
+    sum += mix.spread(clear[b], overcast[b]) / mean;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace irsig

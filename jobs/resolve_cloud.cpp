@@ -1,0 +1,183 @@
+#include "jobs/resolve_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/atmosphere/cloud.h"
+#include "core/thermal/condensation.h"
+
+namespace irsig {
+namespace {
+
+// A type of cloud: the values of LOWTRAN7's clouds, whose water is that of its layers.
+struct CloudType {
+  const char* name;
+  const char* phase;
+  double base_m, thickness_m, water_path_g_m2, effective_radius_um;
+};
+constexpr std::array<CloudType, 6> kTypes = {{{"stratus", "water", 330, 670, 200, 7.9},
+                                              {"stratocumulus", "water", 660, 1340, 215, 6.3},
+                                              {"cumulus", "water", 660, 2040, 1660, 11.5},
+                                              {"altostratus", "water", 2400, 600, 345, 6.8},
+                                              {"nimbostratus", "water", 160, 500, 345, 11.3},
+                                              {"cirrus", "ice", 10000, 1000, 6.7, 64}}};
+constexpr const CloudType& kDefaultType = kTypes[0];
+
+// Bases of low clouds; air that is nearly saturated at the surface would condense on the target.
+constexpr double kLowestDefaultBaseM = 300, kHighestDefaultBaseM = 2500;
+
+const CloudType* type_named(const std::string& name) {
+  for (const CloudType& type : kTypes)
+    if (name == type.name) return &type;
+  return nullptr;
+}
+
+SectionCheck::Names type_names() {
+  SectionCheck::Names out;
+  for (const CloudType& type : kTypes) out.push_back(type.name);
+  return out;
+}
+
+// The layer as one table has it, wherever its keys are.
+schema::Cloud written_cloud(const schema::Season& season) {
+  if (season.cloud_size() > 0) return season.cloud(0);
+  schema::Cloud out;
+  if (season.has_cloud_cover()) out.set_cover(season.cloud_cover());
+  if (season.has_cloud_type()) out.set_type(season.cloud_type());
+  if (season.has_cloud_base_m()) out.set_base_m(season.cloud_base_m());
+  if (season.has_cloud_water_path_g_m2()) out.set_water_path_g_m2(season.cloud_water_path_g_m2());
+  return out;
+}
+
+void check_cloud_table(const schema::Season& season, const std::string& of, Findings& findings) {
+  const std::string path = of + ".cloud[0]";
+  const schema::Cloud& cloud = season.cloud(0);
+  const SectionCheck check(cloud, path, findings);
+  (void)check.at_most_one({"cover", "cover_oktas"});
+  if (!cloud.has_cover() && !cloud.has_cover_oktas() && !season.has_weather_file())
+    check.require({"cover"},
+                  "expected the covered fraction of the sky, 0 to 1 (or cover_oktas, 0 to 8)");
+  const SectionCheck of_season(season, of, findings);
+  for (const char* key : {"cloud_cover", "cloud_type", "cloud_base_m", "cloud_water_path_g_m2"})
+    if (of_season.has(key))
+      of_season.error(key,
+                      "does not apply beside [[season.cloud]], which states the same layer: "
+                      "expected only one of them");
+  if (!cloud.has_type())
+    check.require({"base_m", "top_m", "water_path_g_m2", "effective_radius_um", "phase"},
+                  "expected it, or a type: \"stratus\", \"cumulus\", \"cirrus\" ...");
+}
+
+void check_layer(const schema::CloudLayer& layer, const std::string& key, Findings& findings) {
+  if (findings.any_at(key)) return;
+  const bool water = layer.phase() == "water";
+  const double low = water ? kSmallestDropUm : kSmallestCrystalUm,
+               high = water ? kLargestDropUm : kLargestCrystalUm;
+  if (!(layer.top_m() >= layer.base_m() + kThinnestCloudM))
+    findings.add(key,
+                 absl::StrFormat("%s: the layer's top, %g m, is not %g m above its base, %g m, "
+                                 "expected top_m above base_m",
+                                 key, layer.top_m(), kThinnestCloudM, layer.base_m()));
+  if (layer.top_m() > kHighestCloudM)
+    findings.add(key, absl::StrFormat("%s: the layer's top is at %g m, expected at most %g m", key,
+                                      layer.top_m(), kHighestCloudM));
+  if (!(layer.effective_radius_um() >= low && layer.effective_radius_um() <= high))
+    findings.add(key, absl::StrFormat("%s: effective_radius_um = %g, expected %g to %g um of %s",
+                                      key, layer.effective_radius_um(), low, high,
+                                      water ? "droplets" : "ice crystals"));
+}
+
+std::string cloud_key(const schema::Season& season, int season_index) {
+  const std::string of = absl::StrCat("season[", season_index, "].");
+  return of + (season.cloud_size() > 0              ? "cloud[0]"
+               : season.has_cloud_cover()           ? "cloud_cover"
+               : season.has_cloud_type()            ? "cloud_type"
+               : season.has_cloud_base_m()          ? "cloud_base_m"
+               : season.has_cloud_water_path_g_m2() ? "cloud_water_path_g_m2"
+               : season.has_weather_file()          ? "weather_file"
+                                                    : "day");
+}
+
+}  // namespace
+
+std::optional<double> stated_cloud_cover(const schema::Season& season) {
+  const schema::Cloud cloud = written_cloud(season);
+  constexpr double kOktas = 8;
+  if (cloud.has_cover_oktas()) return cloud.cover_oktas() / kOktas;
+  if (cloud.has_cover()) return cloud.cover();
+  return std::nullopt;
+}
+
+void check_cloud_of_season(const schema::Season& season, int season_index, Findings& findings) {
+  const std::string of = absl::StrCat("season[", season_index, "]");
+  const SectionCheck check(season, of, findings);
+  if (season.cloud_size() > 1)
+    findings.add(of + ".cloud[1]",
+                 of + ".cloud[1] is a second layer of cloud, expected one: the lower one hides the "
+                      "others from below");
+  if (season.cloud_size() > 0) {
+    check_cloud_table(season, of, findings);
+    const SectionCheck of_cloud(season.cloud(0), of + ".cloud[0]", findings);
+    (void)of_cloud.one_of("type", type_names());
+    (void)of_cloud.one_of("phase", {"water", "ice"});
+  } else {
+    (void)check.one_of("cloud_type", type_names());
+    if (!season.has_cloud_cover() && !season.has_weather_file())
+      for (const char* key : {"cloud_type", "cloud_base_m", "cloud_water_path_g_m2"})
+        if (check.has(key))
+          check.error(key,
+                      "does not apply without a cover, expected cloud_cover = 0 to 1 beside it");
+  }
+}
+
+schema::CloudLayer cloud_layer(const schema::Season& season, const schema::Weather& weather) {
+  const schema::Cloud cloud = written_cloud(season);
+  const CloudType* stated = type_named(cloud.type());
+  const CloudType& type = stated ? *stated : kDefaultType;
+  schema::CloudLayer out;
+  out.set_type(stated || !cloud.has_phase() ? type.name : "");
+  out.set_phase(cloud.has_phase() ? cloud.phase() : type.phase);
+  double base_m = type.base_m;
+  if (cloud.has_base_m()) {
+    base_m = cloud.base_m();
+  } else if (!stated) {
+    out.set_base_from_weather(true);
+    base_m = std::clamp(
+        condensation_level_m(weather.air_temperature_k(), weather.relative_humidity_percent()),
+        kLowestDefaultBaseM, kHighestDefaultBaseM);
+  }
+  out.set_base_m(base_m);
+  out.set_top_m(cloud.has_top_m() ? cloud.top_m() : base_m + type.thickness_m);
+  out.set_water_path_stated(cloud.has_water_path_g_m2());
+  out.set_water_path_g_m2(cloud.has_water_path_g_m2() ? cloud.water_path_g_m2()
+                                                      : type.water_path_g_m2);
+  out.set_effective_radius_um(cloud.has_effective_radius_um() ? cloud.effective_radius_um()
+                                                              : type.effective_radius_um);
+  return out;
+}
+
+void resolve_cloud(const schema::Season& season, int season_index, bool always,
+                   schema::Weather& weather, schema::Condition& condition, Findings& findings) {
+  if (weather.cloud_cover() <= 0 && !always) return;
+  *weather.mutable_cloud() = cloud_layer(season, weather);
+  const schema::CloudLayer& layer = weather.cloud();
+  const std::string key = cloud_key(season, season_index);
+  check_layer(layer, key, findings);
+  if (layer.base_from_weather()) {
+    condition.add_warning(findings.odd(
+        key,
+        absl::StrFormat("%s: a cloud of unknown type is taken as %s, %.0f m thick, based at the "
+                        "level of condensation (%.0f to %.0f m); set cloud_type or "
+                        "[[season.cloud]]",
+                        key, layer.type(), layer.top_m() - layer.base_m(), kLowestDefaultBaseM,
+                        kHighestDefaultBaseM)));
+  }
+  if (season.cloud_size() > 0 && season.has_weather_file() && stated_cloud_cover(season))
+    condition.add_warning(
+        findings.odd(key, absl::StrCat(key, ": its cover is used in place of the weather file's")));
+}
+
+}  // namespace irsig

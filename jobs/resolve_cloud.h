@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+
+#include "jobs/section_check.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// [[season.cloud]], and a season's keys cloud_cover, cloud_type, cloud_base_m and
+// cloud_water_path_g_m2, which state the same layer in a table of conditions.
+
+// Reports what is wrong with a season's cloud under the embedded atmosphere.
+void check_cloud_of_season(const schema::Season& season, int season_index, Findings& findings);
+
+// Returns the cover that a season states itself; nullopt: a weather file's, or none.
+[[nodiscard]] std::optional<double> stated_cloud_cover(const schema::Season& season);
+
+// Returns the layer of a season in some weather, whatever its cover: the level of condensation is
+// that of the weather.
+[[nodiscard]] schema::CloudLayer cloud_layer(const schema::Season& season,
+                                             const schema::Weather& weather);
+
+// Writes the layer of a condition whose weather has a cover, and what was assumed of it as a
+// warning.
+//   always  also without a cover: it is uncertain
+void resolve_cloud(const schema::Season& season, int season_index, bool always,
+                   schema::Weather& weather, schema::Condition& condition, Findings& findings);
+
+}  // namespace irsig
