@@ -4,19 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <sstream>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
 #include "core/accuracy/image_layers.h"
 #include "core/base/printable.h"
 #include "core/base/sobol.h"
@@ -24,54 +25,25 @@
 #include "core/image/image.h"
 #include "schema/store/check_picture.h"
 #include "view/base/atomic_file.h"
-#include "view/base/on_all_cores.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/export_journal.h"
 #include "view/pictures/image_labels.h"
 #include "view/pictures/masks.h"
+#include "view/pictures/picture_scale.h"
 #include "view/pictures/recorded_image.h"
+#include "view/pictures/shown_image.h"
 
 namespace irsig {
 namespace {
 
 namespace fs = std::filesystem;
 
-// As many as one call of the painter gets: what is computed again after an end in between. Images
-// of 128 pixels: 2000 of 20 kB, with silhouettes 100 MB. Of larger ones fewer.
-constexpr std::size_t kAtOnce = 2000;
+// Images between two entries of the journal: what is written again after an end in between. Images
+// of 128 pixels: 1000 of 40 kB, with silhouettes 70 MB, and as many that are read meanwhile. Of
+// larger ones fewer.
+constexpr std::size_t kAtOnce = 1000;
 constexpr std::size_t kPixelsAtOnce = kAtOnce * 128 * 128;
-
-struct Scale {
-  enum class Kind { kCommon, kOwn, kStated } kind = Kind::kCommon;
-  double black_w_m2_sr = 0, white_w_m2_sr = 0;
-};
-
-absl::StatusOr<Scale> parse_scale(const std::string& text) {
-  if (text == "common") return Scale{};
-  if (text == "own") return Scale{Scale::Kind::kOwn};
-  const std::vector<std::string> ends = absl::StrSplit(text, ',');
-  Scale out{Scale::Kind::kStated};
-  if (ends.size() == 2 && absl::SimpleAtod(ends[0], &out.black_w_m2_sr) &&
-      absl::SimpleAtod(ends[1], &out.white_w_m2_sr) && out.black_w_m2_sr < out.white_w_m2_sr &&
-      std::isfinite(out.black_w_m2_sr) && std::isfinite(out.white_w_m2_sr))
-    return out;
-  return absl::InvalidArgumentError(fmt::format(
-      "thumbnail scale {}: expected common, own, or BLACK,WHITE in W/(m2 sr) as 0,12.5", text));
-}
-
-struct Image {
-  StoredSignature signature;
-  schema::Thumbnail thumbnail;
-  StoredSilhouette silhouette;
-  std::vector<schema::ImageLayer> layers;  // where they are exported
-
-  [[nodiscard]] const schema::ImageLayer* layer(std::string_view name) const {
-    for (const schema::ImageLayer& one : layers)
-      if (one.name() == name) return &one;
-    return nullptr;
-  }
-};
 
 constexpr std::uint64_t kFnvBasis = 14695981039346656037u;
 
@@ -80,20 +52,26 @@ std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = kFnvBasis) {
   return hash;
 }
 
+double hottest_of(const RadianceImage& image) {
+  return static_cast<double>(
+      *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end()));
+}
+
 std::string json_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "null";
 }
 
 class ThumbnailFolder {
  public:
-  ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, Scale scale,
+  ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, PictureScale scale,
                   std::string folder, const ReadPictures& read)
       : reader_(reader),
         asked_(asked),
         scale_(scale),
         folder_(std::move(folder)),
         partial_(folder_ + ".partial"),
-        read_(read) {}
+        read_(read),
+        shown_{asked.layer, asked.background} {}
 
   absl::StatusOr<std::uint64_t> write() {
     ASSIGN_OR_RETURN(const auto filter, filter_of(asked_.query));
@@ -154,9 +132,7 @@ class ThumbnailFolder {
   [[nodiscard]] std::size_t at_once() const {
     std::size_t longest = 1;
     for (const auto& [sweep, px] : most_px_) longest = std::max<std::size_t>(longest, px);
-    // Radiances of all pixels are here at once, for an imager, in place of their PNG.
-    const std::size_t fewer = asked_.imager ? 8 : 1;
-    return std::clamp<std::size_t>(kPixelsAtOnce / fewer / (longest * longest), 1, kAtOnce / fewer);
+    return std::clamp<std::size_t>(kPixelsAtOnce / (longest * longest), 1, kAtOnce);
   }
 
   // In the order of sweeps and of their lists.
@@ -234,81 +210,51 @@ class ThumbnailFolder {
   }
 
   // Rows from..to that have an image.
-  absl::StatusOr<std::vector<Image>> images(std::size_t from, std::size_t to) {
+  //   silhouettes  whether they are read, too
+  absl::StatusOr<std::vector<RowImage>> images(std::size_t from, std::size_t to, bool silhouettes) {
     ASSIGN_OR_RETURN(auto rows, reader_.read({ids_.data() + from, to - from}));
-    std::vector<Image> out;
+    const std::string wanted = shown_.wanted_layer();
+    std::vector<RowImage> out;
     for (StoredSignature& s : rows) {
       ASSIGN_OR_RETURN(auto thumbnail, reader_.thumbnail(s.signature_id));
       if (!thumbnail.has_value()) continue;
-      auto silhouette = reader_.silhouette(s.signature_id);
-      if (silhouette.ok() && !silhouette->has_value())
-        silhouette = absl::DataLossError("it has no silhouette");
-      if (!silhouette.ok()) {
-        if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
-        return damaged(s, std::string(silhouette.status().message()));
+      RowImage& image = out.emplace_back();
+      image.thumbnail = *std::move(thumbnail);
+      if (silhouettes) {
+        auto silhouette = reader_.silhouette(s.signature_id);
+        if (silhouette.ok() && !silhouette->has_value())
+          silhouette = absl::DataLossError("it has no silhouette");
+        if (!silhouette.ok()) {
+          if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
+          return damaged(s, std::string(silhouette.status().message()));
+        }
+        image.silhouette = **std::move(silhouette);
       }
-      std::vector<schema::ImageLayer> layers;
-      if (asked_.exr || asked_.background || !asked_.layer.empty()) {
-        ASSIGN_OR_RETURN(layers, reader_.image_layers(s.signature_id));
+      if (asked_.exr) {
+        ASSIGN_OR_RETURN(image.layers, reader_.image_layers(s.signature_id));
+      } else if (!wanted.empty()) {
+        ASSIGN_OR_RETURN(auto layer, reader_.image_layer(s.signature_id, wanted));
+        if (layer) image.layers.push_back(*std::move(layer));
       }
-      out.push_back(
-          {std::move(s), *std::move(thumbnail), **std::move(silhouette), std::move(layers)});
+      image.signature = std::move(s);
     }
     return out;
   }
 
-  absl::StatusOr<PictureTask> picture(const Image& image) {
-    const StoredSignature& s = image.signature;
-    const auto most_px = most_px_.find(s.sweep);
-    PictureTask out{
-        .exr = image.thumbnail.exr(),
-        .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels : most_px->second};
-    // A sensor's own picture has the horizon and what lies behind edges.
-    const std::string shown = !asked_.layer.empty() ? asked_.layer
-                              : asked_.background
-                                  ? std::string(irsig::name_of(ImageLayer::kAtSensor))
-                                  : std::string();
-    if (const schema::ImageLayer* layer = image.layer(shown)) {
-      out.exr = layer->exr();
-      return out;
-    }
-    if (!asked_.layer.empty())
-      return never(absl::NotFoundError(fmt::format(
-          "the image of row {} has no layer {}: its sweep asks for none with [image] layers", s.row,
-          asked_.layer)));
-    if (!asked_.background) return out;
-    if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
-      return never(absl::FailedPreconditionError(fmt::format(
-          "row {} was computed without contrast, background and path: run the sweep again",
-          s.row)));
-    if (!std::isnan(s.plume_w_sr))
-      return never(absl::InvalidArgumentError(
-          fmt::format("row {} has hot gas, which lets part of the background through: its picture "
-                      "cannot be put before it",
-                      s.row)));
-    // So that the target's pixels add up to its apparent intensity.
-    const double arrives_w_sr =
-        s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
-    out.seen = PictureTask::Seen{
-        s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
-        s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, filled_fractions(image.silhouette)};
-    return out;
+  [[nodiscard]] std::uint32_t most_px(const StoredSignature& s) const {
+    const auto of_sweep = most_px_.find(s.sweep);
+    return s.superseded || of_sweep == most_px_.end() ? kMostPixels : of_sweep->second;
   }
 
-  // Of the images' rows.
-  absl::StatusOr<std::vector<PictureAnswer>> painted(const std::vector<Image>& images,
-                                                     const std::vector<PictureTask>& pictures) {
-    ASSIGN_OR_RETURN(auto facts, read_(pictures));
-    if (facts.size() != pictures.size())
-      return absl::InternalError(
-          fmt::format("{} of {} images were painted", facts.size(), pictures.size()));
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      if (!facts[i].damage.empty()) return damaged(images[i].signature, facts[i].damage);
-      const StoredSilhouette& silhouette = images[i].silhouette;
-      if (facts[i].width_px != silhouette.width_px || facts[i].height_px != silhouette.height_px)
-        return damaged(images[i].signature, "its silhouette is of another size");
+  // What the pictures of the images show.
+  absl::StatusOr<std::vector<ShownImage>> shown(const std::vector<RowImage>& some) {
+    std::vector<ShownImage> out;
+    for (const RowImage& image : some) {
+      auto one = shown_image(image, shown_, most_px(image.signature));
+      if (!one.ok()) return never(one.status());
+      out.push_back(*std::move(one));
     }
-    return facts;
+    return out;
   }
 
   absl::Status damaged(const StoredSignature& s, const std::string& how) {
@@ -316,31 +262,56 @@ class ThumbnailFolder {
         fmt::format("the stored image of row {}{} ({}.png) is damaged: {}", s.row,
                     place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), how)));
   }
+  absl::Status damaged(const StoredSignature& s, const absl::Status& why) {
+    return damaged(s, std::string(why.message()));
+  }
+
+  // Calls work(images, the first row behind them) for all rows from `begin` on. While it works, the
+  // next images are read: it must not use the reader before it has called the function that it is
+  // given, which waits for them.
+  using Wait = std::function<void()>;
+  absl::Status visit_rows(
+      std::size_t begin, bool silhouettes,
+      const std::function<absl::Status(std::vector<RowImage>&, std::size_t, const Wait&)>& work) {
+    const auto end_of = [&](std::size_t from) { return std::min(ids_.size(), from + at_once()); };
+    const auto read_from = [&](std::size_t from) {
+      return std::async(std::launch::async,
+                        [=, this] { return images(from, end_of(from), silhouettes); });
+    };
+    auto next = read_from(begin);
+    for (std::size_t from = begin; from < ids_.size(); from = end_of(from)) {
+      ASSIGN_OR_RETURN(auto some, next.get());
+      next = read_from(end_of(from));
+      RETURN_IF_ERROR(work(some, end_of(from), [&] { next.wait(); }));
+    }
+    return absl::OkStatus();
+  }
 
   // Of all rows, before the first is painted.
   absl::Status find_scale() {
-    if (asked_.imager || scale_.kind != Scale::Kind::kCommon) return absl::OkStatus();
+    if (asked_.imager || scale_.kind != PictureScale::Kind::kCommon) return absl::OkStatus();
     LoopProgress progress("images compared", ids_.size());
     progress.step(journal_.seen);
-    while (journal_.seen < ids_.size()) {
-      const std::size_t to = std::min(ids_.size(), journal_.seen + at_once());
-      ASSIGN_OR_RETURN(auto some, images(journal_.seen, to));
-      std::vector<PictureTask> pictures;
-      for (const Image& image : some) {
-        ASSIGN_OR_RETURN(auto one, picture(image));
-        pictures.push_back(std::move(one));
-      }
-      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
-      for (std::size_t i = 0; i < some.size(); ++i) {
-        const StoredSignature& s = some[i].signature;
-        double& hottest = journal_.hottest[{s.sweep, s.band}];
-        hottest = std::max(hottest, static_cast<double>(facts[i].hottest_w_m2_sr));
-      }
-      progress.step(to - journal_.seen);
-      journal_.seen = to;
-      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
-    }
-    return absl::OkStatus();
+    return visit_rows(
+        journal_.seen, asked_.background,
+        [&](std::vector<RowImage>& some, std::size_t to, const Wait&) -> absl::Status {
+          ASSIGN_OR_RETURN(const auto pictures, shown(some));
+          std::vector<double> hottest(some.size());
+          RETURN_IF_ERROR(
+              visit_images(pictures, read_,
+                           [&](std::size_t i, absl::StatusOr<RadianceImage> image) -> absl::Status {
+                             if (!image.ok()) return damaged(some[i].signature, image.status());
+                             hottest[i] = hottest_of(*image);
+                             return absl::OkStatus();
+                           }));
+          for (std::size_t i = 0; i < some.size(); ++i) {
+            double& all = journal_.hottest[{some[i].signature.sweep, some[i].signature.band}];
+            all = std::max(all, hottest[i]);
+          }
+          progress.step(to - journal_.seen);
+          journal_.seen = to;
+          return replace_file(journal_path(), journal_.text());
+        });
   }
 
   [[nodiscard]] std::string name_of(const StoredSignature& s) const {
@@ -351,87 +322,108 @@ class ThumbnailFolder {
   absl::Status paint_all() {
     LoopProgress progress("images written", ids_.size());
     progress.step(journal_.painted);
-    while (journal_.painted < ids_.size()) {
-      const std::size_t to = std::min(ids_.size(), journal_.painted + at_once());
-      ASSIGN_OR_RETURN(auto some, images(journal_.painted, to));
-      RETURN_IF_ERROR(paint_some(some));
-      progress.step(to - journal_.painted);
-      journal_.painted = to;
-      journal_.images += some.size();
-      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
-    }
-    return absl::OkStatus();
+    return visit_rows(
+        journal_.painted, true,
+        [&](std::vector<RowImage>& some, std::size_t to, const Wait& wait) -> absl::Status {
+          RETURN_IF_ERROR(paint_some(some, wait));
+          progress.step(to - journal_.painted);
+          journal_.painted = to;
+          journal_.images += some.size();
+          return replace_file(journal_path(), journal_.text());
+        });
   }
 
-  absl::Status paint_some(std::vector<Image>& some) {
-    std::vector<PictureTask> pictures;
-    for (const Image& image : some) {
-      ASSIGN_OR_RETURN(auto one, picture(image));
-      const StoredSignature& s = image.signature;
-      if (asked_.exr) {
-        RETURN_IF_ERROR(plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr()));
-        RETURN_IF_ERROR(
-            plain_file(partial_ + "/" + name_of(s) + ".stderr.exr", image.thumbnail.stderr_exr()));
-      }
-      if (asked_.exr && !image.layers.empty()) RETURN_IF_ERROR(write_layers(image, one.most_px));
-      one.black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
-      one.white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
-                                                 ? journal_.hottest[{s.sweep, s.band}]
-                                                 : scale_.white_w_m2_sr);
-      pictures.push_back(std::move(one));
-    }
-    if (!asked_.imager && scale_.kind == Scale::Kind::kOwn) {
-      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
-      for (std::size_t i = 0; i < pictures.size(); ++i)
-        pictures[i].white_w_m2_sr = facts[i].hottest_w_m2_sr;
-    }
-    for (PictureTask& picture : pictures) {
-      picture.paint = !asked_.imager;
-      picture.pixels = !picture.paint;
-      picture.bits = asked_.bits;
-    }
-    ASSIGN_OR_RETURN(auto facts, painted(some, pictures));
-    std::vector<RecordedImage> recorded;
-    if (asked_.imager) {
-      ASSIGN_OR_RETURN(recorded, record(some, facts));
-    }
-    for (std::size_t i = 0; i < some.size(); ++i)
-      RETURN_IF_ERROR(
-          plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", facts[i].png));
-    if (asked_.masks) RETURN_IF_ERROR(write_masks(some));
+  // What is known of a picture besides its row and its silhouette.
+  struct Facts {
+    double black_w_m2_sr = 0, white_w_m2_sr = 0;
+    ImagerInBand figures{};
+    std::uint64_t saturated_px = 0;
+    ImageContent target{};  // pixels that show any of it
+  };
+
+  absl::Status paint_some(std::vector<RowImage>& some, const Wait& wait) {
+    ASSIGN_OR_RETURN(const auto pictures, shown(some));
+    std::vector<Facts> facts(some.size());
+    RETURN_IF_ERROR(asked_.imager ? find_figures(some, facts) : find_ends(some, facts));
+    RETURN_IF_ERROR(
+        visit_images(pictures, read_, [&](std::size_t i, absl::StatusOr<RadianceImage> image) {
+          return image.ok() ? write_picture(some[i], *std::move(image), facts[i])
+                            : damaged(some[i].signature, image.status());
+        }));
     if (asked_.coco) RETURN_IF_ERROR(write_objects(some));
+    wait();
     std::ostringstream lines;
-    RETURN_IF_ERROR(write_labels(some, pictures, recorded, lines));
+    RETURN_IF_ERROR(write_labels(some, facts, lines));
     // Every table has its heading; the file has the first's.
     const std::string table = lines.str();
     return append(kLabels,
                   journal_.bytes[kLabels] == 0 ? table : table.substr(table.find('\n') + 1));
   }
 
+  // Black and white of each picture, as far as other pictures state them.
+  absl::Status find_ends(const std::vector<RowImage>& some, std::vector<Facts>& facts) {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const StoredSignature& s = some[i].signature;
+      const double white = scale_.kind == PictureScale::Kind::kCommon
+                               ? journal_.hottest[{s.sweep, s.band}]
+                               : scale_.white_w_m2_sr;
+      // As float32, in which the picture is painted.
+      facts[i].black_w_m2_sr = static_cast<double>(static_cast<float>(scale_.black_w_m2_sr));
+      facts[i].white_w_m2_sr = static_cast<double>(static_cast<float>(white));
+    }
+    return absl::OkStatus();
+  }
+
+  // The files of one image. Several threads call it, each for an image of its own.
+  absl::Status write_picture(RowImage& image, RadianceImage radiance, Facts& facts) {
+    const StoredSignature& s = image.signature;
+    if (radiance.width_px != image.silhouette.width_px ||
+        radiance.height_px != image.silhouette.height_px)
+      return damaged(s, "its silhouette is of another size");
+    const std::string name = partial_ + "/" + name_of(s);
+    if (asked_.exr) {
+      RETURN_IF_ERROR(plain_file(name + ".exr", image.thumbnail.exr()));
+      RETURN_IF_ERROR(plain_file(name + ".stderr.exr", image.thumbnail.stderr_exr()));
+      if (!image.layers.empty()) RETURN_IF_ERROR(write_layers(image));
+    }
+    if (asked_.imager) {
+      RETURN_IF_ERROR(write_counts(image, std::move(radiance), facts));
+    } else {
+      if (scale_.kind == PictureScale::Kind::kOwn) facts.white_w_m2_sr = hottest_of(radiance);
+      const auto png = encode_png(
+          radiance,
+          {static_cast<float>(facts.black_w_m2_sr), static_cast<float>(facts.white_w_m2_sr)},
+          asked_.bits);
+      if (!png.ok()) return damaged(s, png.status());
+      RETURN_IF_ERROR(plain_file(name + ".png", *png));
+    }
+    facts.target = covered_pixels(image.silhouette);
+    return asked_.masks ? write_mask(image) : absl::OkStatus();
+  }
+
   // All layers of an image in one file, and the standard errors of at_sensor.
-  absl::Status write_layers(const Image& image, std::uint32_t most_px) {
-    std::vector<PictureTask> tasks;
-    std::vector<std::string> names;
-    const auto add = [&](std::string name, const std::string& exr) {
-      names.push_back(std::move(name));
-      tasks.push_back({.exr = exr, .most_px = most_px, .pixels = true});
+  absl::Status write_layers(const RowImage& image) {
+    const StoredSignature& s = image.signature;
+    std::map<std::string, std::vector<float>> layers;
+    const auto add = [&](const std::string& name, const std::string& exr) -> absl::Status {
+      const ShownImage layer{exr, most_px(s)};
+      return visit_images({&layer, 1}, read_,
+                          [&](std::size_t, absl::StatusOr<RadianceImage> read) -> absl::Status {
+                            if (!read.ok()) return damaged(s, read.status());
+                            layers[name] = std::move(read->radiance_w_m2_sr);
+                            return absl::OkStatus();
+                          });
     };
     for (const schema::ImageLayer& layer : image.layers) {
-      if (!image_layer_of(layer.name()))
-        return damaged(image.signature, "a layer has no known name");
-      add(layer.name(), layer.exr());
-      if (!layer.stderr_exr().empty()) add(layer.name() + "_stderr", layer.stderr_exr());
-    }
-    ASSIGN_OR_RETURN(auto answers, read_(tasks));
-    std::map<std::string, std::vector<float>> layers;
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      if (!answers[i].damage.empty()) return damaged(image.signature, answers[i].damage);
-      layers[names[i]] = std::move(answers[i].pixel);
+      if (!image_layer_of(layer.name())) return damaged(s, "a layer has no known name");
+      RETURN_IF_ERROR(add(layer.name(), layer.exr()));
+      if (!layer.stderr_exr().empty())
+        RETURN_IF_ERROR(add(layer.name() + "_stderr", layer.stderr_exr()));
     }
     const auto exr =
         encode_layers_exr(image.thumbnail.width_px(), image.thumbnail.height_px(), layers);
-    if (!exr.ok()) return damaged(image.signature, std::string(exr.status().message()));
-    return plain_file(partial_ + "/" + name_of(image.signature) + ".layers.exr", *exr);
+    if (!exr.ok()) return damaged(s, exr.status());
+    return plain_file(partial_ + "/" + name_of(s) + ".layers.exr", *exr);
   }
 
   // Figures of the imager in the band of a row.
@@ -452,66 +444,54 @@ class ThumbnailFolder {
     return {why.code(), fmt::format("the image of row {}: {}", s.row, std::string(why.message()))};
   }
 
-  // Images as the imager records them: `some` and `facts` become those of its pixels.
-  absl::StatusOr<std::vector<RecordedImage>> record(std::vector<Image>& some,
-                                                    std::vector<PictureAnswer>& facts) {
-    std::vector<ImagerInBand> figures;
-    for (const Image& image : some) {
-      ASSIGN_OR_RETURN(const auto one, figures_of(image.signature));
-      figures.push_back(one);
+  // Figures of the imager for each image.
+  absl::Status find_figures(const std::vector<RowImage>& some, std::vector<Facts>& facts) {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      ASSIGN_OR_RETURN(facts[i].figures, figures_of(some[i].signature));
     }
     // The image that needs the most stored pixels is checked first: its remedy serves all.
-    const auto needed = [](const Image& image) {
+    const auto needed = [](const RowImage& image) {
       const schema::Thumbnail& t = image.thumbnail;
       return t.pixel_rad() * std::max(t.width_px(), t.height_px());
     };
-    const auto coarsest =
-        std::max_element(some.begin(), some.end(),
-                         [&](const Image& x, const Image& y) { return needed(x) < needed(y); });
-    if (coarsest != some.end()) {
-      const schema::Thumbnail& t = coarsest->thumbnail;
-      const auto grid = detector_grid(*asked_.imager, t.width_px(), t.height_px(), t.pixel_rad());
-      if (!grid.ok()) return never(not_recorded(coarsest->signature, grid.status()));
-    }
-    std::vector<RecordedImage> out(some.size());
-    const absl::Status done = on_all_cores(some.size(), [&](std::size_t i) -> absl::Status {
-      Image& image = some[i];
-      PictureAnswer& f = facts[i];
-      const StoredSignature& s = image.signature;
-      const RadianceImage seen{f.width_px, f.height_px, std::move(f.pixel)};
-      auto one = record_image(*asked_.imager, figures[i], s, seen, image.thumbnail.pixel_rad(),
-                              image.silhouette,
-                              image.layer(irsig::name_of(ImageLayer::kAtSensor)) != nullptr);
-      if (!one.ok()) return not_recorded(s, one.status());
-      out[i] = *std::move(one);
-      f.png = std::move(out[i].png);
-      image.silhouette = std::move(out[i].silhouette);
-      image.thumbnail.set_width_px(image.silhouette.width_px);
-      image.thumbnail.set_height_px(image.silhouette.height_px);
-      image.thumbnail.set_pixel_rad(asked_.imager->ifov_rad());
-      return asked_.exr ? plain_file(partial_ + "/" + name_of(s) + ".noiseless.exr",
-                                     std::exchange(out[i].noiseless_exr, {}))
-                        : absl::OkStatus();
-    });
-    if (absl::IsInvalidArgument(done)) return never(done);
-    if (!done.ok()) return done;
-    return out;
+    const auto coarsest = std::max_element(
+        some.begin(), some.end(),
+        [&](const RowImage& x, const RowImage& y) { return needed(x) < needed(y); });
+    if (coarsest == some.end()) return absl::OkStatus();
+    const schema::Thumbnail& t = coarsest->thumbnail;
+    const auto grid = detector_grid(*asked_.imager, t.width_px(), t.height_px(), t.pixel_rad());
+    return grid.ok() ? absl::OkStatus() : never(not_recorded(coarsest->signature, grid.status()));
   }
 
-  absl::Status write_masks(const std::vector<Image>& some) {
-    for (const Image& image : some) {
-      const std::vector<std::uint16_t> mask = part_mask(image.silhouette, parts_);
-      if (*std::max_element(mask.begin(), mask.end()) > parts_.size())
-        return never(absl::FailedPreconditionError(
-            fmt::format("row {} is of an earlier version of its sweep, with other parts: run the "
-                        "sweep again",
-                        image.signature.row)));
-      ASSIGN_OR_RETURN(const auto png,
-                       encode_grey_png(image.silhouette.width_px, image.silhouette.height_px, mask,
-                                       mask_bits()));
-      RETURN_IF_ERROR(plain_file(partial_ + "/" + mask_of(image.signature), png));
-    }
-    return absl::OkStatus();
+  // The picture as the imager records it: the silhouette becomes that of its pixels.
+  absl::Status write_counts(RowImage& image, RadianceImage seen, Facts& facts) {
+    const StoredSignature& s = image.signature;
+    auto one = record_image(*asked_.imager, facts.figures, s, std::move(seen),
+                            image.thumbnail.pixel_rad(), image.silhouette,
+                            image.layer(irsig::name_of(ImageLayer::kAtSensor)) != nullptr);
+    if (absl::IsInvalidArgument(one.status())) return never(not_recorded(s, one.status()));
+    if (!one.ok()) return not_recorded(s, one.status());
+    facts.saturated_px = one->saturated_px;
+    image.silhouette = std::move(one->silhouette);
+    image.thumbnail.set_width_px(image.silhouette.width_px);
+    image.thumbnail.set_height_px(image.silhouette.height_px);
+    image.thumbnail.set_pixel_rad(asked_.imager->ifov_rad());
+    const std::string name = partial_ + "/" + name_of(s);
+    RETURN_IF_ERROR(plain_file(name + ".png", one->png));
+    return asked_.exr ? plain_file(name + ".noiseless.exr", one->noiseless_exr) : absl::OkStatus();
+  }
+
+  absl::Status write_mask(const RowImage& image) {
+    const std::vector<std::uint16_t> mask = part_mask(image.silhouette, parts_);
+    if (*std::max_element(mask.begin(), mask.end()) > parts_.size())
+      return never(absl::FailedPreconditionError(
+          fmt::format("row {} is of an earlier version of its sweep, with other parts: run the "
+                      "sweep again",
+                      image.signature.row)));
+    ASSIGN_OR_RETURN(
+        const auto png,
+        encode_grey_png(image.silhouette.width_px, image.silhouette.height_px, mask, mask_bits()));
+    return plain_file(partial_ + "/" + mask_of(image.signature), png);
   }
   [[nodiscard]] int mask_bits() const { return parts_.size() < 256 ? 8 : 16; }
   [[nodiscard]] std::string mask_of(const StoredSignature& s) const {
@@ -534,7 +514,7 @@ class ThumbnailFolder {
     return std::ldexp(static_cast<double>(hash), -64) < asked_.validation;
   }
 
-  absl::Status write_objects(const std::vector<Image>& some) {
+  absl::Status write_objects(const std::vector<RowImage>& some) {
     const std::vector<CocoCategory> classes = categories();
     std::array<std::string, kGrowing.size()> lines;
     for (std::size_t i = 0; i < some.size(); ++i) {
@@ -600,22 +580,21 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
-  absl::Status write_labels(const std::vector<Image>& some,
-                            const std::vector<PictureTask>& pictures,
-                            const std::vector<RecordedImage>& recorded, std::ostream& out) {
+  absl::Status write_labels(const std::vector<RowImage>& some, const std::vector<Facts>& facts,
+                            std::ostream& out) {
     std::vector<ImageLabel> labels;
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
       ImageLabel& label = labels.emplace_back(
           ImageLabel{name_of(s) + ".png", mask_of(s), is_for_validation(s) ? "validation" : "train",
-                     s, some[i].silhouette, some[i].thumbnail.pixel_rad()});
+                     s, facts[i].target, some[i].thumbnail.width_px(),
+                     some[i].thumbnail.height_px(), some[i].thumbnail.pixel_rad()});
       if (asked_.imager) {
-        const ImagerInBand& figures = recorded[i].figures;
+        const ImagerInBand& figures = facts[i].figures;
         label.counts = {asked_.imager_name, figures.counts_per_w_m2_sr, figures.offset_counts,
-                        figures.noise_w_m2_sr, recorded[i].saturated_px};
+                        figures.noise_w_m2_sr, facts[i].saturated_px};
       } else {
-        label.scale = {static_cast<double>(pictures[i].black_w_m2_sr),
-                       static_cast<double>(pictures[i].white_w_m2_sr)};
+        label.scale = {facts[i].black_w_m2_sr, facts[i].white_w_m2_sr};
       }
     }
     return irsig::write_labels(
@@ -625,16 +604,17 @@ class ThumbnailFolder {
 
   StoreReader& reader_;
   const ThumbnailsAsked& asked_;
-  const Scale scale_;
+  const PictureScale scale_;
   const std::string folder_, partial_;
   const ReadPictures& read_;
+  const ShownAsked shown_;
   std::vector<std::int64_t> ids_;
   std::vector<std::string> parts_;
   std::map<std::string, std::size_t> place_;      // of sweeps
   std::map<std::string, std::uint32_t> most_px_;  // of their images
   std::map<SweepBand, Band> band_;
   Journal journal_;
-  bool never_ = false;  // whether going on would end where this call does
+  std::atomic<bool> never_ = false;  // whether going on would end where this call does
 };
 
 }  // namespace
@@ -646,7 +626,7 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
     return absl::InvalidArgumentError("thumbnails: images are not interpolated, use nearest");
   if (!asked.query.range_m.empty())
     return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
-  ASSIGN_OR_RETURN(const auto scale, parse_scale(asked.scale));
+  ASSIGN_OR_RETURN(const auto scale, parse_picture_scale(asked.scale));
   if (asked.imager && !asked.background)
     return absl::InvalidArgumentError(
         "--imager: an imager records the radiance at the sensor, add --background");

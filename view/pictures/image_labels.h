@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/image/image.h"
 #include "schema/store/reader.h"
 #include "schema/store/rows.h"
 
@@ -21,7 +23,8 @@ struct LabelColumns {
 struct ImageLabel {
   std::string image, mask, split;  // the last two: where there are such columns
   const StoredSignature& signature;
-  const StoredSilhouette& silhouette;  // of the exported image
+  ImageContent target;  // pixels of the exported image that show any of it
+  std::uint32_t width_px = 0, height_px = 0;
   double pixel_rad = 0;
   struct Scale {
     double black_w_m2_sr, white_w_m2_sr;
