@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -15,23 +14,22 @@
 #include <map>
 #include <memory>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_join.h"
-#include "core/accuracy/image_layers.h"
 #include "core/base/printable.h"
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
-#include "core/image/image.h"
-#include "schema/store/check_picture.h"
 #include "view/base/atomic_file.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/export_journal.h"
+#include "view/pictures/exported_sweeps.h"
 #include "view/pictures/image_labels.h"
 #include "view/pictures/masks.h"
+#include "view/pictures/picture_files.h"
 #include "view/pictures/picture_scale.h"
-#include "view/pictures/recorded_image.h"
 #include "view/pictures/shown_image.h"
 
 namespace irsig {
@@ -50,11 +48,6 @@ constexpr std::uint64_t kFnvBasis = 14695981039346656037u;
 std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = kFnvBasis) {
   for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
   return hash;
-}
-
-double hottest_of(const RadianceImage& image) {
-  return static_cast<double>(
-      *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end()));
 }
 
 std::string json_number(double value) {
@@ -81,12 +74,12 @@ class ThumbnailFolder {
       return absl::NotFoundError("nothing to export: no signature matches the filters");
     }
     ids_ = std::move(ids);
-    RETURN_IF_ERROR(find_parts());
+    ASSIGN_OR_RETURN(sweeps_, ExportedSweeps::read(reader_, asked_.query.sweep));
     ASSIGN_OR_RETURN(const auto lock, begin());
     absl::Status done = find_scale();
     if (done.ok()) done = paint_all();
     if (!done.ok()) {
-      if (never_) remove_partial();
+      if (is_final(done)) remove_partial();
       return done;
     }
     std::error_code error;
@@ -109,12 +102,6 @@ class ThumbnailFolder {
   [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
   [[nodiscard]] std::string path_of(Growing file) const { return partial_ + "/" + kGrowing[file]; }
 
-  // Of a row whose picture cannot be: the same call would end there again, and another is refused.
-  absl::Status never(absl::Status why) {
-    never_ = true;
-    return why;
-  }
-
   // What this wrote; a folder that holds more stays.
   void remove_partial() const {
     std::error_code error;
@@ -129,31 +116,11 @@ class ThumbnailFolder {
       fs::remove(partial_ + file, error);
   }
 
+  // At least the bands of a cube and one image more.
   [[nodiscard]] std::size_t at_once() const {
-    std::size_t longest = 1;
-    for (const auto& [sweep, px] : most_px_) longest = std::max<std::size_t>(longest, px);
-    return std::clamp<std::size_t>(kPixelsAtOnce / (longest * longest), 1, kAtOnce);
-  }
-
-  // In the order of sweeps and of their lists.
-  absl::Status find_parts() {
-    ASSIGN_OR_RETURN(const auto sweeps, reader_.contents());
-    for (const SweepContents& of : sweeps) {
-      if (!asked_.query.sweep.empty() && of.name != asked_.query.sweep) continue;
-      ASSIGN_OR_RETURN(const auto sweep, reader_.sweep(of.name));
-      for (const schema::Part& part : sweep.resolved.sweep().part())
-        if (std::find(parts_.begin(), parts_.end(), part.name()) == parts_.end())
-          parts_.push_back(part.name());
-      place_[of.name] = place_.size();
-      most_px_[of.name] = most_px_of(sweep.resolved.sweep());
-      for (const schema::Band& b : sweep.resolved.sweep().band()) {
-        Band& band = band_[{of.name, b.name()}];
-        band = {b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
-        for (const schema::SpectralPoint& point : b.response())
-          band.response.push_back({point.lambda_um(), point.value()});
-      }
-    }
-    return absl::OkStatus();
+    const std::size_t longest = sweeps_.most_px();
+    const std::size_t least = asked_.format == PictureFormat::kEnvi ? sweeps_.most_bands() + 1 : 1;
+    return std::max(least, std::min(kAtOnce, kPixelsAtOnce / (longest * longest)));
   }
 
   absl::Status make_folders() const {
@@ -190,6 +157,8 @@ class ThumbnailFolder {
         asked_.validation, asked_.split_seed, ids_.size(), hash);
     if (asked_.imager)
       journal_.asked += fmt::format(" imager {:016x}", fnv1a(asked_.imager_identity));
+    if (asked_.format != PictureFormat::kPng)
+      journal_.asked += fmt::format(" as {}", ending_of(asked_.format));
     for (const CocoCategory& c : asked_.categories)
       journal_.asked +=
           fmt::format(" {}={}", printable(c.name), printable(absl::StrJoin(c.pattern, ",")));
@@ -209,16 +178,37 @@ class ThumbnailFolder {
     return lock;
   }
 
-  // Rows from..to that have an image.
+  // The images of some rows, and the first row behind them.
+  struct Some {
+    std::vector<RowImage> images;
+    std::size_t end = 0;
+  };
+
+  // The bands of a cube are one after the other.
+  static bool of_one_cube(const StoredSignature& a, const StoredSignature& b) {
+    const auto view = [](const StoredSignature& s) {
+      return std::tie(s.sweep, s.season, s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg,
+                      s.range_m);
+    };
+    return view(a) == view(b);
+  }
+
+  // Of rows from `from` on, those that have an image; no cube is cut.
   //   silhouettes  whether they are read, too
-  absl::StatusOr<std::vector<RowImage>> images(std::size_t from, std::size_t to, bool silhouettes) {
+  absl::StatusOr<Some> images(std::size_t from, bool silhouettes) {
+    std::size_t to = std::min(ids_.size(), from + at_once());
     ASSIGN_OR_RETURN(auto rows, reader_.read({ids_.data() + from, to - from}));
+    if (asked_.format == PictureFormat::kEnvi && to < ids_.size()) {
+      const StoredSignature last = rows.back();
+      while (rows.size() > 1 && of_one_cube(rows.back(), last)) rows.pop_back();
+      to = from + rows.size();
+    }
     const std::string wanted = shown_.wanted_layer();
-    std::vector<RowImage> out;
+    Some out{{}, to};
     for (StoredSignature& s : rows) {
       ASSIGN_OR_RETURN(auto thumbnail, reader_.thumbnail(s.signature_id));
       if (!thumbnail.has_value()) continue;
-      RowImage& image = out.emplace_back();
+      RowImage& image = out.images.emplace_back();
       image.thumbnail = *std::move(thumbnail);
       if (silhouettes) {
         auto silhouette = reader_.silhouette(s.signature_id);
@@ -226,7 +216,7 @@ class ThumbnailFolder {
           silhouette = absl::DataLossError("it has no silhouette");
         if (!silhouette.ok()) {
           if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
-          return damaged(s, std::string(silhouette.status().message()));
+          return sweeps_.damaged(s, std::string(silhouette.status().message()));
         }
         image.silhouette = **std::move(silhouette);
       }
@@ -241,29 +231,15 @@ class ThumbnailFolder {
     return out;
   }
 
-  [[nodiscard]] std::uint32_t most_px(const StoredSignature& s) const {
-    const auto of_sweep = most_px_.find(s.sweep);
-    return s.superseded || of_sweep == most_px_.end() ? kMostPixels : of_sweep->second;
-  }
-
-  // What the pictures of the images show.
+  // The radiance that the picture of each image shows.
   absl::StatusOr<std::vector<ShownImage>> shown(const std::vector<RowImage>& some) {
     std::vector<ShownImage> out;
     for (const RowImage& image : some) {
-      auto one = shown_image(image, shown_, most_px(image.signature));
-      if (!one.ok()) return never(one.status());
+      auto one = shown_image(image, shown_, sweeps_.most_px(image.signature));
+      if (!one.ok()) return final_end(one.status());
       out.push_back(*std::move(one));
     }
     return out;
-  }
-
-  absl::Status damaged(const StoredSignature& s, const std::string& how) {
-    return never(absl::DataLossError(
-        fmt::format("the stored image of row {}{} ({}.png) is damaged: {}", s.row,
-                    place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), how)));
-  }
-  absl::Status damaged(const StoredSignature& s, const absl::Status& why) {
-    return damaged(s, std::string(why.message()));
   }
 
   // Calls work(images, the first row behind them) for all rows from `begin` on. While it works, the
@@ -273,23 +249,22 @@ class ThumbnailFolder {
   absl::Status visit_rows(
       std::size_t begin, bool silhouettes,
       const std::function<absl::Status(std::vector<RowImage>&, std::size_t, const Wait&)>& work) {
-    const auto end_of = [&](std::size_t from) { return std::min(ids_.size(), from + at_once()); };
     const auto read_from = [&](std::size_t from) {
-      return std::async(std::launch::async,
-                        [=, this] { return images(from, end_of(from), silhouettes); });
+      return std::async(std::launch::async, [=, this] { return images(from, silhouettes); });
     };
     auto next = read_from(begin);
-    for (std::size_t from = begin; from < ids_.size(); from = end_of(from)) {
+    for (std::size_t from = begin; from < ids_.size();) {
       ASSIGN_OR_RETURN(auto some, next.get());
-      next = read_from(end_of(from));
-      RETURN_IF_ERROR(work(some, end_of(from), [&] { next.wait(); }));
+      from = some.end;
+      next = read_from(from);
+      RETURN_IF_ERROR(work(some.images, from, [&] { next.wait(); }));
     }
     return absl::OkStatus();
   }
 
   // Of all rows, before the first is painted.
   absl::Status find_scale() {
-    if (asked_.imager || scale_.kind != PictureScale::Kind::kCommon) return absl::OkStatus();
+    if (!has_grey_scale() || scale_.kind != PictureScale::Kind::kCommon) return absl::OkStatus();
     LoopProgress progress("images compared", ids_.size());
     progress.step(journal_.seen);
     return visit_rows(
@@ -300,7 +275,7 @@ class ThumbnailFolder {
           RETURN_IF_ERROR(
               visit_images(pictures, read_,
                            [&](std::size_t i, absl::StatusOr<RadianceImage> image) -> absl::Status {
-                             if (!image.ok()) return damaged(some[i].signature, image.status());
+                             if (!image.ok()) return damaged(some[i], image.status());
                              hottest[i] = hottest_of(*image);
                              return absl::OkStatus();
                            }));
@@ -314,9 +289,12 @@ class ThumbnailFolder {
         });
   }
 
-  [[nodiscard]] std::string name_of(const StoredSignature& s) const {
-    return place_.size() > 1 ? fmt::format("images/{}-{:07}", place_.at(s.sweep) + 1, s.row)
-                             : fmt::format("images/{:07}", s.row);
+  [[nodiscard]] absl::Status damaged(const RowImage& image, const absl::Status& why) const {
+    return sweeps_.damaged(image.signature, std::string(why.message()));
+  }
+  // Whether pictures are grey from black to white.
+  [[nodiscard]] bool has_grey_scale() const {
+    return !asked_.imager && asked_.format != PictureFormat::kEnvi && asked_.bits != 32;
   }
 
   absl::Status paint_all() {
@@ -333,23 +311,18 @@ class ThumbnailFolder {
         });
   }
 
-  // What is known of a picture besides its row and its silhouette.
-  struct Facts {
-    double black_w_m2_sr = 0, white_w_m2_sr = 0;
-    ImagerInBand figures{};
-    std::uint64_t saturated_px = 0;
-    ImageContent target{};  // pixels that show any of it
-  };
-
   absl::Status paint_some(std::vector<RowImage>& some, const Wait& wait) {
     ASSIGN_OR_RETURN(const auto pictures, shown(some));
-    std::vector<Facts> facts(some.size());
-    RETURN_IF_ERROR(asked_.imager ? find_figures(some, facts) : find_ends(some, facts));
+    std::vector<PictureFacts> facts(some.size());
+    find_names(some, facts);
+    find_ends(some, facts);
+    if (asked_.imager) RETURN_IF_ERROR(files_.find_figures(some, facts));
     RETURN_IF_ERROR(
         visit_images(pictures, read_, [&](std::size_t i, absl::StatusOr<RadianceImage> image) {
-          return image.ok() ? write_picture(some[i], *std::move(image), facts[i])
-                            : damaged(some[i].signature, image.status());
+          return image.ok() ? files_.write(some[i], *std::move(image), facts[i])
+                            : damaged(some[i], image.status());
         }));
+    if (asked_.format == PictureFormat::kEnvi) RETURN_IF_ERROR(files_.write_headers(some, facts));
     if (asked_.coco) RETURN_IF_ERROR(write_objects(some));
     wait();
     std::ostringstream lines;
@@ -360,8 +333,18 @@ class ThumbnailFolder {
                   journal_.bytes[kLabels] == 0 ? table : table.substr(table.find('\n') + 1));
   }
 
+  // A cube has the name of its first row.
+  void find_names(const std::vector<RowImage>& some, std::vector<PictureFacts>& facts) const {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const bool goes_on = asked_.format == PictureFormat::kEnvi && i > 0 &&
+                           of_one_cube(some[i - 1].signature, some[i].signature);
+      facts[i].name = goes_on ? facts[i - 1].name : sweeps_.name_of(some[i].signature);
+      facts[i].band = goes_on ? facts[i - 1].band + 1 : 0;
+    }
+  }
+
   // Black and white of each picture, as far as other pictures state them.
-  absl::Status find_ends(const std::vector<RowImage>& some, std::vector<Facts>& facts) {
+  void find_ends(const std::vector<RowImage>& some, std::vector<PictureFacts>& facts) {
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
       const double white = scale_.kind == PictureScale::Kind::kCommon
@@ -371,138 +354,13 @@ class ThumbnailFolder {
       facts[i].black_w_m2_sr = static_cast<double>(static_cast<float>(scale_.black_w_m2_sr));
       facts[i].white_w_m2_sr = static_cast<double>(static_cast<float>(white));
     }
-    return absl::OkStatus();
-  }
-
-  // The files of one image. Several threads call it, each for an image of its own.
-  absl::Status write_picture(RowImage& image, RadianceImage radiance, Facts& facts) {
-    const StoredSignature& s = image.signature;
-    if (radiance.width_px != image.silhouette.width_px ||
-        radiance.height_px != image.silhouette.height_px)
-      return damaged(s, "its silhouette is of another size");
-    const std::string name = partial_ + "/" + name_of(s);
-    if (asked_.exr) {
-      RETURN_IF_ERROR(plain_file(name + ".exr", image.thumbnail.exr()));
-      RETURN_IF_ERROR(plain_file(name + ".stderr.exr", image.thumbnail.stderr_exr()));
-      if (!image.layers.empty()) RETURN_IF_ERROR(write_layers(image));
-    }
-    if (asked_.imager) {
-      RETURN_IF_ERROR(write_counts(image, std::move(radiance), facts));
-    } else {
-      if (scale_.kind == PictureScale::Kind::kOwn) facts.white_w_m2_sr = hottest_of(radiance);
-      const auto png = encode_png(
-          radiance,
-          {static_cast<float>(facts.black_w_m2_sr), static_cast<float>(facts.white_w_m2_sr)},
-          asked_.bits);
-      if (!png.ok()) return damaged(s, png.status());
-      RETURN_IF_ERROR(plain_file(name + ".png", *png));
-    }
-    facts.target = covered_pixels(image.silhouette);
-    return asked_.masks ? write_mask(image) : absl::OkStatus();
-  }
-
-  // All layers of an image in one file, and the standard errors of at_sensor.
-  absl::Status write_layers(const RowImage& image) {
-    const StoredSignature& s = image.signature;
-    std::map<std::string, std::vector<float>> layers;
-    const auto add = [&](const std::string& name, const std::string& exr) -> absl::Status {
-      const ShownImage layer{exr, most_px(s)};
-      return visit_images({&layer, 1}, read_,
-                          [&](std::size_t, absl::StatusOr<RadianceImage> read) -> absl::Status {
-                            if (!read.ok()) return damaged(s, read.status());
-                            layers[name] = std::move(read->radiance_w_m2_sr);
-                            return absl::OkStatus();
-                          });
-    };
-    for (const schema::ImageLayer& layer : image.layers) {
-      if (!image_layer_of(layer.name())) return damaged(s, "a layer has no known name");
-      RETURN_IF_ERROR(add(layer.name(), layer.exr()));
-      if (!layer.stderr_exr().empty())
-        RETURN_IF_ERROR(add(layer.name() + "_stderr", layer.stderr_exr()));
-    }
-    const auto exr =
-        encode_layers_exr(image.thumbnail.width_px(), image.thumbnail.height_px(), layers);
-    if (!exr.ok()) return damaged(s, exr.status());
-    return plain_file(partial_ + "/" + name_of(s) + ".layers.exr", *exr);
-  }
-
-  // Figures of the imager in the band of a row.
-  absl::StatusOr<ImagerInBand> figures_of(const StoredSignature& s) {
-    const auto band = band_.find({s.sweep, s.band});
-    if (band == band_.end() || band->second.lambda_min_um != s.lambda_min_um ||
-        band->second.lambda_max_um != s.lambda_max_um)
-      return never(absl::FailedPreconditionError(
-          fmt::format("row {} is of an earlier version of its sweep, with another band: run the "
-                      "sweep again",
-                      s.row)));
-    auto figures = imager_in_band(*asked_.imager, band->second);
-    if (!figures.ok()) return never(figures.status());
-    return *figures;
-  }
-
-  static absl::Status not_recorded(const StoredSignature& s, const absl::Status& why) {
-    return {why.code(), fmt::format("the image of row {}: {}", s.row, std::string(why.message()))};
-  }
-
-  // Figures of the imager for each image.
-  absl::Status find_figures(const std::vector<RowImage>& some, std::vector<Facts>& facts) {
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      ASSIGN_OR_RETURN(facts[i].figures, figures_of(some[i].signature));
-    }
-    // The image that needs the most stored pixels is checked first: its remedy serves all.
-    const auto needed = [](const RowImage& image) {
-      const schema::Thumbnail& t = image.thumbnail;
-      return t.pixel_rad() * std::max(t.width_px(), t.height_px());
-    };
-    const auto coarsest = std::max_element(
-        some.begin(), some.end(),
-        [&](const RowImage& x, const RowImage& y) { return needed(x) < needed(y); });
-    if (coarsest == some.end()) return absl::OkStatus();
-    const schema::Thumbnail& t = coarsest->thumbnail;
-    const auto grid = detector_grid(*asked_.imager, t.width_px(), t.height_px(), t.pixel_rad());
-    return grid.ok() ? absl::OkStatus() : never(not_recorded(coarsest->signature, grid.status()));
-  }
-
-  // The picture as the imager records it: the silhouette becomes that of its pixels.
-  absl::Status write_counts(RowImage& image, RadianceImage seen, Facts& facts) {
-    const StoredSignature& s = image.signature;
-    auto one = record_image(*asked_.imager, facts.figures, s, std::move(seen),
-                            image.thumbnail.pixel_rad(), image.silhouette,
-                            image.layer(irsig::name_of(ImageLayer::kAtSensor)) != nullptr);
-    if (absl::IsInvalidArgument(one.status())) return never(not_recorded(s, one.status()));
-    if (!one.ok()) return not_recorded(s, one.status());
-    facts.saturated_px = one->saturated_px;
-    image.silhouette = std::move(one->silhouette);
-    image.thumbnail.set_width_px(image.silhouette.width_px);
-    image.thumbnail.set_height_px(image.silhouette.height_px);
-    image.thumbnail.set_pixel_rad(asked_.imager->ifov_rad());
-    const std::string name = partial_ + "/" + name_of(s);
-    RETURN_IF_ERROR(plain_file(name + ".png", one->png));
-    return asked_.exr ? plain_file(name + ".noiseless.exr", one->noiseless_exr) : absl::OkStatus();
-  }
-
-  absl::Status write_mask(const RowImage& image) {
-    const std::vector<std::uint16_t> mask = part_mask(image.silhouette, parts_);
-    if (*std::max_element(mask.begin(), mask.end()) > parts_.size())
-      return never(absl::FailedPreconditionError(
-          fmt::format("row {} is of an earlier version of its sweep, with other parts: run the "
-                      "sweep again",
-                      image.signature.row)));
-    ASSIGN_OR_RETURN(
-        const auto png,
-        encode_grey_png(image.silhouette.width_px, image.silhouette.height_px, mask, mask_bits()));
-    return plain_file(partial_ + "/" + mask_of(image.signature), png);
-  }
-  [[nodiscard]] int mask_bits() const { return parts_.size() < 256 ? 8 : 16; }
-  [[nodiscard]] std::string mask_of(const StoredSignature& s) const {
-    return "masks" + name_of(s).substr(std::string_view("images").size()) + ".png";
   }
 
   [[nodiscard]] std::vector<CocoCategory> categories() const {
     if (!asked_.categories.empty()) return asked_.categories;
     if (!asked_.each_part) return {{"target", {"*"}}};
     std::vector<CocoCategory> out;
-    for (const std::string& part : parts_) out.push_back({part, {}});
+    for (const std::string& part : sweeps_.parts()) out.push_back({part, {}});
     return out;
   }
 
@@ -520,7 +378,7 @@ class ThumbnailFolder {
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
       const bool validation = is_for_validation(s);
-      const CocoImage image{journal_.images + i + 1, name_of(s) + ".png",
+      const CocoImage image{journal_.images + i + 1, sweeps_.name_of(s) + ending_of(asked_.format),
                             some[i].thumbnail.width_px(), some[i].thumbnail.height_px()};
       const std::string more =
           fmt::format(R"("sweep": {}, "row": {}, "season": {}, "time_utc": {}, "band": {}, )"
@@ -547,9 +405,10 @@ class ThumbnailFolder {
     if (asked_.masks) {
       std::ostringstream text;
       ASSIGN_OR_RETURN(auto table, make_table_writer("csv", {{"value"}, {"part"}}, text));
-      for (std::size_t p = 0; p < parts_.size(); ++p) table->row({std::uint64_t{p + 1}, parts_[p]});
+      for (std::size_t p = 0; p < sweeps_.parts().size(); ++p)
+        table->row({std::uint64_t{p + 1}, sweeps_.parts()[p]});
       RETURN_IF_ERROR(table->finish());
-      RETURN_IF_ERROR(plain_file(partial_ + "/parts.csv", text.str()));
+      RETURN_IF_ERROR(PictureFiles::plain_file(partial_ + "/parts.csv", text.str()));
     }
     if (!asked_.coco) return absl::OkStatus();
     const bool divided = asked_.validation > 0;
@@ -559,15 +418,6 @@ class ThumbnailFolder {
       RETURN_IF_ERROR(write_coco(path_of(kValidationImages), path_of(kValidationObjects),
                                  categories(), partial_ + "/validation.json"));
     return absl::OkStatus();
-  }
-
-  // In the folder that nobody reads yet.
-  static absl::Status plain_file(const std::string& path, const std::string& bytes) {
-    errno = 0;
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file << bytes;
-    file.close();
-    return file ? absl::OkStatus() : write_failure(path);
   }
 
   absl::Status append(Growing to, const std::string& lines) {
@@ -580,26 +430,31 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
-  absl::Status write_labels(const std::vector<RowImage>& some, const std::vector<Facts>& facts,
-                            std::ostream& out) {
+  absl::Status write_labels(const std::vector<RowImage>& some,
+                            const std::vector<PictureFacts>& facts, std::ostream& out) {
     std::vector<ImageLabel> labels;
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
+      const schema::Thumbnail& t = some[i].thumbnail;
       ImageLabel& label = labels.emplace_back(
-          ImageLabel{name_of(s) + ".png", mask_of(s), is_for_validation(s) ? "validation" : "train",
-                     s, facts[i].target, some[i].thumbnail.width_px(),
-                     some[i].thumbnail.height_px(), some[i].thumbnail.pixel_rad()});
+          ImageLabel{facts[i].name + ending_of(asked_.format), sweeps_.mask_of(s),
+                     is_for_validation(s) ? "validation" : "train", s, facts[i].target,
+                     t.width_px(), t.height_px(), t.pixel_rad()});
       if (asked_.imager) {
         const ImagerInBand& figures = facts[i].figures;
         label.counts = {asked_.imager_name, figures.counts_per_w_m2_sr, figures.offset_counts,
                         figures.noise_w_m2_sr, facts[i].saturated_px};
-      } else {
-        label.scale = {facts[i].black_w_m2_sr, facts[i].white_w_m2_sr};
       }
+      if (has_grey_scale()) label.scale = {facts[i].black_w_m2_sr, facts[i].white_w_m2_sr};
+      if (asked_.format == PictureFormat::kEnvi) label.band = facts[i].band + 1;
     }
-    return irsig::write_labels(
-        reader_, {asked_.masks, asked_.validation > 0, asked_.imager.has_value(), parts_}, labels,
-        out);
+    const LabelColumns columns{.mask = asked_.masks,
+                               .split = asked_.validation > 0,
+                               .imager = asked_.imager.has_value(),
+                               .band = asked_.format == PictureFormat::kEnvi,
+                               .scale = has_grey_scale(),
+                               .part = sweeps_.parts()};
+    return irsig::write_labels(reader_, columns, labels, out);
   }
 
   StoreReader& reader_;
@@ -609,15 +464,16 @@ class ThumbnailFolder {
   const ReadPictures& read_;
   const ShownAsked shown_;
   std::vector<std::int64_t> ids_;
-  std::vector<std::string> parts_;
-  std::map<std::string, std::size_t> place_;      // of sweeps
-  std::map<std::string, std::uint32_t> most_px_;  // of their images
-  std::map<SweepBand, Band> band_;
+  ExportedSweeps sweeps_;
+  const PictureFiles files_{asked_, scale_, sweeps_, partial_, read_};
   Journal journal_;
-  std::atomic<bool> never_ = false;  // whether going on would end where this call does
 };
 
 }  // namespace
+
+const char* ending_of(PictureFormat format) {
+  return format == PictureFormat::kEnvi ? ".bsq" : format == PictureFormat::kTiff ? ".tif" : ".png";
+}
 
 absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const ThumbnailsAsked& asked,
                                                 const std::string& folder,
@@ -630,6 +486,13 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
   if (asked.imager && !asked.background)
     return absl::InvalidArgumentError(
         "--imager: an imager records the radiance at the sensor, add --background");
+  if (asked.imager && asked.format != PictureFormat::kPng)
+    return absl::InvalidArgumentError("--imager: counts are written as --image-format png alone");
+  if (asked.coco && asked.format == PictureFormat::kEnvi)
+    return absl::InvalidArgumentError(
+        "--coco: its images have one band each, expected --image-format png or tiff");
+  if (asked.bits == 32 && asked.format != PictureFormat::kTiff)
+    return absl::InvalidArgumentError("--bits 32: float32 belongs to --image-format tiff");
   if (!(asked.validation >= 0 && asked.validation < 1))
     return absl::InvalidArgumentError("--validation: expected a fraction of at least 0, below 1");
   std::string path = folder;

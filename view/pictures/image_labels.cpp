@@ -33,6 +33,7 @@ std::vector<Column> heads_of(const LabelColumns& columns) {
   std::vector<Column> heads;
   const auto head = [&](std::string name) { heads.push_back({std::move(name)}); };
   head("image");
+  if (columns.band) head("image_band");
   if (columns.mask) head("mask");
   if (columns.split) head("split");
   for (const char* name : {"sweep", "row", "season", "time_utc", "band"}) head(name);
@@ -42,7 +43,7 @@ std::vector<Column> heads_of(const LabelColumns& columns) {
     for (const char* name :
          {"imager", "counts_per_w_m2_sr", "offset_counts", "noise_w_m2_sr", "saturated_px"})
       head(name);
-  } else {
+  } else if (columns.scale) {
     for (const char* name : {"black_w_m2_sr", "white_w_m2_sr"}) head(name);
   }
   for (const char* name : {"target_area_px", "target_px", "box_left_px", "box_top_px",
@@ -65,6 +66,7 @@ absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
   for (const ImageLabel& label : labels) {
     const S& s = label.signature;
     std::vector<Cell> line{label.image};
+    if (label.band) line.emplace_back(std::uint64_t{*label.band});
     if (columns.mask) line.emplace_back(label.mask);
     if (columns.split) line.emplace_back(label.split);
     line.insert(line.end(), {s.sweep, s.row, s.season, s.time_utc, s.band});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <iosfwd>
 #include <optional>
@@ -16,6 +17,8 @@ namespace irsig {
 // Which columns labels.csv has, the same for all of its lines (docs/reference/export.md).
 struct LabelColumns {
   bool mask = false, split = false, imager = false;
+  bool band = false;   // of a cube
+  bool scale = false;  // of grey
   std::vector<std::string> part;
 };
 
@@ -29,6 +32,7 @@ struct ImageLabel {
   struct Scale {
     double black_w_m2_sr, white_w_m2_sr;
   };
+  std::optional<std::size_t> band = std::nullopt;  // of the cube, the first is 1
   std::optional<Scale> scale = std::nullopt;
   struct Counts {  // of an imager instead
     std::string imager;
