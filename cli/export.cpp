@@ -32,7 +32,8 @@ struct ExportCommand {
   std::string imager;   // file; empty: none
   std::string layer;    // shown by thumbnails; empty: the radiance at the target
   bool exr = false, background = false, masks = false, coco = false, each_part = false;
-  int bits = 8;
+  std::string image_format = "png";
+  int bits = 0;  // of pictures; 0: not said
   double validation = 0;
   std::uint64_t split_seed = 1;
   std::vector<std::string> category;
@@ -75,7 +76,15 @@ struct ExportCommand {
     asked.query = query;
     asked.said = filter.text();
     if (!scale.empty()) asked.scale = scale;
-    asked.bits = bits;
+    asked.format = image_format == "envi"   ? PictureFormat::kEnvi
+                   : image_format == "tiff" ? PictureFormat::kTiff
+                                            : PictureFormat::kPng;
+    const bool cubes = asked.format == PictureFormat::kEnvi;
+    if (cubes && bits != 0)
+      return absl::InvalidArgumentError("--bits: cubes of --image-format envi are float32");
+    if (bits != 0) asked.bits = bits;
+    if (!scale.empty() && (cubes || bits == 32))
+      return absl::InvalidArgumentError("--thumbnail-scale: float32 pictures have no black and white");
     asked.exr = exr;
     asked.background = background;
     asked.layer = layer;
@@ -140,9 +149,19 @@ void add_export(CLI::App& app, int& exit_code) {
                     "W/(m2 sr)"))
       ->type_name("SCALE")
       ->excludes(imager);
-  of_thumbnails(command->add_option("--bits", options->bits, "Bits of the pictures' grey, 8 or 16"))
+  of_thumbnails(
+      command->add_option(
+          "--image-format", options->image_format,
+          "Of thumbnails: png (grey; default), tiff (grey, or float32 radiances with --bits 32) or "
+          "envi (a cube of float32 radiances for each viewpoint and condition, a band for each "
+          "band, with its .hdr)"))
+      ->type_name("FORMAT")
+      ->check(CLI::IsMember({"png", "tiff", "envi"}));
+  of_thumbnails(command->add_option("--bits", options->bits,
+                                    "Bits of the pictures' grey, 8 (default) or 16; 32: float32, "
+                                    "with --image-format tiff"))
       ->type_name("BITS")
-      ->check(CLI::IsMember({8, 16}))
+      ->check(CLI::IsMember({8, 16, 32}))
       ->excludes(imager);
   of_thumbnails(command->add_flag(
       "--exr", options->exr,

@@ -47,12 +47,13 @@ export async function askImage(row, layer) {
 }
 
 // Whether a pixel is painted: of the target it shows a part, or light of its gas.
-export const isShown = (picture, k) => isWholeFrame(picture) || picture.parts.fraction[k] > 0 || picture.value[k] !== 0;
+export const isShown = (picture, k) => picture.shown ? picture.shown[k] === 1 : isWholeFrame(picture) || picture.parts.fraction[k] > 0 || picture.value[k] !== 0;
 
 // Values that the colours are for: where the target fills at least half of a pixel, unless it is
 // smaller than that everywhere; its gas beside it; of the whole frame all.
 export function valuesOf(picture) {
   const { value, parts } = picture, { fraction } = parts;
+  if (picture.shown) return Array.from(value.filter((_, k) => picture.shown[k]));
   const least = fraction.some((f) => f >= 0.5) ? 0.5 : Number.MIN_VALUE;
   const all = isWholeFrame(picture), step = Math.ceil(value.length / 1e6);
   const out = [];
@@ -70,3 +71,12 @@ export function radianceOf({ layer, info, value, parts }, k) {
 
 // Of these layers a pixel without target has no value.
 export const isMean = ({ layer }) => MEANS.includes(layer.name);
+
+export const canSubtract = (a, b) => a.width === b.width && a.height === b.height && a.info.pixel_rad === b.info.pixel_rad;
+
+// The picture of B − A; the parts are those of A. The errors of both are taken as independent.
+export function differenceOf(a, b) {
+  const shown = Uint8Array.from(a.value, (_, k) => (isMean(a) ? isShown(a, k) && isShown(b, k) : isShown(a, k) || isShown(b, k)));
+  const stderr = a.stderr && b.stderr ? a.stderr.map((e, k) => Math.hypot(e, b.stderr[k])) : null;
+  return { ...a, value: b.value.map((v, k) => (shown[k] ? v - a.value[k] : 0)), stderr, shown };
+}

@@ -18,6 +18,13 @@ function rangeOfMost(pictures) {
   return tail > 0 && low < high ? [low, high] : [sorted[0], sorted[sorted.length - 1]];
 }
 
+// As far below 0 as above it: to the 99th percentile of the magnitudes.
+function rangeAroundZero(picture) {
+  const sorted = Float32Array.from(valuesOf(picture), Math.abs).sort();
+  const reach = sorted[sorted.length - 1 - Math.floor(sorted.length / 100)] || sorted[sorted.length - 1] || 1;
+  return [-reach, reach];
+}
+
 function painted(picture, scale) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [picture.width, picture.height];
@@ -68,10 +75,10 @@ export class ImageView {
     this.canvases.forEach((canvas, which) => readOut(canvas, { first: null, at: at(which), step, say: (place) => this.say(place ?? this.place ?? this.brightest()) }));
   }
 
-  // pictures: of image.js, one or two of one layer; names: how they are told apart, [""] for one.
+  // pictures: of image.js, one or two of one layer, or one difference; names: how they are told apart, [""] for one.
   show(pictures, { names, labels, grey, withOutlines }) {
     Object.assign(this, { pictures, names });
-    this.scale = new ColorScale(...rangeOfMost(pictures), grey ? "grey" : "sequential");
+    this.scale = pictures[0].shown ? new ColorScale(...rangeAroundZero(pictures[0]), "diverging") : new ColorScale(...rangeOfMost(pictures), grey ? "grey" : "sequential");
     this.pixels = pictures.map((p) => painted(p, this.scale));
     this.lines = pictures.map((p) => (withOutlines ? outlines(p) : null));
     this.canvases.forEach((canvas, k) => {
@@ -91,7 +98,7 @@ export class ImageView {
     const { value, width } = this.pictures[0];
     let best = 0;
     value.forEach((v, k) => {
-      if (v > value[best]) best = k;
+      if (Math.abs(v) > Math.abs(value[best])) best = k;
     });
     return [best % width, Math.floor(best / width)];
   }
@@ -104,11 +111,13 @@ export class ImageView {
     this.paint();
   }
   wordsOf(picture, k) {
-    const { value, stderr, parts, info } = picture, shows = parts.part[k] > 0;
+    const { value, stderr, parts, info } = picture, shows = parts.part[k] > 0, difference = Boolean(picture.shown);
     const what = shows ? `${parts.names[parts.part[k] - 1]} (${parts.rays[k]} of ${parts.samples} rays)` : "nothing of the target";
+    if (difference && !isShown(picture, k)) return "nothing of the target in one of them";
     if (isMean(picture) && !shows) return what;
     const out = [stderr ? withError(value[k], stderr[k], unitOf(picture)) : `${brief(value[k])} ${unitOf(picture)}`];
-    const seen = info.plain_band_um.length === 2 ? radianceOf(picture, k) : null;
+    if (difference && stderr?.[k] > 0) out.push(`${brief(value[k] / stderr[k], 3)} σ`);
+    const seen = !difference && info.plain_band_um.length === 2 ? radianceOf(picture, k) : null;
     const kelvin = seen && bandTemperature(info.plain_band_um, seen.radiance);
     if (kelvin) out.push(`apparent temperature${seen.of} ${brief(kelvin)} K`);
     return [...out, what].join(", ");

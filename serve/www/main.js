@@ -9,7 +9,7 @@ import { drawCut } from "./cut.js";
 import { budget, ledger, progress, values } from "./details.js";
 import { html, offer, Panel } from "./draw.js";
 import { Hemisphere } from "./hemisphere.js";
-import { askImage, isWholeFrame } from "./image.js";
+import { askImage, canSubtract, differenceOf as imageDifference, isWholeFrame } from "./image.js";
 import { ImageView } from "./image_view.js";
 import { askMap } from "./map.js";
 import { aspectText, brief, degrees, rangeText } from "./numbers.js";
@@ -38,7 +38,7 @@ const dome = new Hemisphere($("dome"), {
 function change(fields, { replace = false, redraw = true } = {}) {
   Object.assign(state, fields);
   const names = Object.keys(fields);
-  const small = names.every((f) => ["time", "b_time", "range_m", "aspect", "turn", "zoom", "elevation_deg", "layer", "colours", "outlines"].includes(f));
+  const small = names.every((f) => ["time", "b_time", "range_m", "aspect", "turn", "zoom", "elevation_deg", "layer", "colours", "pictures", "outlines"].includes(f));
   complete({ asked: false });
   writeAddress(state, { replace: replace || names.some((f) => f.endsWith("time")) });
   if (!small) fillControls($("controls"), state, contents, change);
@@ -175,7 +175,7 @@ async function showImage(k) {
     return hideImage("This sweep was computed without images.");
   }
   const rows = shown.b_row ? [rowOf(k), rowOf(k, "b_")] : [rowOf(k)];
-  const mine = JSON.stringify([rows, state.layer, state.colours, state.outlines]);
+  const mine = JSON.stringify([rows, state.layer, state.colours, state.pictures, state.outlines]);
   if (imageShown === mine) return;
   imageShown = mine;
   try {
@@ -202,16 +202,24 @@ function drawImage(where, rows, a, b) {
   list.value = layer.name;
   imageChoice("colours").value = state.colours === "grey" ? "grey" : "";
   imageChoice("outlines").checked = state.outlines === "1";
+  const wanted = state.pictures === "difference", difference = wanted && alike && canSubtract(a, b);
+  if (wanted && alike && !difference) sayOfImage("The images of A and B differ in size or in what a pixel subtends: there is no difference of pixels.");
+  imageChoice("pictures").parentElement.hidden = !alike;
+  imageChoice("pictures").value = wanted ? "difference" : "";
+  imageChoice("colours").disabled = difference;
   figure.querySelectorAll(".pictures span").forEach((span, i) => {
-    span.textContent = alike ? ["A", "B"][i] : "";
+    span.textContent = difference ? "B − A" : alike ? ["A", "B"][i] : "";
   });
-  imageView.show(alike ? [a, b] : [a], { names: alike ? ["A ", "B "] : [""], labels: [`The target from ${where}`, `The same of B`], grey: state.colours === "grey", withOutlines: state.outlines === "1" });
-  const error = layer.name === "" && info.error_relative > 0 ? ` Standard error of a pixel: ${brief(100 * info.error_relative, 2)} % (root mean square).` : "";
-  imageCaption.textContent = `${where}: ${layer.what}. Colours from the 1st to the 99th percentile${isWholeFrame(a) ? "" : "; stripes: nothing of the target"}. ${width} × ${height} pixels of ${brief(1e6 * info.pixel_rad, 3)} µrad.${error}`;
+  const pictures = difference ? [imageDifference(a, b)] : alike ? [a, b] : [a];
+  const names = difference ? ["B − A "] : alike ? ["A ", "B "] : [""];
+  imageView.show(pictures, { names, labels: [`${difference ? "B − A of the" : "The"} target from ${where}`, `The same of B`], grey: state.colours === "grey", withOutlines: state.outlines === "1" });
+  const colours = difference ? "B − A, errors as of independent images. Colours to the 99th percentile of the magnitude" : "Colours from the 1st to the 99th percentile";
+  const error = !difference && layer.name === "" && info.error_relative > 0 ? ` Standard error of a pixel: ${brief(100 * info.error_relative, 2)} % (root mean square).` : "";
+  imageCaption.textContent = `${where}: ${layer.what}. ${colours}${isWholeFrame(a) ? "" : "; stripes: nothing of the target"}. ${width} × ${height} pixels of ${brief(1e6 * info.pixel_rad, 3)} µrad.${error}`;
   const png = layer.name === "" ? [["PNG", addressOf("file/image.png", rows[0])]] : [];
   offer(imageTools, alike ? `${layer.command}\n${b.layer.command}` : layer.command, [...png, ["EXR", addressOf("file/image.exr", { ...rows[0], layer: layer.name })]]);
 }
-for (const name of ["layer", "colours", "outlines"])
+for (const name of ["layer", "colours", "pictures", "outlines"])
   imageChoice(name).addEventListener("change", ({ target }) => {
     change({ [name]: target.type === "checkbox" ? (target.checked ? "1" : "") : target.value }, { redraw: false });
     showImage(chosen);

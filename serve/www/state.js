@@ -4,7 +4,7 @@
 import { BAND_FIELDS } from "./bands.js";
 
 export const SELECTION = ["db", "sweep", "season", "time", "band", "at_range_m"];
-const OTHERS = [...BAND_FIELDS, "quantity", "aspect", "range_m", "elevation_deg", "compare", "show", "turn", "zoom", "layer", "colours", "outlines"];
+const OTHERS = [...BAND_FIELDS, "quantity", "aspect", "range_m", "elevation_deg", "compare", "show", "turn", "zoom", "layer", "colours", "pictures", "outlines"];
 export const FIELDS = [...SELECTION, ...OTHERS, ...SELECTION.map((f) => `b_${f}`)];
 
 export function readAddress() {

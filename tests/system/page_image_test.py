@@ -158,6 +158,50 @@ class PageImage(PageCase):
             page.settle()
             self.assertFalse(page.run("document.querySelectorAll('#image canvas')[1].checkVisibility()"))
 
+    def test_difference_of_two_conditions(self):
+        for name, page in self.each():
+            self.open(page, season="winter", band="lwir", compare=1, b_season="summer", b_band="lwir", layer="at_sensor")
+            page.choose("#image [name=pictures]", "difference")
+            page.wait("document.querySelector('#image .pictures span').textContent === 'B − A'")
+            self.assertEqual(self.state(page)["pictures"], "difference")
+            self.assertFalse(page.run("document.querySelectorAll('#image canvas')[1].checkVisibility()"))
+            self.assertTrue(page.run("document.querySelector('#image [name=colours]').disabled"))
+            bar = page.run("[...document.querySelectorAll('#image .scale svg > text.middle')].map(t => t.textContent)")
+            self.assertEqual([numbers(bar[0])[0], "0" in bar], [-numbers(bar[-1])[0], True], bar)
+            with irsig_py.open(self.db) as db:
+                a, b = (db.query(row=int(re.match(pattern, page.text(panel))[1])) for pattern, panel in
+                        ((r"Row (\d+):", "#values .where"), (r"B is row (\d+):", "#values .where + .where")))
+                difference, = numpy.subtract(b.images("at_sensor"), a.images("at_sensor"), dtype=float)
+                error, = numpy.hypot(a.images("at_sensor", stderr=True), b.images("at_sensor", stderr=True))
+                emitted, = numpy.subtract(b.images("emitted"), a.images("emitted"), dtype=float)
+            page.run(f"{CANVAS}.focus()")
+            for key in ("ArrowRight", "ArrowDown"):
+                words = page.text("#image .readout")
+                column, row = (int(n) for n in numbers(words)[:2])
+                said = re.search(rf": B − A ({NUMBER}) ± ({NUMBER}) W/\(m² sr\), ({NUMBER}) σ", words)
+                value, deviation, sigmas = (numbers(n)[0] for n in said.groups())
+                self.assertAlmostEqual(value, difference[row, column], delta=6e-5 * abs(difference).max())
+                self.assertAlmostEqual(deviation / error[row, column], 1, delta=0.06)
+                self.assertAlmostEqual(sigmas / (difference[row, column] / error[row, column]), 1, delta=0.01)
+                self.assertNotIn("apparent temperature", words)
+                page.key(key)
+            page.screenshot(SHOTS / f"image-difference-{name}.png")
+            self.check_layout(page)
+            # A layer without errors.
+            page.choose("#image [name=layer]", "emitted")
+            page.wait("document.querySelector('#image .tools a').href.endsWith('layer=emitted')")
+            words = page.text("#image .readout")
+            column, row, value = numbers(words.replace("B − A", ""))[:3]
+            self.assertNotIn("±", words)
+            self.assertAlmostEqual(value, emitted[int(row), int(column)], delta=6e-5 * abs(emitted).max())
+            page.choose("#image [name=pictures]", "")
+            page.wait("document.querySelector('#image .pictures span').textContent === 'A'")
+            self.assertTrue(page.run("document.querySelectorAll('#image canvas')[1].checkVisibility()"))
+            page.run("document.querySelector('[name=compare]').click()")
+            page.settle()
+            self.assertFalse(page.run("document.querySelector('#image [name=pictures]').checkVisibility()"))
+            self.assertFalse([e for e in page.errors if "api/cut" not in e and "readback" not in e], page.errors)
+
     def test_words_in_place_of_images(self):
         victim = self.path / "victim.sigdb"
         shutil.copy(self.db, victim)

@@ -7,6 +7,7 @@
 
 #include "core/base/status_macros.h"
 #include "view/base/atomic_file.h"
+#include "view/base/envi_text.h"
 #include "view/base/progress.h"
 #include "view/export/export.h"
 #include "view/rows/signature_quantity.h"
@@ -14,18 +15,11 @@
 namespace irsig {
 namespace {
 
-// Braces and commas separate in a header; names of seasons and bands may have them.
-std::string in_list(std::string text) {
-  for (char& c : text)
-    if (c == '{' || c == '}' || c == ',' || c == '\n') c = '_';
-  return text;
-}
-
 std::string name_of(const StoredSignature& s) {
   const std::string row = s.row > 0 ? fmt::format("row {}", s.row) : "interpolated";
-  return in_list(fmt::format("{} {} {} {} azimuth {:g} elevation {:g} deg range {:g} m of {}", row,
-                             s.season, s.time_utc, s.band, s.aspect_azimuth_deg,
-                             s.aspect_elevation_deg, s.range_m, s.sweep));
+  return envi_text(fmt::format("{} {} {} {} azimuth {:g} elevation {:g} deg range {:g} m of {}",
+                               row, s.season, s.time_utc, s.band, s.aspect_azimuth_deg,
+                               s.aspect_elevation_deg, s.range_m, s.sweep));
 }
 
 }  // namespace

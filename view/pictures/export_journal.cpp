@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "absl/strings/cord.h"
+
 namespace irsig {
 
 std::string Journal::text() const {
@@ -58,6 +60,17 @@ absl::Status Journal::cut_back(const std::string& folder) const {
   }
   return absl::OkStatus();
 }
+
+namespace {
+constexpr const char* kFinal = "irsig/final";
+}  // namespace
+
+absl::Status final_end(absl::Status why) {
+  if (!why.ok()) why.SetPayload(kFinal, absl::Cord());
+  return why;
+}
+
+bool is_final(const absl::Status& why) { return why.GetPayload(kFinal).has_value(); }
 
 absl::Status cannot_make(const std::string& path, const std::error_code& error) {
   const std::string text = fmt::format("cannot make {}: {}", path, error.message());

@@ -44,6 +44,10 @@ struct Journal {
   [[nodiscard]] absl::Status cut_back(const std::string& folder) const;
 };
 
+// Marks a failure at which the same call would end again: no folder is left to go on with.
+[[nodiscard]] absl::Status final_end(absl::Status why);
+[[nodiscard]] bool is_final(const absl::Status& why);
+
 // RESOURCE_EXHAUSTED: the disk is full; else INVALID_ARGUMENT.
 [[nodiscard]] absl::Status cannot_make(const std::string& path, const std::error_code& error);
 

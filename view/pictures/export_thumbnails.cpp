@@ -9,69 +9,39 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
-#include "core/accuracy/image_layers.h"
 #include "core/base/printable.h"
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
-#include "core/image/image.h"
-#include "schema/store/check_picture.h"
 #include "view/base/atomic_file.h"
-#include "view/base/on_all_cores.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/export_journal.h"
+#include "view/pictures/exported_sweeps.h"
 #include "view/pictures/image_labels.h"
 #include "view/pictures/masks.h"
-#include "view/pictures/recorded_image.h"
+#include "view/pictures/picture_files.h"
+#include "view/pictures/picture_scale.h"
+#include "view/pictures/shown_image.h"
 
 namespace irsig {
 namespace {
 
 namespace fs = std::filesystem;
 
-// As many as one call of the painter gets: what is computed again after an end in between. Images
-// of 128 pixels: 2000 of 20 kB, with silhouettes 100 MB. Of larger ones fewer.
-constexpr std::size_t kAtOnce = 2000;
+// Images between two entries of the journal: what is written again after an end in between. Images
+// of 128 pixels: 1000 of 40 kB, with silhouettes 70 MB, and as many that are read meanwhile. Of
+// larger ones fewer.
+constexpr std::size_t kAtOnce = 1000;
 constexpr std::size_t kPixelsAtOnce = kAtOnce * 128 * 128;
-
-struct Scale {
-  enum class Kind { kCommon, kOwn, kStated } kind = Kind::kCommon;
-  double black_w_m2_sr = 0, white_w_m2_sr = 0;
-};
-
-absl::StatusOr<Scale> parse_scale(const std::string& text) {
-  if (text == "common") return Scale{};
-  if (text == "own") return Scale{Scale::Kind::kOwn};
-  const std::vector<std::string> ends = absl::StrSplit(text, ',');
-  Scale out{Scale::Kind::kStated};
-  if (ends.size() == 2 && absl::SimpleAtod(ends[0], &out.black_w_m2_sr) &&
-      absl::SimpleAtod(ends[1], &out.white_w_m2_sr) && out.black_w_m2_sr < out.white_w_m2_sr &&
-      std::isfinite(out.black_w_m2_sr) && std::isfinite(out.white_w_m2_sr))
-    return out;
-  return absl::InvalidArgumentError(fmt::format(
-      "thumbnail scale {}: expected common, own, or BLACK,WHITE in W/(m2 sr) as 0,12.5", text));
-}
-
-struct Image {
-  StoredSignature signature;
-  schema::Thumbnail thumbnail;
-  StoredSilhouette silhouette;
-  std::vector<schema::ImageLayer> layers;  // where they are exported
-
-  [[nodiscard]] const schema::ImageLayer* layer(std::string_view name) const {
-    for (const schema::ImageLayer& one : layers)
-      if (one.name() == name) return &one;
-    return nullptr;
-  }
-};
 
 constexpr std::uint64_t kFnvBasis = 14695981039346656037u;
 
@@ -86,14 +56,15 @@ std::string json_number(double value) {
 
 class ThumbnailFolder {
  public:
-  ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, Scale scale,
+  ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, PictureScale scale,
                   std::string folder, const ReadPictures& read)
       : reader_(reader),
         asked_(asked),
         scale_(scale),
         folder_(std::move(folder)),
         partial_(folder_ + ".partial"),
-        read_(read) {}
+        read_(read),
+        shown_{asked.layer, asked.background} {}
 
   absl::StatusOr<std::uint64_t> write() {
     ASSIGN_OR_RETURN(const auto filter, filter_of(asked_.query));
@@ -103,12 +74,12 @@ class ThumbnailFolder {
       return absl::NotFoundError("nothing to export: no signature matches the filters");
     }
     ids_ = std::move(ids);
-    RETURN_IF_ERROR(find_parts());
+    ASSIGN_OR_RETURN(sweeps_, ExportedSweeps::read(reader_, asked_.query.sweep));
     ASSIGN_OR_RETURN(const auto lock, begin());
     absl::Status done = find_scale();
     if (done.ok()) done = paint_all();
     if (!done.ok()) {
-      if (never_) remove_partial();
+      if (is_final(done)) remove_partial();
       return done;
     }
     std::error_code error;
@@ -131,12 +102,6 @@ class ThumbnailFolder {
   [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
   [[nodiscard]] std::string path_of(Growing file) const { return partial_ + "/" + kGrowing[file]; }
 
-  // Of a row whose picture cannot be: the same call would end there again, and another is refused.
-  absl::Status never(absl::Status why) {
-    never_ = true;
-    return why;
-  }
-
   // What this wrote; a folder that holds more stays.
   void remove_partial() const {
     std::error_code error;
@@ -151,33 +116,11 @@ class ThumbnailFolder {
       fs::remove(partial_ + file, error);
   }
 
+  // At least the bands of a cube and one image more.
   [[nodiscard]] std::size_t at_once() const {
-    std::size_t longest = 1;
-    for (const auto& [sweep, px] : most_px_) longest = std::max<std::size_t>(longest, px);
-    // Radiances of all pixels are here at once, for an imager, in place of their PNG.
-    const std::size_t fewer = asked_.imager ? 8 : 1;
-    return std::clamp<std::size_t>(kPixelsAtOnce / fewer / (longest * longest), 1, kAtOnce / fewer);
-  }
-
-  // In the order of sweeps and of their lists.
-  absl::Status find_parts() {
-    ASSIGN_OR_RETURN(const auto sweeps, reader_.contents());
-    for (const SweepContents& of : sweeps) {
-      if (!asked_.query.sweep.empty() && of.name != asked_.query.sweep) continue;
-      ASSIGN_OR_RETURN(const auto sweep, reader_.sweep(of.name));
-      for (const schema::Part& part : sweep.resolved.sweep().part())
-        if (std::find(parts_.begin(), parts_.end(), part.name()) == parts_.end())
-          parts_.push_back(part.name());
-      place_[of.name] = place_.size();
-      most_px_[of.name] = most_px_of(sweep.resolved.sweep());
-      for (const schema::Band& b : sweep.resolved.sweep().band()) {
-        Band& band = band_[{of.name, b.name()}];
-        band = {b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
-        for (const schema::SpectralPoint& point : b.response())
-          band.response.push_back({point.lambda_um(), point.value()});
-      }
-    }
-    return absl::OkStatus();
+    const std::size_t longest = sweeps_.most_px();
+    const std::size_t least = asked_.format == PictureFormat::kEnvi ? sweeps_.most_bands() + 1 : 1;
+    return std::max(least, std::min(kAtOnce, kPixelsAtOnce / (longest * longest)));
   }
 
   absl::Status make_folders() const {
@@ -214,6 +157,8 @@ class ThumbnailFolder {
         asked_.validation, asked_.split_seed, ids_.size(), hash);
     if (asked_.imager)
       journal_.asked += fmt::format(" imager {:016x}", fnv1a(asked_.imager_identity));
+    if (asked_.format != PictureFormat::kPng)
+      journal_.asked += fmt::format(" as {}", ending_of(asked_.format));
     for (const CocoCategory& c : asked_.categories)
       journal_.asked +=
           fmt::format(" {}={}", printable(c.name), printable(absl::StrJoin(c.pattern, ",")));
@@ -233,296 +178,189 @@ class ThumbnailFolder {
     return lock;
   }
 
-  // Rows from..to that have an image.
-  absl::StatusOr<std::vector<Image>> images(std::size_t from, std::size_t to) {
+  // The images of some rows, and the first row behind them.
+  struct Some {
+    std::vector<RowImage> images;
+    std::size_t end = 0;
+  };
+
+  // The bands of a cube are one after the other.
+  static bool of_one_cube(const StoredSignature& a, const StoredSignature& b) {
+    const auto view = [](const StoredSignature& s) {
+      return std::tie(s.sweep, s.season, s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg,
+                      s.range_m);
+    };
+    return view(a) == view(b);
+  }
+
+  // Of rows from `from` on, those that have an image; no cube is cut.
+  //   silhouettes  whether they are read, too
+  absl::StatusOr<Some> images(std::size_t from, bool silhouettes) {
+    std::size_t to = std::min(ids_.size(), from + at_once());
     ASSIGN_OR_RETURN(auto rows, reader_.read({ids_.data() + from, to - from}));
-    std::vector<Image> out;
+    if (asked_.format == PictureFormat::kEnvi && to < ids_.size()) {
+      const StoredSignature last = rows.back();
+      while (rows.size() > 1 && of_one_cube(rows.back(), last)) rows.pop_back();
+      to = from + rows.size();
+    }
+    const std::string wanted = shown_.wanted_layer();
+    Some out{{}, to};
     for (StoredSignature& s : rows) {
       ASSIGN_OR_RETURN(auto thumbnail, reader_.thumbnail(s.signature_id));
       if (!thumbnail.has_value()) continue;
-      auto silhouette = reader_.silhouette(s.signature_id);
-      if (silhouette.ok() && !silhouette->has_value())
-        silhouette = absl::DataLossError("it has no silhouette");
-      if (!silhouette.ok()) {
-        if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
-        return damaged(s, std::string(silhouette.status().message()));
+      RowImage& image = out.images.emplace_back();
+      image.thumbnail = *std::move(thumbnail);
+      if (silhouettes) {
+        auto silhouette = reader_.silhouette(s.signature_id);
+        if (silhouette.ok() && !silhouette->has_value())
+          silhouette = absl::DataLossError("it has no silhouette");
+        if (!silhouette.ok()) {
+          if (!absl::IsDataLoss(silhouette.status())) return silhouette.status();
+          return sweeps_.damaged(s, std::string(silhouette.status().message()));
+        }
+        image.silhouette = **std::move(silhouette);
       }
-      std::vector<schema::ImageLayer> layers;
-      if (asked_.exr || asked_.background || !asked_.layer.empty()) {
-        ASSIGN_OR_RETURN(layers, reader_.image_layers(s.signature_id));
+      if (asked_.exr) {
+        ASSIGN_OR_RETURN(image.layers, reader_.image_layers(s.signature_id));
+      } else if (!wanted.empty()) {
+        ASSIGN_OR_RETURN(auto layer, reader_.image_layer(s.signature_id, wanted));
+        if (layer) image.layers.push_back(*std::move(layer));
       }
-      out.push_back(
-          {std::move(s), *std::move(thumbnail), **std::move(silhouette), std::move(layers)});
+      image.signature = std::move(s);
     }
     return out;
   }
 
-  absl::StatusOr<PictureTask> picture(const Image& image) {
-    const StoredSignature& s = image.signature;
-    const auto most_px = most_px_.find(s.sweep);
-    PictureTask out{
-        .exr = image.thumbnail.exr(),
-        .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels : most_px->second};
-    // A sensor's own picture has the horizon and what lies behind edges.
-    const std::string shown = !asked_.layer.empty() ? asked_.layer
-                              : asked_.background
-                                  ? std::string(irsig::name_of(ImageLayer::kAtSensor))
-                                  : std::string();
-    if (const schema::ImageLayer* layer = image.layer(shown)) {
-      out.exr = layer->exr();
-      return out;
+  // The radiance that the picture of each image shows.
+  absl::StatusOr<std::vector<ShownImage>> shown(const std::vector<RowImage>& some) {
+    std::vector<ShownImage> out;
+    for (const RowImage& image : some) {
+      auto one = shown_image(image, shown_, sweeps_.most_px(image.signature));
+      if (!one.ok()) return final_end(one.status());
+      out.push_back(*std::move(one));
     }
-    if (!asked_.layer.empty())
-      return never(absl::NotFoundError(fmt::format(
-          "the image of row {} has no layer {}: its sweep asks for none with [image] layers", s.row,
-          asked_.layer)));
-    if (!asked_.background) return out;
-    if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
-      return never(absl::FailedPreconditionError(fmt::format(
-          "row {} was computed without contrast, background and path: run the sweep again",
-          s.row)));
-    if (!std::isnan(s.plume_w_sr))
-      return never(absl::InvalidArgumentError(
-          fmt::format("row {} has hot gas, which lets part of the background through: its picture "
-                      "cannot be put before it",
-                      s.row)));
-    // So that the target's pixels add up to its apparent intensity.
-    const double arrives_w_sr =
-        s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
-    out.seen = PictureTask::Seen{
-        s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
-        s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, filled_fractions(image.silhouette)};
     return out;
   }
 
-  // Of the images' rows.
-  absl::StatusOr<std::vector<PictureAnswer>> painted(const std::vector<Image>& images,
-                                                     const std::vector<PictureTask>& pictures) {
-    ASSIGN_OR_RETURN(auto facts, read_(pictures));
-    if (facts.size() != pictures.size())
-      return absl::InternalError(
-          fmt::format("{} of {} images were painted", facts.size(), pictures.size()));
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      if (!facts[i].damage.empty()) return damaged(images[i].signature, facts[i].damage);
-      const StoredSilhouette& silhouette = images[i].silhouette;
-      if (facts[i].width_px != silhouette.width_px || facts[i].height_px != silhouette.height_px)
-        return damaged(images[i].signature, "its silhouette is of another size");
-    }
-    return facts;
-  }
-
-  absl::Status damaged(const StoredSignature& s, const std::string& how) {
-    return never(absl::DataLossError(
-        fmt::format("the stored image of row {}{} ({}.png) is damaged: {}", s.row,
-                    place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), how)));
-  }
-
-  // Of all rows, before the first is painted.
-  absl::Status find_scale() {
-    if (asked_.imager || scale_.kind != Scale::Kind::kCommon) return absl::OkStatus();
-    LoopProgress progress("images compared", ids_.size());
-    progress.step(journal_.seen);
-    while (journal_.seen < ids_.size()) {
-      const std::size_t to = std::min(ids_.size(), journal_.seen + at_once());
-      ASSIGN_OR_RETURN(auto some, images(journal_.seen, to));
-      std::vector<PictureTask> pictures;
-      for (const Image& image : some) {
-        ASSIGN_OR_RETURN(auto one, picture(image));
-        pictures.push_back(std::move(one));
-      }
-      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
-      for (std::size_t i = 0; i < some.size(); ++i) {
-        const StoredSignature& s = some[i].signature;
-        double& hottest = journal_.hottest[{s.sweep, s.band}];
-        hottest = std::max(hottest, static_cast<double>(facts[i].hottest_w_m2_sr));
-      }
-      progress.step(to - journal_.seen);
-      journal_.seen = to;
-      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
+  // Calls work(images, the first row behind them) for all rows from `begin` on. While it works, the
+  // next images are read: it must not use the reader before it has called the function that it is
+  // given, which waits for them.
+  using Wait = std::function<void()>;
+  absl::Status visit_rows(
+      std::size_t begin, bool silhouettes,
+      const std::function<absl::Status(std::vector<RowImage>&, std::size_t, const Wait&)>& work) {
+    const auto read_from = [&](std::size_t from) {
+      return std::async(std::launch::async, [=, this] { return images(from, silhouettes); });
+    };
+    auto next = read_from(begin);
+    for (std::size_t from = begin; from < ids_.size();) {
+      ASSIGN_OR_RETURN(auto some, next.get());
+      from = some.end;
+      next = read_from(from);
+      RETURN_IF_ERROR(work(some.images, from, [&] { next.wait(); }));
     }
     return absl::OkStatus();
   }
 
-  [[nodiscard]] std::string name_of(const StoredSignature& s) const {
-    return place_.size() > 1 ? fmt::format("images/{}-{:07}", place_.at(s.sweep) + 1, s.row)
-                             : fmt::format("images/{:07}", s.row);
+  // Of all rows, before the first is painted.
+  absl::Status find_scale() {
+    if (!has_grey_scale() || scale_.kind != PictureScale::Kind::kCommon) return absl::OkStatus();
+    LoopProgress progress("images compared", ids_.size());
+    progress.step(journal_.seen);
+    return visit_rows(
+        journal_.seen, asked_.background,
+        [&](std::vector<RowImage>& some, std::size_t to, const Wait&) -> absl::Status {
+          ASSIGN_OR_RETURN(const auto pictures, shown(some));
+          std::vector<double> hottest(some.size());
+          RETURN_IF_ERROR(
+              visit_images(pictures, read_,
+                           [&](std::size_t i, absl::StatusOr<RadianceImage> image) -> absl::Status {
+                             if (!image.ok()) return damaged(some[i], image.status());
+                             hottest[i] = hottest_of(*image);
+                             return absl::OkStatus();
+                           }));
+          for (std::size_t i = 0; i < some.size(); ++i) {
+            double& all = journal_.hottest[{some[i].signature.sweep, some[i].signature.band}];
+            all = std::max(all, hottest[i]);
+          }
+          progress.step(to - journal_.seen);
+          journal_.seen = to;
+          return replace_file(journal_path(), journal_.text());
+        });
+  }
+
+  [[nodiscard]] absl::Status damaged(const RowImage& image, const absl::Status& why) const {
+    return sweeps_.damaged(image.signature, std::string(why.message()));
+  }
+  // Whether pictures are grey from black to white.
+  [[nodiscard]] bool has_grey_scale() const {
+    return !asked_.imager && asked_.format != PictureFormat::kEnvi && asked_.bits != 32;
   }
 
   absl::Status paint_all() {
     LoopProgress progress("images written", ids_.size());
     progress.step(journal_.painted);
-    while (journal_.painted < ids_.size()) {
-      const std::size_t to = std::min(ids_.size(), journal_.painted + at_once());
-      ASSIGN_OR_RETURN(auto some, images(journal_.painted, to));
-      RETURN_IF_ERROR(paint_some(some));
-      progress.step(to - journal_.painted);
-      journal_.painted = to;
-      journal_.images += some.size();
-      RETURN_IF_ERROR(replace_file(journal_path(), journal_.text()));
-    }
-    return absl::OkStatus();
+    return visit_rows(
+        journal_.painted, true,
+        [&](std::vector<RowImage>& some, std::size_t to, const Wait& wait) -> absl::Status {
+          RETURN_IF_ERROR(paint_some(some, wait));
+          progress.step(to - journal_.painted);
+          journal_.painted = to;
+          journal_.images += some.size();
+          return replace_file(journal_path(), journal_.text());
+        });
   }
 
-  absl::Status paint_some(std::vector<Image>& some) {
-    std::vector<PictureTask> pictures;
-    for (const Image& image : some) {
-      ASSIGN_OR_RETURN(auto one, picture(image));
-      const StoredSignature& s = image.signature;
-      if (asked_.exr) {
-        RETURN_IF_ERROR(plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr()));
-        RETURN_IF_ERROR(
-            plain_file(partial_ + "/" + name_of(s) + ".stderr.exr", image.thumbnail.stderr_exr()));
-      }
-      if (asked_.exr && !image.layers.empty()) RETURN_IF_ERROR(write_layers(image, one.most_px));
-      one.black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
-      one.white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
-                                                 ? journal_.hottest[{s.sweep, s.band}]
-                                                 : scale_.white_w_m2_sr);
-      pictures.push_back(std::move(one));
-    }
-    if (!asked_.imager && scale_.kind == Scale::Kind::kOwn) {
-      ASSIGN_OR_RETURN(const auto facts, painted(some, pictures));
-      for (std::size_t i = 0; i < pictures.size(); ++i)
-        pictures[i].white_w_m2_sr = facts[i].hottest_w_m2_sr;
-    }
-    for (PictureTask& picture : pictures) {
-      picture.paint = !asked_.imager;
-      picture.pixels = !picture.paint;
-      picture.bits = asked_.bits;
-    }
-    ASSIGN_OR_RETURN(auto facts, painted(some, pictures));
-    std::vector<RecordedImage> recorded;
-    if (asked_.imager) {
-      ASSIGN_OR_RETURN(recorded, record(some, facts));
-    }
-    for (std::size_t i = 0; i < some.size(); ++i)
-      RETURN_IF_ERROR(
-          plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", facts[i].png));
-    if (asked_.masks) RETURN_IF_ERROR(write_masks(some));
+  absl::Status paint_some(std::vector<RowImage>& some, const Wait& wait) {
+    ASSIGN_OR_RETURN(const auto pictures, shown(some));
+    std::vector<PictureFacts> facts(some.size());
+    find_names(some, facts);
+    find_ends(some, facts);
+    if (asked_.imager) RETURN_IF_ERROR(files_.find_figures(some, facts));
+    RETURN_IF_ERROR(
+        visit_images(pictures, read_, [&](std::size_t i, absl::StatusOr<RadianceImage> image) {
+          return image.ok() ? files_.write(some[i], *std::move(image), facts[i])
+                            : damaged(some[i], image.status());
+        }));
+    if (asked_.format == PictureFormat::kEnvi) RETURN_IF_ERROR(files_.write_headers(some, facts));
     if (asked_.coco) RETURN_IF_ERROR(write_objects(some));
+    wait();
     std::ostringstream lines;
-    RETURN_IF_ERROR(write_labels(some, pictures, recorded, lines));
+    RETURN_IF_ERROR(write_labels(some, facts, lines));
     // Every table has its heading; the file has the first's.
     const std::string table = lines.str();
     return append(kLabels,
                   journal_.bytes[kLabels] == 0 ? table : table.substr(table.find('\n') + 1));
   }
 
-  // All layers of an image in one file, and the standard errors of at_sensor.
-  absl::Status write_layers(const Image& image, std::uint32_t most_px) {
-    std::vector<PictureTask> tasks;
-    std::vector<std::string> names;
-    const auto add = [&](std::string name, const std::string& exr) {
-      names.push_back(std::move(name));
-      tasks.push_back({.exr = exr, .most_px = most_px, .pixels = true});
-    };
-    for (const schema::ImageLayer& layer : image.layers) {
-      if (!image_layer_of(layer.name()))
-        return damaged(image.signature, "a layer has no known name");
-      add(layer.name(), layer.exr());
-      if (!layer.stderr_exr().empty()) add(layer.name() + "_stderr", layer.stderr_exr());
+  // A cube has the name of its first row.
+  void find_names(const std::vector<RowImage>& some, std::vector<PictureFacts>& facts) const {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const bool goes_on = asked_.format == PictureFormat::kEnvi && i > 0 &&
+                           of_one_cube(some[i - 1].signature, some[i].signature);
+      facts[i].name = goes_on ? facts[i - 1].name : sweeps_.name_of(some[i].signature);
+      facts[i].band = goes_on ? facts[i - 1].band + 1 : 0;
     }
-    ASSIGN_OR_RETURN(auto answers, read_(tasks));
-    std::map<std::string, std::vector<float>> layers;
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      if (!answers[i].damage.empty()) return damaged(image.signature, answers[i].damage);
-      layers[names[i]] = std::move(answers[i].pixel);
-    }
-    const auto exr =
-        encode_layers_exr(image.thumbnail.width_px(), image.thumbnail.height_px(), layers);
-    if (!exr.ok()) return damaged(image.signature, std::string(exr.status().message()));
-    return plain_file(partial_ + "/" + name_of(image.signature) + ".layers.exr", *exr);
   }
 
-  // Figures of the imager in the band of a row.
-  absl::StatusOr<ImagerInBand> figures_of(const StoredSignature& s) {
-    const auto band = band_.find({s.sweep, s.band});
-    if (band == band_.end() || band->second.lambda_min_um != s.lambda_min_um ||
-        band->second.lambda_max_um != s.lambda_max_um)
-      return never(absl::FailedPreconditionError(
-          fmt::format("row {} is of an earlier version of its sweep, with another band: run the "
-                      "sweep again",
-                      s.row)));
-    auto figures = imager_in_band(*asked_.imager, band->second);
-    if (!figures.ok()) return never(figures.status());
-    return *figures;
-  }
-
-  static absl::Status not_recorded(const StoredSignature& s, const absl::Status& why) {
-    return {why.code(), fmt::format("the image of row {}: {}", s.row, std::string(why.message()))};
-  }
-
-  // Images as the imager records them: `some` and `facts` become those of its pixels.
-  absl::StatusOr<std::vector<RecordedImage>> record(std::vector<Image>& some,
-                                                    std::vector<PictureAnswer>& facts) {
-    std::vector<ImagerInBand> figures;
-    for (const Image& image : some) {
-      ASSIGN_OR_RETURN(const auto one, figures_of(image.signature));
-      figures.push_back(one);
+  // Black and white of each picture, as far as other pictures state them.
+  void find_ends(const std::vector<RowImage>& some, std::vector<PictureFacts>& facts) {
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const StoredSignature& s = some[i].signature;
+      const double white = scale_.kind == PictureScale::Kind::kCommon
+                               ? journal_.hottest[{s.sweep, s.band}]
+                               : scale_.white_w_m2_sr;
+      // As float32, in which the picture is painted.
+      facts[i].black_w_m2_sr = static_cast<double>(static_cast<float>(scale_.black_w_m2_sr));
+      facts[i].white_w_m2_sr = static_cast<double>(static_cast<float>(white));
     }
-    // The image that needs the most stored pixels is checked first: its remedy serves all.
-    const auto needed = [](const Image& image) {
-      const schema::Thumbnail& t = image.thumbnail;
-      return t.pixel_rad() * std::max(t.width_px(), t.height_px());
-    };
-    const auto coarsest =
-        std::max_element(some.begin(), some.end(),
-                         [&](const Image& x, const Image& y) { return needed(x) < needed(y); });
-    if (coarsest != some.end()) {
-      const schema::Thumbnail& t = coarsest->thumbnail;
-      const auto grid = detector_grid(*asked_.imager, t.width_px(), t.height_px(), t.pixel_rad());
-      if (!grid.ok()) return never(not_recorded(coarsest->signature, grid.status()));
-    }
-    std::vector<RecordedImage> out(some.size());
-    const absl::Status done = on_all_cores(some.size(), [&](std::size_t i) -> absl::Status {
-      Image& image = some[i];
-      PictureAnswer& f = facts[i];
-      const StoredSignature& s = image.signature;
-      const RadianceImage seen{f.width_px, f.height_px, std::move(f.pixel)};
-      auto one = record_image(*asked_.imager, figures[i], s, seen, image.thumbnail.pixel_rad(),
-                              image.silhouette,
-                              image.layer(irsig::name_of(ImageLayer::kAtSensor)) != nullptr);
-      if (!one.ok()) return not_recorded(s, one.status());
-      out[i] = *std::move(one);
-      f.png = std::move(out[i].png);
-      image.silhouette = std::move(out[i].silhouette);
-      image.thumbnail.set_width_px(image.silhouette.width_px);
-      image.thumbnail.set_height_px(image.silhouette.height_px);
-      image.thumbnail.set_pixel_rad(asked_.imager->ifov_rad());
-      return asked_.exr ? plain_file(partial_ + "/" + name_of(s) + ".noiseless.exr",
-                                     std::exchange(out[i].noiseless_exr, {}))
-                        : absl::OkStatus();
-    });
-    if (absl::IsInvalidArgument(done)) return never(done);
-    if (!done.ok()) return done;
-    return out;
-  }
-
-  absl::Status write_masks(const std::vector<Image>& some) {
-    for (const Image& image : some) {
-      const std::vector<std::uint16_t> mask = part_mask(image.silhouette, parts_);
-      if (*std::max_element(mask.begin(), mask.end()) > parts_.size())
-        return never(absl::FailedPreconditionError(
-            fmt::format("row {} is of an earlier version of its sweep, with other parts: run the "
-                        "sweep again",
-                        image.signature.row)));
-      ASSIGN_OR_RETURN(const auto png,
-                       encode_grey_png(image.silhouette.width_px, image.silhouette.height_px, mask,
-                                       mask_bits()));
-      RETURN_IF_ERROR(plain_file(partial_ + "/" + mask_of(image.signature), png));
-    }
-    return absl::OkStatus();
-  }
-  [[nodiscard]] int mask_bits() const { return parts_.size() < 256 ? 8 : 16; }
-  [[nodiscard]] std::string mask_of(const StoredSignature& s) const {
-    return "masks" + name_of(s).substr(std::string_view("images").size()) + ".png";
   }
 
   [[nodiscard]] std::vector<CocoCategory> categories() const {
     if (!asked_.categories.empty()) return asked_.categories;
     if (!asked_.each_part) return {{"target", {"*"}}};
     std::vector<CocoCategory> out;
-    for (const std::string& part : parts_) out.push_back({part, {}});
+    for (const std::string& part : sweeps_.parts()) out.push_back({part, {}});
     return out;
   }
 
@@ -534,13 +372,13 @@ class ThumbnailFolder {
     return std::ldexp(static_cast<double>(hash), -64) < asked_.validation;
   }
 
-  absl::Status write_objects(const std::vector<Image>& some) {
+  absl::Status write_objects(const std::vector<RowImage>& some) {
     const std::vector<CocoCategory> classes = categories();
     std::array<std::string, kGrowing.size()> lines;
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
       const bool validation = is_for_validation(s);
-      const CocoImage image{journal_.images + i + 1, name_of(s) + ".png",
+      const CocoImage image{journal_.images + i + 1, sweeps_.name_of(s) + ending_of(asked_.format),
                             some[i].thumbnail.width_px(), some[i].thumbnail.height_px()};
       const std::string more =
           fmt::format(R"("sweep": {}, "row": {}, "season": {}, "time_utc": {}, "band": {}, )"
@@ -567,9 +405,10 @@ class ThumbnailFolder {
     if (asked_.masks) {
       std::ostringstream text;
       ASSIGN_OR_RETURN(auto table, make_table_writer("csv", {{"value"}, {"part"}}, text));
-      for (std::size_t p = 0; p < parts_.size(); ++p) table->row({std::uint64_t{p + 1}, parts_[p]});
+      for (std::size_t p = 0; p < sweeps_.parts().size(); ++p)
+        table->row({std::uint64_t{p + 1}, sweeps_.parts()[p]});
       RETURN_IF_ERROR(table->finish());
-      RETURN_IF_ERROR(plain_file(partial_ + "/parts.csv", text.str()));
+      RETURN_IF_ERROR(PictureFiles::plain_file(partial_ + "/parts.csv", text.str()));
     }
     if (!asked_.coco) return absl::OkStatus();
     const bool divided = asked_.validation > 0;
@@ -579,15 +418,6 @@ class ThumbnailFolder {
       RETURN_IF_ERROR(write_coco(path_of(kValidationImages), path_of(kValidationObjects),
                                  categories(), partial_ + "/validation.json"));
     return absl::OkStatus();
-  }
-
-  // In the folder that nobody reads yet.
-  static absl::Status plain_file(const std::string& path, const std::string& bytes) {
-    errno = 0;
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file << bytes;
-    file.close();
-    return file ? absl::OkStatus() : write_failure(path);
   }
 
   absl::Status append(Growing to, const std::string& lines) {
@@ -600,44 +430,50 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
-  absl::Status write_labels(const std::vector<Image>& some,
-                            const std::vector<PictureTask>& pictures,
-                            const std::vector<RecordedImage>& recorded, std::ostream& out) {
+  absl::Status write_labels(const std::vector<RowImage>& some,
+                            const std::vector<PictureFacts>& facts, std::ostream& out) {
     std::vector<ImageLabel> labels;
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
+      const schema::Thumbnail& t = some[i].thumbnail;
       ImageLabel& label = labels.emplace_back(
-          ImageLabel{name_of(s) + ".png", mask_of(s), is_for_validation(s) ? "validation" : "train",
-                     s, some[i].silhouette, some[i].thumbnail.pixel_rad()});
+          ImageLabel{facts[i].name + ending_of(asked_.format), sweeps_.mask_of(s),
+                     is_for_validation(s) ? "validation" : "train", s, facts[i].target,
+                     t.width_px(), t.height_px(), t.pixel_rad()});
       if (asked_.imager) {
-        const ImagerInBand& figures = recorded[i].figures;
+        const ImagerInBand& figures = facts[i].figures;
         label.counts = {asked_.imager_name, figures.counts_per_w_m2_sr, figures.offset_counts,
-                        figures.noise_w_m2_sr, recorded[i].saturated_px};
-      } else {
-        label.scale = {static_cast<double>(pictures[i].black_w_m2_sr),
-                       static_cast<double>(pictures[i].white_w_m2_sr)};
+                        figures.noise_w_m2_sr, facts[i].saturated_px};
       }
+      if (has_grey_scale()) label.scale = {facts[i].black_w_m2_sr, facts[i].white_w_m2_sr};
+      if (asked_.format == PictureFormat::kEnvi) label.band = facts[i].band + 1;
     }
-    return irsig::write_labels(
-        reader_, {asked_.masks, asked_.validation > 0, asked_.imager.has_value(), parts_}, labels,
-        out);
+    const LabelColumns columns{.mask = asked_.masks,
+                               .split = asked_.validation > 0,
+                               .imager = asked_.imager.has_value(),
+                               .band = asked_.format == PictureFormat::kEnvi,
+                               .scale = has_grey_scale(),
+                               .part = sweeps_.parts()};
+    return irsig::write_labels(reader_, columns, labels, out);
   }
 
   StoreReader& reader_;
   const ThumbnailsAsked& asked_;
-  const Scale scale_;
+  const PictureScale scale_;
   const std::string folder_, partial_;
   const ReadPictures& read_;
+  const ShownAsked shown_;
   std::vector<std::int64_t> ids_;
-  std::vector<std::string> parts_;
-  std::map<std::string, std::size_t> place_;      // of sweeps
-  std::map<std::string, std::uint32_t> most_px_;  // of their images
-  std::map<SweepBand, Band> band_;
+  ExportedSweeps sweeps_;
+  const PictureFiles files_{asked_, scale_, sweeps_, partial_, read_};
   Journal journal_;
-  bool never_ = false;  // whether going on would end where this call does
 };
 
 }  // namespace
+
+const char* ending_of(PictureFormat format) {
+  return format == PictureFormat::kEnvi ? ".bsq" : format == PictureFormat::kTiff ? ".tif" : ".png";
+}
 
 absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const ThumbnailsAsked& asked,
                                                 const std::string& folder,
@@ -646,10 +482,17 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
     return absl::InvalidArgumentError("thumbnails: images are not interpolated, use nearest");
   if (!asked.query.range_m.empty())
     return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
-  ASSIGN_OR_RETURN(const auto scale, parse_scale(asked.scale));
+  ASSIGN_OR_RETURN(const auto scale, parse_picture_scale(asked.scale));
   if (asked.imager && !asked.background)
     return absl::InvalidArgumentError(
         "--imager: an imager records the radiance at the sensor, add --background");
+  if (asked.imager && asked.format != PictureFormat::kPng)
+    return absl::InvalidArgumentError("--imager: counts are written as --image-format png alone");
+  if (asked.coco && asked.format == PictureFormat::kEnvi)
+    return absl::InvalidArgumentError(
+        "--coco: its images have one band each, expected --image-format png or tiff");
+  if (asked.bits == 32 && asked.format != PictureFormat::kTiff)
+    return absl::InvalidArgumentError("--bits 32: float32 belongs to --image-format tiff");
   if (!(asked.validation >= 0 && asked.validation < 1))
     return absl::InvalidArgumentError("--validation: expected a fraction of at least 0, below 1");
   std::string path = folder;

@@ -14,15 +14,24 @@
 
 namespace irsig {
 
+enum class PictureFormat {
+  kPng,   // grey of 8 or 16 bits
+  kTiff,  // likewise, or float32 with 32 bits
+  kEnvi   // float32: a cube for each viewpoint and condition, with the bands that are asked for
+};
+// ".png", ".tif", ".bsq".
+[[nodiscard]] const char* ending_of(PictureFormat format);
+
 struct ThumbnailsAsked {
   Query query;
   // "common": from 0 to the hottest pixel of all of them in the same sweep and band; "own": each
   // to its own; or "BLACK,WHITE" [W/(m2 sr)].
   std::string scale = "common";
-  int bits = 8;                          // of a picture's grey: 8 or 16
-  bool exr = false;                      // beside each picture, as stored, and its standard errors
-  bool masks = false;                    // beside each picture, which part a pixel shows
-  bool coco = false;                     // labels of objects as COCO's JSON, too
+  PictureFormat format = PictureFormat::kPng;
+  int bits = 8;        // of a picture's grey: 8 or 16; 32: float32, of kTiff alone
+  bool exr = false;    // beside each picture, as stored, and its standard errors
+  bool masks = false;  // beside each picture, which part a pixel shows
+  bool coco = false;   // labels of objects as COCO's JSON, too
   std::vector<CocoCategory> categories;  // of these objects; none: "target", of all parts
   bool each_part = false;                // or each part is a category
   // Fraction of the viewpoints whose pictures are for validation, chosen by their directions and a

@@ -4,9 +4,7 @@
 #include <cmath>
 
 #include "core/base/status_macros.h"
-#include "core/image/image.h"
 #include "view/base/table.h"
-#include "view/pictures/masks.h"
 
 namespace irsig {
 namespace {
@@ -35,6 +33,7 @@ std::vector<Column> heads_of(const LabelColumns& columns) {
   std::vector<Column> heads;
   const auto head = [&](std::string name) { heads.push_back({std::move(name)}); };
   head("image");
+  if (columns.band) head("image_band");
   if (columns.mask) head("mask");
   if (columns.split) head("split");
   for (const char* name : {"sweep", "row", "season", "time_utc", "band"}) head(name);
@@ -44,7 +43,7 @@ std::vector<Column> heads_of(const LabelColumns& columns) {
     for (const char* name :
          {"imager", "counts_per_w_m2_sr", "offset_counts", "noise_w_m2_sr", "saturated_px"})
       head(name);
-  } else {
+  } else if (columns.scale) {
     for (const char* name : {"black_w_m2_sr", "white_w_m2_sr"}) head(name);
   }
   for (const char* name : {"target_area_px", "target_px", "box_left_px", "box_top_px",
@@ -67,6 +66,7 @@ absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
   for (const ImageLabel& label : labels) {
     const S& s = label.signature;
     std::vector<Cell> line{label.image};
+    if (label.band) line.emplace_back(std::uint64_t{*label.band});
     if (columns.mask) line.emplace_back(label.mask);
     if (columns.split) line.emplace_back(label.split);
     line.insert(line.end(), {s.sweep, s.row, s.season, s.time_utc, s.band});
@@ -74,7 +74,7 @@ absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
     const auto add_counts = [&](std::initializer_list<std::uint32_t> numbers) {
       for (const std::uint32_t n : numbers) line.emplace_back(std::uint64_t{n});
     };
-    add_counts({label.silhouette.width_px, label.silhouette.height_px});
+    add_counts({label.width_px, label.height_px});
     line.emplace_back(label.pixel_rad);
     if (label.counts)
       line.insert(line.end(), {label.counts->imager, label.counts->counts_per_w_m2_sr,
@@ -83,7 +83,7 @@ absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
     else if (label.scale)
       line.insert(line.end(), {label.scale->black_w_m2_sr, label.scale->white_w_m2_sr});
     line.emplace_back(s.projected_area_m2 / std::pow(label.pixel_rad * s.range_m, 2));
-    const ImageContent target = covered_pixels(label.silhouette);
+    const ImageContent& target = label.target;
     add_counts({target.shown_px, target.left_px, target.top_px, target.width_px, target.height_px});
     for (const Number& n : kValues) line.push_back(known(s.*n.member));
     ASSIGN_OR_RETURN(const auto parts, reader.parts(s.signature_id));

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/image/image.h"
 #include "schema/store/reader.h"
 #include "schema/store/rows.h"
 
@@ -14,6 +17,8 @@ namespace irsig {
 // Which columns labels.csv has, the same for all of its lines (docs/reference/export.md).
 struct LabelColumns {
   bool mask = false, split = false, imager = false;
+  bool band = false;   // of a cube
+  bool scale = false;  // of grey
   std::vector<std::string> part;
 };
 
@@ -21,11 +26,13 @@ struct LabelColumns {
 struct ImageLabel {
   std::string image, mask, split;  // the last two: where there are such columns
   const StoredSignature& signature;
-  const StoredSilhouette& silhouette;  // of the exported image
+  ImageContent target;  // pixels of the exported image that show any of it
+  std::uint32_t width_px = 0, height_px = 0;
   double pixel_rad = 0;
   struct Scale {
     double black_w_m2_sr, white_w_m2_sr;
   };
+  std::optional<std::size_t> band = std::nullopt;  // of the cube, the first is 1
   std::optional<Scale> scale = std::nullopt;
   struct Counts {  // of an imager instead
     std::string imager;
