@@ -86,6 +86,9 @@ void check_layers(const schema::Sweep& sweep, const SectionCheck& check) {
       check.error("layers", absl::StrCat("has \"", name_of(layer), "\" without \"",
                                          name_of(ImageLayer::kAtSensor),
                                          "\", of which it is a part: add it"));
+  if (has(ImageLayer::kSunlit) && !sweep.transport().sun())
+    check.error("layers", absl::StrCat("has \"", name_of(ImageLayer::kSunlit),
+                                       "\", but the sweep has no sun: set [transport] sun = true"));
   if (!layers.empty() && sweep.has_plume())
     check.error("layers",
                 "do not apply with [plume], whose gas is in the image of the target alone: leave "

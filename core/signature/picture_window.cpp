@@ -65,7 +65,7 @@ TracedPictures PictureWindow::joined(TracedPictures squares, const ImagePlan& pl
                                      std::uint32_t& samples) const {
   if (side_ == 1) return squares;
   TracedPictures out;
-  const std::size_t images = plan.images, kinds = images * plan.kinds, values = 1 + plan.values;
+  const std::size_t images = plan.images, kinds = images * plan.kinds, values = plan.first_numbers();
   std::vector<double> variance(pixels() * images, 0.0),
       kind(squares.kind_sum.empty() ? 0 : pixels() * kinds, 0.0);
   out.sum.assign(pixels() * images, 0.0);

@@ -113,9 +113,28 @@ class RowPictures {
           return l <= ImageLayer::kParts || l == ImageLayer::kHidden;
         }))
       keep_causes_apart(paths, plan);
-    plan.first_hits = has(ImageLayer::kRange) || has(ImageLayer::kTemperature);
+    plan.first_hits = std::any_of(request_.image->layer.begin(), request_.image->layer.end(),
+                                  is_mean_of_target);
     if (has(ImageLayer::kTemperature)) show_temperatures(paths.emitters(), plan);
+    plan.normals = has(ImageLayer::kNormalX) || has(ImageLayer::kNormalY) ||
+                   has(ImageLayer::kNormalZ);
+    if (has(ImageLayer::kSunlit))
+      for (const std::uint32_t c : view_.setup.keys.condition)
+        if (const auto sun = towards_sun(request_.condition[c]);
+            sun && place_of(*sun, plan) == plan.towards_sun.size())
+          plan.towards_sun.push_back(*sun);
     return plan;
+  }
+
+  // Towards the middle of the sun's disk; absent while that is below the horizon, and without a sun.
+  static std::optional<Vec<Body>> towards_sun(const ConditionSpec& condition) {
+    const bool up = sun_shines(condition) && condition.sun_direction.z < condition.sun_horizon_z;
+    return up ? std::optional(condition.sun_direction) : std::nullopt;
+  }
+  static std::size_t place_of(const Vec<Body>& sun, const ImagePlan& plan) {
+    return static_cast<std::size_t>(
+        std::find(plan.towards_sun.begin(), plan.towards_sun.end(), sun) -
+        plan.towards_sun.begin());
   }
 
   void keep_causes_apart(const SourceLayout& paths, ImagePlan& plan) const {
@@ -278,7 +297,7 @@ class RowPictures {
     };
     const auto first = [&](std::size_t pixel, std::size_t which) {
       if (met[pixel] == 0) return 0.0;
-      const std::size_t at = *window_.pixel_of(pixel) * (1 + pictures_.plan.values) + which;
+      const std::size_t at = *window_.pixel_of(pixel) * pictures_.plan.first_numbers() + which;
       return pictures_.traced.first_sum[at] / met[pixel];
     };
     const std::size_t condition = row / view_.setup.keys.band.size();
@@ -329,6 +348,23 @@ class RowPictures {
         case ImageLayer::kRange:
           fill([&](std::size_t i) { return first(i, 0); });
           break;
+        case ImageLayer::kNormalX:
+        case ImageLayer::kNormalY:
+        case ImageLayer::kNormalZ: {
+          const auto axis = static_cast<std::size_t>(layer) -
+                            static_cast<std::size_t>(ImageLayer::kNormalX);
+          fill([&](std::size_t i) { return first(i, 1 + pictures_.plan.values + axis); });
+          break;
+        }
+        case ImageLayer::kSunlit: {
+          const auto sun = towards_sun(request_.condition[of.condition]);
+          const std::size_t suns = pictures_.plan.towards_sun.size(),
+                            first_sun = pictures_.plan.first_numbers() - suns;
+          fill([&](std::size_t i) {
+            return sun ? first(i, first_sun + place_of(*sun, pictures_.plan)) : 0.0;
+          });
+          break;
+        }
       }
     }
   }

@@ -54,7 +54,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
   pictures.sum.assign(plan.size(), 0.0);
   pictures.stderr_.assign(plan.size(), 0.0f);
   if (plan.kinds > 1) pictures.kind_sum.assign(plan.size() * plan.kinds, 0.0f);
-  if (plan.first_hits) pictures.first_sum.assign(plan.pixels() * (1 + plan.values), 0.0);
+  if (plan.first_hits) pictures.first_sum.assign(plan.pixels() * plan.first_numbers(), 0.0);
   Work work;
   work.plan = &plan;
   work.pictures = &pictures;
@@ -95,6 +95,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
     work.hot_light.resize(most);
     for (auto* v : {&work.hot_total, &work.hot_pick}) v->resize(most);
   }
+  if (!plan.towards_sun.empty()) work.first_shadow.resize(capacity, 0);
   if (any_glint_) {
     const auto rays = static_cast<std::uint32_t>(most * sources_.sun.size());
     work.glint_shadow.resize(rays, row);
@@ -522,6 +523,7 @@ void PathTracer::trace_batch(Work& work) const {
     if (order > 0 && gas_around_ != nullptr) cross_gas_around<kSpectral>(work);
     work.next.size = 0;
     arrive<kSpectral>(work, order);
+    if (!work.first_hit.empty()) light_first_hits(work);
     if (any_glint_) trace_glint<kSpectral>(work, order);
     if (order < settings_.max_reflections) {
       depart<kSpectral>(work, order);

@@ -118,6 +118,14 @@ struct PathTracer::Work {
   std::vector<double> group_sum;         // [pixel][group][kind][ImagePlan::padded]
   std::vector<double> sum_of_group;      // [group] of the pixel and picture being closed
   std::vector<TracedPictures::Met> met;  // one for each sample of the batch that met the target
+  // First hits of the batch that may be in the sun: the pixel as stored, and where shadow rays start.
+  struct FirstHit {
+    std::size_t pixel;
+    Float3 from, normal;
+  };
+  std::vector<FirstHit> first_hit;
+  std::vector<std::size_t> first_shadow_pixel;
+  RayBatch first_shadow;
   std::vector<Sun> sun;
   std::uint32_t capacity = 0;               // primary rays of a batch
   std::uint32_t most = 0;                   // after splitting

@@ -27,8 +27,8 @@ struct TracedPictures {
   std::vector<Met> met;
   // [pixel][image][kind] The parts of `sum`, if the plan keeps kinds of light apart.
   std::vector<float> kind_sum;
-  // Where the plan has first hits: sums over the samples that met the target: of the distance
-  // from the sensor [m], and of each value. [pixel][1 + value]
+  // Where the plan has first hits: sums over the samples that met the target, of the distance
+  // from the sensor [m] and the plan's further numbers. [pixel][ImagePlan::first_numbers()]
   std::vector<double> first_sum;
 };
 

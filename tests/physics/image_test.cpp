@@ -17,7 +17,8 @@ using namespace fixture;
 const std::vector<ImageLayer> kAll = {
     ImageLayer::kEmitted,  ImageLayer::kSun,         ImageLayer::kSky,        ImageLayer::kSurface,
     ImageLayer::kParts,    ImageLayer::kPath,        ImageLayer::kBackground, ImageLayer::kHidden,
-    ImageLayer::kAtSensor, ImageLayer::kTemperature, ImageLayer::kRange};
+    ImageLayer::kAtSensor, ImageLayer::kTemperature, ImageLayer::kRange,      ImageLayer::kNormalX,
+    ImageLayer::kNormalY,  ImageLayer::kNormalZ,     ImageLayer::kSunlit};
 
 ImageSpec framed(std::uint32_t width_px, std::uint32_t height_px, double margin = 0.05) {
   ImageSpec out;
@@ -339,6 +340,111 @@ TEST(Image, ErrorsAreAsSmallAsAskedForAndTrue) {
   }
 }
 
+// Sum of a mean over the target, weighted with the fraction that the target fills. [m2]
+double area_m2(const ViewResult& view, const SignatureResult& row, ImageLayer layer,
+               double range_m) {
+  double sum = 0;
+  for (const TracedPictures::Met& met : view.seen)
+    sum += static_cast<double>(met.samples) / view.pixel_samples * at(row, layer, met.pixel);
+  return sum * std::pow(view.pixel_rad * range_m, 2);
+}
+
+// A cube shows three faces, each as large as the cosine of its angle makes it.
+TEST(Image, NormalsAreThoseOfTheFacesInTheBodyFrame) {
+  constexpr double kRange = 1e5, kSide = 2;
+  const auto cube =
+      simulator_of(scene_of(generated("box", 12, 0, kSide, kSide, kSide), grey(0.9), lwir()));
+  for (const double azimuth_deg : {30.0, 200.0}) {
+    ViewRequest r = request(*cube, azimuth_deg, 20, kRange, {300});
+    r.image = framed(128, 128);
+    r.image->layer = {ImageLayer::kNormalX, ImageLayer::kNormalY, ImageLayer::kNormalZ};
+    const ViewResult view = simulated(*cube, r);
+    const double a = azimuth_deg * std::numbers::pi / 180, e = 20 * std::numbers::pi / 180;
+    const Vec<Body> towards{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), -std::sin(e)};
+    const auto sum = [&](ImageLayer layer) { return area_m2(view, view.row[0], layer, kRange); };
+    EXPECT_NEAR(sum(ImageLayer::kNormalX), kSide * kSide * towards.x, 0.01);
+    EXPECT_NEAR(sum(ImageLayer::kNormalY), kSide * kSide * towards.y, 0.01);
+    EXPECT_NEAR(sum(ImageLayer::kNormalZ), kSide * kSide * towards.z, 0.01);
+    std::size_t of_one_face = 0;
+    for (const TracedPictures::Met& met : view.seen) {
+      const Vec<Body> n{at(view.row[0], ImageLayer::kNormalX, met.pixel),
+                        at(view.row[0], ImageLayer::kNormalY, met.pixel),
+                        at(view.row[0], ImageLayer::kNormalZ, met.pixel)};
+      EXPECT_LE(length(n), 1 + 1e-6);
+      EXPECT_GT(dot(n, towards), 0);
+      of_one_face += length(n) > 1 - 1e-6;
+    }
+    EXPECT_GT(of_one_face, view.seen.size() * 9 / 10);
+  }
+  // A sheet with two sides, facing ahead: the side that is seen.
+  SceneSpec sheet = scene_of(generated("disk", 64, 1), grey(0.9), lwir());
+  sheet.part[0].two_sided = true;
+  const auto simulator = simulator_of(sheet);
+  for (const double azimuth_deg : {30.0, 150.0}) {
+    ViewRequest r = request(*simulator, azimuth_deg, 0, kRange, {300});
+    r.image = framed(32, 32);
+    r.image->layer = {ImageLayer::kNormalX};
+    const ViewResult view = simulated(*simulator, r);
+    ASSERT_FALSE(view.seen.empty());
+    for (const TracedPictures::Met& met : view.seen)
+      EXPECT_NEAR(at(view.row[0], ImageLayer::kNormalX, met.pixel), azimuth_deg < 90 ? 1 : -1,
+                  1e-6);
+  }
+}
+
+// The sun stands behind a wall, 45 deg up, and its shadow covers half of a square; straight above
+// there is no shadow; at night there is no sun. Which lights paths follow is another question.
+TEST(Image, SunlitIsWhatNoShadowCovers) {
+  constexpr double kRange = 1e5, kThick = 0.01;
+  Mesh yard = moved(generated("box", 12, 0, 10, 10, kThick), {0, 0, 0.5 * kThick});
+  yard = joined(yard, moved(generated("box", 12, 0, kThick, 10, 5), {-5, 0, -2.5}), "wall_");
+  const auto simulator = simulator_of(scene_of(yard, grey(0.9), lwir()));
+  ViewRequest r = request(*simulator, 0, 60, kRange, {300});
+  const auto add_sun = [&](Vec<Body> direction) {
+    ConditionSpec c = r.condition[0];
+    make_day(c);
+    c.surroundings = r.condition[0].surroundings;
+    c.sun_direction = normalized(direction);
+    c.sun_cos_zenith = -c.sun_direction.z;
+    r.condition.push_back(c);
+  };
+  add_sun({-1, 0, -1});
+  add_sun({0, 0, -1});
+  add_sun({-1, 0, 0.1});  // set
+  r.selected_condition = {0, 1, 2, 3};
+  r.image = framed(200, 200);
+  r.image->layer = {ImageLayer::kSunlit};
+  const double up = std::sin(std::numbers::pi / 3);
+  // The wall's upper edge is lit, too.
+  const double lit_m2[] = {0, 50 * up, 100 * up, 0};
+  for (const std::uint32_t reflections : {0u, 3u}) {
+    r.max_reflections = reflections;
+    const ViewResult view = simulated(*simulator, r);
+    ASSERT_EQ(view.row.size(), 4u);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(area_m2(view, view.row[k], ImageLayer::kSunlit, kRange), lit_m2[k],
+                  lit_m2[k] > 0 ? 0.25 : 0)
+          << k;
+      std::size_t whole = 0;
+      for (const float value : values(view.row[k], ImageLayer::kSunlit)) {
+        ASSERT_TRUE(value >= 0 && value <= 1);
+        whole += value == 1;
+      }
+      EXPECT_EQ(whole > 1000, lit_m2[k] > 0);
+    }
+  }
+  // Of few rows the same bits, and layers of first hits do not change the image.
+  const ViewResult all = simulated(*simulator, r);
+  r.selected_condition = {1};
+  r.image->layer = {};
+  const ViewResult bare = simulated(*simulator, r);
+  EXPECT_EQ(bare.row[0].image_w_m2_sr, all.row[1].image_w_m2_sr);
+  EXPECT_LT(bare.rays, all.rays);
+  r.image->layer = {ImageLayer::kSunlit};
+  EXPECT_EQ(values(simulated(*simulator, r).row[0], ImageLayer::kSunlit),
+            values(all.row[1], ImageLayer::kSunlit));
+}
+
 // A mirror, one facet of 1e-4 pixel, one pixel for all.
 TEST(Image, HardFramesAreShown) {
   Day d = day();
@@ -348,7 +454,11 @@ TEST(Image, HardFramesAreShown) {
     d.request.image = spec;
     for (const SignatureResult& row : simulated(*simulator, d.request).row)
       for (const LayerImage& image : row.layer)
-        for (const float value : image.value) ASSERT_TRUE(std::isfinite(value) && value > -1e-3f);
+        for (const float value : image.value)
+          ASSERT_TRUE(std::isfinite(value) &&
+                      (image.layer >= ImageLayer::kNormalX ? std::abs(value) < 1.001f
+                                                           : value > -1e-3f))
+              << name_of(image.layer);
   }
   Mesh speck = generated("box", 12, 0, 10, 10, 10);
   speck = joined(speck, moved(generated("box", 12, 0, 0.001, 0.001, 0.001), {0, 0, -10}), "speck_");

@@ -13,6 +13,10 @@ sys.path.insert(0, str(ROOT / "python"))
 import irsig as reader  # noqa: E402
 
 LIGHT = ("emitted", "sun", "sky", "surface", "parts", "path", "background")
+MEANS = ("temperature", "range", "normal_x", "normal_y", "normal_z", "sunlit")
+
+TITLES = {"temperature": "Temperature in K", "range": "Distance from the sensor in m", "sunlit": "Fraction in the sun",
+          **{f"normal_{axis}": "Component of the normal" for axis in "xyz"}}
 
 
 def irsig(*arguments, expect=0):
@@ -28,6 +32,7 @@ class ImageLayers(unittest.TestCase):
         cls.path = pathlib.Path(cls.folder.name)
         text = (ROOT / "jobs/examples/camera.toml").read_text()
         text = text.replace("[320, 256]", "[64, 48]").replace("triangles = 20000", "triangles = 2000")
+        text = text.replace('"range"]', '"range", "normal_x", "normal_y", "normal_z", "sunlit"]')
         cls.text = text.replace("pixel_error_percent = 0.5", "pixel_error_percent = 0.1\nmax_samples = 16")
         cls.sweep = cls.path / "camera.toml"
         cls.sweep.write_text(cls.text)
@@ -41,7 +46,7 @@ class ImageLayers(unittest.TestCase):
     def test_layers_add_up_in_arrays_of_python(self):
         rows = reader.open(self.db).query()
         self.assertEqual(len(rows), 6)
-        self.assertEqual(rows.image_layers()[0], sorted((*LIGHT, "hidden", "at_sensor", "temperature", "range")))
+        self.assertEqual(rows.image_layers()[0], sorted((*LIGHT, "hidden", "at_sensor", *MEANS)))
         for seen, *parts, hidden in zip(rows.images("at_sensor"), *map(rows.images, LIGHT), rows.images("hidden")):
             self.assertEqual(seen.shape, (48, 64))
             numpy.testing.assert_allclose(sum(parts) - hidden, seen, rtol=1e-6)
@@ -55,6 +60,12 @@ class ImageLayers(unittest.TestCase):
         temperature, filled = rows.images("temperature")[0], sum(rows.silhouettes()[0].values())
         self.assertEqual(set(temperature[filled == 0]), {0})
         self.assertTrue(((temperature[filled > 0] > 313) & (temperature[filled > 0] < 400.01)).all())
+        # From ahead, a little above: facets face the sensor. What is in the sun reflects some of it.
+        x, y, z, sunlit = (rows.images(layer)[0] for layer in ("normal_x", "normal_y", "normal_z", "sunlit"))
+        self.assertLessEqual(numpy.sqrt(x * x + y * y + z * z).max(), 1 + 1e-6)
+        self.assertGreater((x * filled).sum(), 0)
+        self.assertTrue(((sunlit >= 0) & (sunlit <= 1) & ((filled > 0) | (sunlit == 0))).all())
+        self.assertTrue((rows.images("sun")[0][(sunlit == 0)] == 0).mean() > 0.99 and (sunlit > 0).any())
 
     def test_the_digest_is_what_the_readme_of_the_schema_defines(self):
         self.assertEqual(irsig("digest", self.db).stdout.split()[0], readme_digest.digest(self.db))
@@ -77,7 +88,7 @@ class ImageLayers(unittest.TestCase):
         out = self.path / "seen"
         irsig("export", self.db, "--thumbnails", "--background", "--exr", "--bits", "16", "--row", "1", "--out", out)
         layers = (out / "images/0000001.layers.exr").read_bytes()
-        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", "temperature", "range"):
+        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", *MEANS):
             self.assertIn(f"{name}.Y\0".encode(), layers[:2000])
         labels = (out / "labels.csv").read_text().splitlines()
         white = float(dict(zip(labels[0].split(","), labels[1].split(",")))["white_w_m2_sr"])
@@ -86,20 +97,20 @@ class ImageLayers(unittest.TestCase):
         sun = self.path / "sun"
         irsig("export", self.db, "--thumbnails", "--layer", "sun", "--row", "1", "--out", sun)
         self.assertTrue((sun / "images/0000001.png").exists())
-        for options, why in ((("--layer", "temperature"), "is no radiance"), (("--layer", "sunn"), "--layer"),
+        for options, why in ((("--layer", "temperature"), "is no radiance"), (("--layer", "normal_x"), "is no radiance"), (("--layer", "sunn"), "--layer"),
                              (("--layer", "sun", "--background"), "--layer")):
             self.assertIn(why, irsig("export", self.db, "--thumbnails", *options, "--out", self.path / "none", expect=2).stderr)
 
     def test_plots_show_layers(self):
-        for layer in ("at_sensor", "temperature", "range", "hidden"):
+        for layer in ("at_sensor", *MEANS, "hidden"):
             file = self.path / f"{layer}.svg"
             irsig("plot", self.db, "--kind", "picture", "--layer", layer, "--row", "1", "--out", file)
-            self.assertIn({"temperature": "Temperature in K", "range": "Distance from the sensor in m"}.get(layer, "W/(m"), file.read_text())
+            self.assertIn(TITLES.get(layer, "W/(m"), file.read_text())
         irsig("plot", self.db, "--kind", "sheet", "--layer", "at_sensor", "--band", "mwir", "--out", self.path / "sheet.svg")
 
     def test_a_layer_that_is_not_there_or_damaged_has_words(self):
         few = self.path / "few.toml"
-        few.write_text(self.text.replace('"range"]', '"temperature"]').replace('"temperature", "temperature"]', '"temperature"]'))
+        few.write_text(self.text.replace('"range", ', ""))
         bare = self.path / "bare.sigdb"
         irsig("run", few, "--db", bare, "--workers", "2")
         self.assertIn("has no layer range: it has", irsig("plot", bare, "--kind", "picture", "--layer", "range", "--row", "1",
