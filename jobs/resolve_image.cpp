@@ -135,6 +135,7 @@ void write_image_defaults(schema::Sweep& sweep) {
     if (std::find(image.layers().begin(), image.layers().end(), layer.name) != image.layers().end())
       layers.emplace_back(layer.name);
   image.mutable_layers()->Assign(layers.begin(), layers.end());
+  if (!image.whole_parts()) image.clear_whole_parts();
   // What databases and coordinators know of a sweep's images.
   sweep.mutable_output()->set_thumbnail_px(std::max(image.pixels(0), image.pixels(1)));
 }

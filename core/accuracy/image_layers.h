@@ -57,7 +57,8 @@ inline constexpr std::array<ImageLayerInfo, 15> kImageLayers = {{
 [[nodiscard]] constexpr const char* name_of(ImageLayer layer) {
   return kImageLayers[static_cast<std::size_t>(layer)].name;
 }
-// Returns true if a layer is a mean over what a pixel shows of the target; the others are radiances.
+// Returns true if a layer is a mean over what a pixel shows of the target; the others are
+// radiances.
 [[nodiscard]] constexpr bool is_mean_of_target(ImageLayer layer) {
   return layer >= ImageLayer::kTemperature;
 }

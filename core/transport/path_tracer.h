@@ -60,6 +60,7 @@ struct ImagePlan {
   [[nodiscard]] std::size_t first_numbers() const {
     return 1 + values + (normals ? 3 : 0) + towards_sun.size();
   }
+  bool whole_parts = false;  // whether rays go on to the parts behind the first one
   bool empty() const { return images == 0 || width_px == 0; }
   [[nodiscard]] std::size_t pixels() const { return std::size_t{width_px} * height_px; }
   // Numbers of all pictures, [pixel][images].
@@ -252,6 +253,7 @@ class PathTracer {
   [[nodiscard]] static double* image_of(Work& work, const PathState& path, SourceId source);
   void add_first_hit(Work& work, const PathState& path, const Hit& hit) const;
   void light_first_hits(Work& work) const;
+  void meet_parts_behind(Work& work) const;
   template <typename Visit>
   void for_each_first(const Work& work, const PathState& path, Visit&& visit) const;
   template <bool kSpectral>

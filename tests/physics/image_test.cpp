@@ -445,6 +445,110 @@ TEST(Image, SunlitIsWhatNoShadowCovers) {
             values(all.row[1], ImageLayer::kSunlit));
 }
 
+// [m2] What rays cover that meet exactly these parts: in the frame, and beside it.
+struct Cover {
+  double inside_m2 = 0, outside_m2 = 0;
+};
+Cover covered(const ViewResult& view, const std::vector<std::uint32_t>& parts, double range_m) {
+  const double pixel_m2 = std::pow(view.pixel_rad * range_m, 2);
+  for (const ViewResult::PartSet& set : view.part_set) {
+    if (set.part != parts) continue;
+    double rays = 0;
+    for (const TracedPictures::Met& met : set.pixel) rays += met.samples;
+    return {pixel_m2 * rays / view.pixel_samples, pixel_m2 * set.outside_px};
+  }
+  return {};
+}
+
+// A block of 4 x 2 m before a wall of 10 x 10 m: 0.08 of the wall is hidden.
+TEST(Image, WholePartsShowTheWallBehindABlock) {
+  constexpr double kRange = 1e5;
+  Mesh mesh = generated("box", 12, 0, 1, 4, 2);
+  mesh = joined(mesh, moved(generated("box", 12, 0, 1, 10, 10), {-20, 0, 0}), "wall_");
+  SceneSpec scene = scene_of(mesh, grey(0.9), lwir());
+  scene.part = {{"wall", {"wall_*"}, 0, false, false}, {"block", {}, 0, false, false, true}};
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 0, 0, kRange, {300, 310});
+  r.image = framed(200, 200);
+  r.image->layer.clear();
+  const ViewResult bare = simulated(*simulator, r);
+  EXPECT_TRUE(bare.part_set.empty());
+  r.image->whole_parts = true;
+  const ViewResult view = simulated(*simulator, r);
+  EXPECT_NEAR(covered(view, {0}, kRange).inside_m2, 92, 0.1);
+  EXPECT_NEAR(covered(view, {0, 1}, kRange).inside_m2, 8, 0.05);
+  EXPECT_EQ(covered(view, {1}, kRange).inside_m2, 0);
+  double wall = 0;
+  for (const TracedPictures::Met& met : view.seen) wall += met.part == 0 ? met.samples : 0;
+  wall *= std::pow(view.pixel_rad * kRange, 2) / view.pixel_samples;
+  EXPECT_NEAR(
+      1 - wall / (covered(view, {0}, kRange).inside_m2 + covered(view, {0, 1}, kRange).inside_m2),
+      0.08, 5e-4);
+  for (const ViewResult::PartSet& set : view.part_set) EXPECT_EQ(set.outside_px, 0);
+  EXPECT_EQ(view.row[0].image_w_m2_sr, bare.row[0].image_w_m2_sr);
+  EXPECT_EQ(view.row[0].image_stderr_w_m2_sr, bare.row[0].image_stderr_w_m2_sr);
+  // Rays through the wall have met its front and its back when nothing is behind it.
+  EXPECT_GT(view.rays, bare.rays);
+  EXPECT_LT(view.rays, 5 * bare.rays);
+  // From behind, the wall hides all of the block; a target far below a pixel has its parts, too.
+  for (const double margin : {0.1, 50.0}) {
+    r.viewpoint = {180, 0, kRange};
+    r.image->margin = margin;
+    const ViewResult behind = simulated(*simulator, r);
+    EXPECT_NEAR(covered(behind, {0, 1}, kRange).inside_m2, 8, 0.4) << margin;
+    EXPECT_NEAR(covered(behind, {0}, kRange).inside_m2, 92, 0.5) << margin;
+  }
+  // With one part nothing stands behind.
+  scene.part = {{"all", {"*"}, 0, false, false}};
+  const auto one = simulator_of(scene);
+  r = request(*one, 0, 0, kRange, {300});
+  r.image = framed(200, 200);
+  const std::uint64_t rays = simulated(*one, r).rays;
+  r.image->whole_parts = true;
+  EXPECT_EQ(simulated(*one, r).rays, rays);
+}
+
+// Half of a plate, a quarter, and all of it lie outside the frame of a camera.
+TEST(Image, WholePartsAreMeasuredBesideTheFrame) {
+  constexpr double kRange = 1000;
+  const auto simulator =
+      simulator_of(scene_of(generated("box", 12, 0, 0.02, 4, 2), grey(0.9), lwir()));
+  ViewRequest r = request(*simulator, 0, 0, kRange, {300});
+  r.image = camera(100, 100, 2 * std::atan(2 / kRange));  // 4 m wide
+  r.image->layer.clear();
+  r.image->whole_parts = true;
+  struct Case {
+    Vec<Body> look_at;
+    double outside_m2;
+  };
+  for (const Case& c : {Case{{0, 0, 0}, 0}, Case{{0, 2, 0}, 4}, Case{{0, -1, 0}, 2},
+                        Case{{0, 0, 2}, 4}, Case{{0, 2, -2}, 6}, Case{{0, 50, 0}, 8}}) {
+    r.image->camera->look_at_m = c.look_at;
+    const ViewResult view = simulated(*simulator, r);
+    const Cover plate = covered(view, {0}, kRange);
+    // The plate's face is nearer than the plane of the frame by 1e-5.
+    EXPECT_NEAR(plate.outside_m2, c.outside_m2, 0.01 * c.outside_m2 + 1e-3) << c.look_at.y;
+    EXPECT_NEAR(plate.inside_m2, 8 - c.outside_m2, 0.02) << c.look_at.y;
+  }
+}
+
+// What lies under water is no part of a mask.
+TEST(Image, WholePartsEndAtTheSea) {
+  Day d = day();
+  d.request.condition[0].above_surface_m = 0;
+  d.request.image = framed(100, 60);
+  d.request.image->layer.clear();
+  d.request.image->whole_parts = true;
+  const auto simulator = simulator_of(d.scene);
+  const ViewResult view = simulated(*simulator, d.request);
+  ASSERT_GE(view.part_set.size(), 2u);
+  std::vector<std::uint32_t> first(6000, 0), any(6000, 0);
+  for (const TracedPictures::Met& met : view.seen) first[met.pixel] += met.samples;
+  for (const ViewResult::PartSet& set : view.part_set)
+    for (const TracedPictures::Met& met : set.pixel) any[met.pixel] += met.samples;
+  EXPECT_EQ(first, any);
+}
+
 // A mirror, one facet of 1e-4 pixel, one pixel for all.
 TEST(Image, HardFramesAreShown) {
   Day d = day();
@@ -455,9 +559,9 @@ TEST(Image, HardFramesAreShown) {
     for (const SignatureResult& row : simulated(*simulator, d.request).row)
       for (const LayerImage& image : row.layer)
         for (const float value : image.value)
-          ASSERT_TRUE(std::isfinite(value) &&
-                      (image.layer >= ImageLayer::kNormalX ? std::abs(value) < 1.001f
-                                                           : value > -1e-3f))
+          ASSERT_TRUE(
+              std::isfinite(value) &&
+              (image.layer >= ImageLayer::kNormalX ? std::abs(value) < 1.001f : value > -1e-3f))
               << name_of(image.layer);
   }
   Mesh speck = generated("box", 12, 0, 10, 10, 10);

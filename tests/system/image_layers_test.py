@@ -2,7 +2,7 @@
 
 usage: image_layers_test.py <irsig> <repository>
 """
-import pathlib, sqlite3, struct, subprocess, sys, tempfile, unittest
+import csv, json, pathlib, sqlite3, struct, subprocess, sys, tempfile, unittest
 
 import numpy
 
@@ -33,6 +33,7 @@ class ImageLayers(unittest.TestCase):
         text = (ROOT / "jobs/examples/camera.toml").read_text()
         text = text.replace("[320, 256]", "[64, 48]").replace("triangles = 20000", "triangles = 2000")
         text = text.replace('"range"]', '"range", "normal_x", "normal_y", "normal_z", "sunlit"]')
+        text = text.replace("[image]\n", "[image]\nwhole_parts = true\n")
         cls.text = text.replace("pixel_error_percent = 0.5", "pixel_error_percent = 0.1\nmax_samples = 16")
         cls.sweep = cls.path / "camera.toml"
         cls.sweep.write_text(cls.text)
@@ -100,6 +101,64 @@ class ImageLayers(unittest.TestCase):
         for options, why in ((("--layer", "temperature"), "is no radiance"), (("--layer", "normal_x"), "is no radiance"), (("--layer", "sunn"), "--layer"),
                              (("--layer", "sun", "--background"), "--layer")):
             self.assertIn(why, irsig("export", self.db, "--thumbnails", *options, "--out", self.path / "none", expect=2).stderr)
+
+    def objects(self, db, *options):
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.path)) / "coco"
+        irsig("export", db, "--thumbnails", "--coco", *options, "--out", folder)
+        labels = json.loads((folder / "annotations.json").read_text())
+        rows = {image["id"]: image["row"] for image in labels["images"]}
+        names = {c["id"]: c["name"] for c in labels["categories"]}
+        return {(rows[a["image_id"]], names[a["category_id"]]): a for a in labels["annotations"]}
+
+    def test_whole_objects_are_the_rays_that_meet_any_of_their_parts(self):
+        rows = reader.open(self.db).query(band="lwir")
+        objects = self.objects(self.db, "--band", "lwir", "--category", "ship=*", "--category", "stack=funnel*", "--category", "deck=deck")
+        classes = {"ship": lambda part: True, "stack": lambda part: part.startswith("funnel"), "deck": lambda part: part == "deck"}
+        hidden = 0
+        for number, parts, sets in zip(rows["row"], rows.silhouettes(), rows.part_sets(), strict=True):
+            filled = sum(array for array, _ in sets.values())
+            numpy.testing.assert_allclose(filled, sum(parts.values()), atol=1e-12)
+            for name, has in classes.items():
+                whole = sum(array for names, (array, _) in sets.items() if any(map(has, names)))
+                seen = sum(array for part, array in parts.items() if has(part))
+                self.assertTrue((whole >= seen - 1e-12).all())
+                if numpy.max(seen) == 0:
+                    self.assertNotIn((number, name), objects)
+                    continue
+                found = objects[number, name]
+                self.assertAlmostEqual(found["whole"]["area"], whole.sum(), delta=1e-5 * whole.sum())
+                self.assertAlmostEqual(found["occlusion"], 1 - seen.sum() / whole.sum(), delta=1e-5)
+                self.assertEqual(found["truncation"], 0)
+                if name == "ship":
+                    self.assertAlmostEqual(found["occlusion"], 0, delta=1e-9)
+                    self.assertEqual(found["whole"]["segmentation"], found["segmentation"])
+                hidden = max(hidden, found["occlusion"])
+                flat = [bool(i % 2) for i, n in enumerate(found["whole"]["segmentation"]["counts"]) for _ in range(n)]
+                inside = whole >= 0.5 - 1e-9 if whole.max() >= 0.5 else whole > 0
+                numpy.testing.assert_array_equal(numpy.array(flat).reshape(64, 48).T, inside)
+        self.assertGreater(hidden, 0.1)
+
+    def test_a_camera_that_cuts_the_target_off_says_by_how_much(self):
+        near = self.path / "near.toml"
+        text = self.text.replace("field_of_view_deg = 1.83", "field_of_view_deg = 0.9").replace("pixel_error_percent = 0.1\nmax_samples = 16", "samples = 16")
+        near.write_text(text.replace("whole_parts = true\n", "whole_parts = true\nlook_at_m = [76.9, 0, -5]\n"))
+        db = self.path / "near.sigdb"
+        irsig("run", near, "--db", db, "--workers", "2")
+        rows = reader.open(db).query(band="lwir")
+        objects = self.objects(db, "--band", "lwir", "--category", "ship=*")
+        folder = self.path / "near"
+        irsig("export", db, "--thumbnails", "--band", "lwir", "--out", folder)
+        with open(folder / "labels.csv") as file:
+            labels = {int(label["row"]): label for label in csv.DictReader(file)}
+        cut = []
+        for number, area_m2 in zip(rows["row"], rows["projected_area_m2"], strict=True):
+            label, found = labels[number], objects[number, "ship"]
+            whole_px, shown_px = float(label["target_area_px"]), float(label["target_in_frame_px"])
+            self.assertAlmostEqual(shown_px, found["area"], delta=1e-4 * shown_px)
+            self.assertAlmostEqual(found["truncation"], 1 - shown_px / whole_px, delta=0.02)
+            cut.append(found["truncation"])
+        self.assertGreater(max(cut), 0.3)
+        self.assertEqual(irsig("digest", db).stdout.split()[0], readme_digest.digest(db))
 
     def test_plots_show_layers(self):
         for layer in ("at_sensor", *MEANS, "hidden"):

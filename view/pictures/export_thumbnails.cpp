@@ -550,11 +550,13 @@ class ThumbnailFolder {
                       json_number(s.aspect_elevation_deg), json_number(s.range_m));
       lines[validation ? kValidationImages : kTrainImages] += coco_entry(image, more) + "\n";
       for (std::size_t c = 0; c < classes.size(); ++c) {
-        const auto object = seen_object(
-            some[i].silhouette, [&](const std::string& part) { return classes[c].has(part); });
+        const auto has = [&](const std::string& part) { return classes[c].has(part); };
+        const auto object = seen_object(some[i].silhouette, has);
         if (!object) continue;
         lines[validation ? kValidationObjects : kTrainObjects] +=
-            coco_entry(++journal_.annotations, image, c + 1, *object) + "\n";
+            coco_entry(++journal_.annotations, image, c + 1, *object,
+                       whole_object(some[i].silhouette, *object, has)) +
+            "\n";
       }
     }
     for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
