@@ -532,20 +532,27 @@ TEST(Image, WholePartsAreMeasuredBesideTheFrame) {
   }
 }
 
-// What lies under water is no part of a mask.
+// Rays that look down at a floating hull go through it into the water, where its keel is.
 TEST(Image, WholePartsEndAtTheSea) {
-  Day d = day();
-  d.request.condition[0].above_surface_m = 0;
-  d.request.image = framed(100, 60);
-  d.request.image->layer.clear();
-  d.request.image->whole_parts = true;
-  const auto simulator = simulator_of(d.scene);
-  const ViewResult view = simulated(*simulator, d.request);
-  ASSERT_GE(view.part_set.size(), 2u);
+  Mesh mesh = generated("box", 12, 0, 20, 10, 4);
+  mesh = joined(mesh, moved(generated("box", 12, 0, 16, 8, 2), {0, 0, 4}), "keel_");
+  SceneSpec scene = scene_of(mesh, grey(0.9), lwir());
+  scene.part = {{"keel", {"keel_*"}, 0, false, false}, {"hull", {}, 0, false, false, true}};
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 60, 30, 1000, {300, 310});
+  r.image = framed(100, 60);
+  r.image->layer.clear();
+  r.image->whole_parts = true;
+  const ViewResult dry = simulated(*simulator, r);
+  EXPECT_GT(covered(dry, {0, 1}, 1000).inside_m2, 10);
+  EXPECT_GT(covered(dry, {0}, 1000).inside_m2, 10);
+  make_day(r.condition[0]);
+  const ViewResult floating = simulated(*simulator, r);
+  ASSERT_EQ(floating.part_set.size(), 1u);
+  EXPECT_EQ(floating.part_set[0].part, std::vector<std::uint32_t>{1});
   std::vector<std::uint32_t> first(6000, 0), any(6000, 0);
-  for (const TracedPictures::Met& met : view.seen) first[met.pixel] += met.samples;
-  for (const ViewResult::PartSet& set : view.part_set)
-    for (const TracedPictures::Met& met : set.pixel) any[met.pixel] += met.samples;
+  for (const TracedPictures::Met& met : floating.seen) first[met.pixel] += met.samples;
+  for (const TracedPictures::Met& met : floating.part_set[0].pixel) any[met.pixel] += met.samples;
   EXPECT_EQ(first, any);
 }
 

@@ -282,6 +282,25 @@ TEST(StoreResult, BoxesOfZerosAreRefusedBeforeTheyAreInflated) {
   EXPECT_THAT(std::string(visit().message()), testing::HasSubstr("names part 0 twice"));
 }
 
+// Each number is one of a ray that a pixel has, but together they would fill the memory.
+TEST(StoreResult, ASilhouetteOfTooManyNumbersIsRefused) {
+  schema::Silhouette silhouette;
+  silhouette.set_width_px(64);
+  silhouette.set_height_px(64);
+  silhouette.set_pixel_samples(65535);
+  const std::vector<std::uint32_t> skipped(4096, 0);
+  const std::vector<std::uint16_t> counts(4096, 1);
+  add_part_set({0}, skipped, counts, silhouette);
+  std::uint64_t visited = 0;
+  const auto visit = [&] {
+    return visit_part_sets(silhouette, [&](int, std::uint32_t, std::uint16_t) { ++visited; });
+  };
+  ASSERT_OK(visit());
+  EXPECT_EQ(visited, 4096u);
+  for (int i = 0; i < 1100; ++i) *silhouette.add_part_set() = silhouette.part_set(0);
+  EXPECT_THAT(std::string(visit().message()), testing::HasSubstr("numbers of pixels and parts"));
+}
+
 // A full disk, simulated by a limit on the file's pages.
 TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
   const TestFolder folder;
