@@ -88,7 +88,7 @@ struct ExportCommand {
     asked.exr = exr;
     asked.background = background;
     asked.layer = layer;
-    if (layer == name_of(ImageLayer::kTemperature) || layer == name_of(ImageLayer::kRange))
+    if (const auto known = image_layer_of(layer); known && is_mean_of_target(*known))
       return absl::InvalidArgumentError(
           absl::StrCat("--layer ", layer, ": is no radiance; --exr writes its numbers"));
     asked.masks = masks;

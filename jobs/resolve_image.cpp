@@ -86,6 +86,9 @@ void check_layers(const schema::Sweep& sweep, const SectionCheck& check) {
       check.error("layers", absl::StrCat("has \"", name_of(layer), "\" without \"",
                                          name_of(ImageLayer::kAtSensor),
                                          "\", of which it is a part: add it"));
+  if (has(ImageLayer::kSunlit) && !sweep.transport().sun())
+    check.error("layers", absl::StrCat("has \"", name_of(ImageLayer::kSunlit),
+                                       "\", but the sweep has no sun: set [transport] sun = true"));
   if (!layers.empty() && sweep.has_plume())
     check.error("layers",
                 "do not apply with [plume], whose gas is in the image of the target alone: leave "
@@ -132,6 +135,7 @@ void write_image_defaults(schema::Sweep& sweep) {
     if (std::find(image.layers().begin(), image.layers().end(), layer.name) != image.layers().end())
       layers.emplace_back(layer.name);
   image.mutable_layers()->Assign(layers.begin(), layers.end());
+  if (!image.whole_parts()) image.clear_whole_parts();
   // What databases and coordinators know of a sweep's images.
   sweep.mutable_output()->set_thumbnail_px(std::max(image.pixels(0), image.pixels(1)));
 }

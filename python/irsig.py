@@ -24,7 +24,7 @@ import zlib
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMAT = 22  # of the databases that this file reads
+FORMAT = 23  # of the databases that this file reads
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
@@ -461,6 +461,35 @@ class Rows:
                 except (zlib.error, ValueError):
                     raise self._damaged(at, f"the pixels of its part {part}") from None
             out.append(parts)
+        return out
+
+    def part_sets(self) -> list[dict | None]:
+        """Of each row {parts: (array [row][column], outside)}; None: it has no image.
+
+        parts: names of the parts that rays meet one behind the other, in the sweep's order. The array has the fraction of each pixel whose
+        rays meet exactly these, outside is the area that they cover outside the image's frame, in pixels. The whole of some parts, with
+        what others hide, is the sum over the sets that have any of them. Empty: the sweep did not ask for [image] whole_parts.
+        """
+        out = []
+        for at, signature in enumerate(self._ids()):
+            frame = self._database._sql.execute("SELECT job_id, t.width_px, t.height_px, t.pixel_samples FROM signature s "
+                                                "JOIN silhouette t USING (job_id) WHERE s.signature_id = ?", (signature,)).fetchone()
+            if frame is None:
+                out.append(None)
+                continue
+            job, width, height, samples = frame
+            sets = {}
+            for parts, outside, packed in self._database._sql.execute("SELECT parts, outside_px, samples FROM part_set WHERE job_id = ?", (job,)):
+                try:
+                    numbers = zlib.decompress(packed)
+                    count = len(numbers) // 6
+                    pixel = numpy.cumsum(numpy.frombuffer(numbers, "<u4", count).astype(numpy.int64) + 1) - 1
+                    fraction = numpy.zeros(height * width)
+                    fraction[pixel] = numpy.frombuffer(numbers, "<u2", count, 4 * count) / samples
+                except (zlib.error, ValueError, IndexError):
+                    raise self._damaged(at, f"its rays that meet {parts.replace(chr(10), ', ')}") from None
+                sets[tuple(parts.split("\n"))] = fraction.reshape(height, width), outside
+            out.append(sets)
         return out
 
     def to_xarray(self, spectra=None):

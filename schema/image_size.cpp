@@ -19,7 +19,10 @@ double image_bytes_of_row(const schema::Sweep& sweep) {
   // Radiances are float32, packed if that makes them less; standard errors take a quarter. And a
   // grey picture to look at.
   constexpr double kBytesOfLayer = 4, kBytesOfRest = 1 + 1 + 1;
-  return pixels_of(sweep) * (kBytesOfLayer * (1 + sweep.image().layers_size()) + kBytesOfRest);
+  // Of whole parts: two entries of 6 bytes a pixel, packed.
+  const double whole_parts = sweep.image().whole_parts() ? 4 : 0;
+  return pixels_of(sweep) *
+         (kBytesOfLayer * (1 + sweep.image().layers_size()) + kBytesOfRest + whole_parts);
 }
 
 double image_memory_of_row(const schema::Sweep& sweep) {

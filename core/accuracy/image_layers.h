@@ -13,6 +13,8 @@ namespace irsig {
 // sensor, and
 //   at_sensor = emitted + sun + sky + surface + parts + path + background - hidden
 // path + background is what the sensor sees without the target.
+// Layers from kTemperature on are means over what a pixel shows of the target, 0 where it shows
+// none. Normals are in the body frame (x forward, y starboard, z down), on the side of the sensor.
 enum class ImageLayer : std::uint8_t {
   kEmitted,
   kSun,
@@ -24,13 +26,17 @@ enum class ImageLayer : std::uint8_t {
   kHidden,
   kAtSensor,
   kTemperature,
-  kRange
+  kRange,
+  kNormalX,
+  kNormalY,
+  kNormalZ,
+  kSunlit
 };
 
 struct ImageLayerInfo {
   const char *name, *unit, *what;
 };
-inline constexpr std::array<ImageLayerInfo, 11> kImageLayers = {{
+inline constexpr std::array<ImageLayerInfo, 15> kImageLayers = {{
     {"emitted", "W/(m2 sr)", "light that the target emits"},
     {"sun", "W/(m2 sr)", "direct sunlight that it reflects"},
     {"sky", "W/(m2 sr)", "light of the sky that it reflects"},
@@ -43,9 +49,18 @@ inline constexpr std::array<ImageLayerInfo, 11> kImageLayers = {{
     {"at_sensor", "W/(m2 sr)", "all that the sensor sees"},
     {"temperature", "K", "mean over what a pixel shows of the target; 0 where it shows none"},
     {"range", "m", "distance from the sensor, likewise"},
+    {"normal_x", "1", "mean unit normal of the facets that a pixel shows, forward"},
+    {"normal_y", "1", "mean unit normal of the facets that a pixel shows, starboard"},
+    {"normal_z", "1", "mean unit normal of the facets that a pixel shows, down"},
+    {"sunlit", "1", "fraction in direct sun of what a pixel shows of the target"},
 }};
 [[nodiscard]] constexpr const char* name_of(ImageLayer layer) {
   return kImageLayers[static_cast<std::size_t>(layer)].name;
+}
+// Returns true if a layer is a mean over what a pixel shows of the target; the others are
+// radiances.
+[[nodiscard]] constexpr bool is_mean_of_target(ImageLayer layer) {
+  return layer >= ImageLayer::kTemperature;
 }
 [[nodiscard]] constexpr std::optional<ImageLayer> image_layer_of(std::string_view name) {
   for (std::size_t i = 0; i < kImageLayers.size(); ++i)

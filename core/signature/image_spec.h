@@ -31,6 +31,7 @@ struct ImageSpec {
   double relative_error = 0, error_k = 0;
   std::uint32_t most_samples = 4096;
   std::vector<ImageLayer> layer;  // in increasing order
+  bool whole_parts = false;       // whether rays go on to what other parts hide
 
   [[nodiscard]] bool has(ImageLayer which) const {
     return std::find(layer.begin(), layer.end(), which) != layer.end();

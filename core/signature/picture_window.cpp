@@ -65,7 +65,8 @@ TracedPictures PictureWindow::joined(TracedPictures squares, const ImagePlan& pl
                                      std::uint32_t& samples) const {
   if (side_ == 1) return squares;
   TracedPictures out;
-  const std::size_t images = plan.images, kinds = images * plan.kinds, values = 1 + plan.values;
+  const std::size_t images = plan.images, kinds = images * plan.kinds,
+                    values = plan.first_numbers();
   std::vector<double> variance(pixels() * images, 0.0),
       kind(squares.kind_sum.empty() ? 0 : pixels() * kinds, 0.0);
   out.sum.assign(pixels() * images, 0.0);
@@ -89,27 +90,38 @@ TracedPictures PictureWindow::joined(TracedPictures squares, const ImagePlan& pl
   }
   for (const double v : variance) out.stderr_.push_back(static_cast<float>(std::sqrt(v)));
   for (const double v : kind) out.kind_sum.push_back(static_cast<float>(v));
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> met;
-  for (const TracedPictures::Met& m : squares.met)
-    met[{static_cast<std::uint32_t>(pixel_of_square(m.pixel)), m.part}] += m.samples;
+  using OfPixels = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;
+  const auto of_pixels = [&](const std::vector<TracedPictures::Met>& of_squares) {
+    OfPixels all;
+    for (const TracedPictures::Met& m : of_squares)
+      all[{static_cast<std::uint32_t>(pixel_of_square(m.pixel)), m.part}] += m.samples;
+    return all;
+  };
   const std::uint64_t of_pixel = std::uint64_t{samples} * side_ * side_;
   samples = static_cast<std::uint32_t>(std::min<std::uint64_t>(of_pixel, kMostCounted));
   struct Pixel {
     std::uint32_t rest;
     double met = 0;
   };
-  std::map<std::uint32_t, Pixel> seen;
-  for (const auto& [place, count] : met) {
-    // Rounded down, so that no pixel has more than there are; but a part that is seen is kept.
-    Pixel& pixel = seen.try_emplace(place.first, Pixel{samples}).first->second;
-    pixel.met += static_cast<double>(count);
-    const auto counted = std::min(
-        pixel.rest,
-        std::max<std::uint32_t>(1, static_cast<std::uint32_t>(count * samples / of_pixel)));
-    if (counted == 0) continue;
-    pixel.rest -= counted;
-    out.met.push_back({place.first, place.second, counted});
-  }
+  const auto counted = [&](const OfPixels& met, std::map<std::uint32_t, Pixel>& seen) {
+    std::vector<TracedPictures::Met> all;
+    for (const auto& [place, count] : met) {
+      // Rounded down, so that no pixel has more than there are; but a part that is seen is kept.
+      Pixel& pixel = seen.try_emplace(place.first, Pixel{samples}).first->second;
+      pixel.met += static_cast<double>(count);
+      const auto rays = std::min(
+          pixel.rest,
+          std::max<std::uint32_t>(1, static_cast<std::uint32_t>(count * samples / of_pixel)));
+      if (rays == 0) continue;
+      pixel.rest -= rays;
+      all.push_back({place.first, place.second, rays});
+    }
+    return all;
+  };
+  std::map<std::uint32_t, Pixel> seen, of_sets;
+  out.met = counted(of_pixels(squares.met), seen);
+  out.met_set = counted(of_pixels(squares.met_set), of_sets);
+  out.part_set = std::move(squares.part_set);
   // Sums over first hits are of as many samples as are counted.
   for (const auto& [pixel, of] : seen)
     for (std::size_t k = 0; !out.first_sum.empty() && k < values; ++k)

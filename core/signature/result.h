@@ -112,6 +112,15 @@ struct ViewResult {
   // of each pixel, how many met a part first. By pixel, then by part.
   std::uint32_t pixel_samples = 0;
   std::vector<TracedPictures::Met> seen;
+  // If whole parts were asked for: the rays that meet exactly these parts, one behind the other, in
+  // the order of the parts. What lies outside the frame of a camera has a standard error of about
+  // 0.5 %.
+  struct PartSet {
+    std::vector<std::uint32_t> part;
+    std::vector<TracedPictures::Met> pixel;  // in the order of pixels; its parts mean nothing
+    double outside_px = 0;                   // what they cover outside [areas of a pixel]
+  };
+  std::vector<PartSet> part_set;
   std::uint64_t samples = 0, target_paths = 0, rays = 0;
   std::uint32_t replicates = 0;
   std::uint64_t samples_per_replicate = 0;

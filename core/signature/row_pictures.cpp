@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,6 +17,8 @@
 namespace irsig {
 namespace {
 
+// Rays of each of 64 x 64 pixels of a part of the target beside the frame.
+constexpr std::uint32_t kStripSamples = 4;
 constexpr std::uint8_t kHiddenKind = kCauses;  // light behind the target, taken off
 
 struct ViewPictures {
@@ -84,6 +87,7 @@ class RowPictures {
     out.guarded_negative += pictures_.counts.guarded_negative;
     out.pixel_samples = pictures_.pixel_samples;
     out.seen = std::move(met_);
+    if (request_.image && request_.image->whole_parts) add_part_sets(out);
     return absl::OkStatus();
   }
 
@@ -109,13 +113,34 @@ class RowPictures {
       hide_background(table, *row.light, paths, basis, rows_ + k, plan);
     }
     if (!request_.image) return plan;
+    plan.whole_parts = request_.image->whole_parts;
     if (std::any_of(request_.image->layer.begin(), request_.image->layer.end(), [](ImageLayer l) {
           return l <= ImageLayer::kParts || l == ImageLayer::kHidden;
         }))
       keep_causes_apart(paths, plan);
-    plan.first_hits = has(ImageLayer::kRange) || has(ImageLayer::kTemperature);
+    plan.first_hits =
+        std::any_of(request_.image->layer.begin(), request_.image->layer.end(), is_mean_of_target);
     if (has(ImageLayer::kTemperature)) show_temperatures(paths.emitters(), plan);
+    plan.normals =
+        has(ImageLayer::kNormalX) || has(ImageLayer::kNormalY) || has(ImageLayer::kNormalZ);
+    if (has(ImageLayer::kSunlit))
+      for (const std::uint32_t c : view_.setup.keys.condition)
+        if (const auto sun = towards_sun(request_.condition[c]);
+            sun && place_of(*sun, plan) == plan.towards_sun.size())
+          plan.towards_sun.push_back(*sun);
     return plan;
+  }
+
+  // Towards the middle of the sun's disk; absent while that is below the horizon, and without a
+  // sun.
+  static std::optional<Vec<Body>> towards_sun(const ConditionSpec& condition) {
+    const bool up = sun_shines(condition) && condition.sun_direction.z < condition.sun_horizon_z;
+    return up ? std::optional(condition.sun_direction) : std::nullopt;
+  }
+  static std::size_t place_of(const Vec<Body>& sun, const ImagePlan& plan) {
+    return static_cast<std::size_t>(
+        std::find(plan.towards_sun.begin(), plan.towards_sun.end(), sun) -
+        plan.towards_sun.begin());
   }
 
   void keep_causes_apart(const SourceLayout& paths, ImagePlan& plan) const {
@@ -259,6 +284,67 @@ class RowPictures {
     return change / (2 * kHalf);
   }
 
+  // Those of the frame, and what its border cuts off.
+  void add_part_sets(ViewResult& out) {
+    std::map<std::vector<std::uint32_t>, ViewResult::PartSet> of;
+    const TracedPictures& traced = pictures_.traced;
+    for (const TracedPictures::Met& met : traced.met_set)
+      of[traced.part_set[met.part]].pixel.push_back({window_.whole_of(met.pixel), 0, met.samples});
+    const double pixel_m = frame_.rectangle.width_m / frame_.width_px;
+    std::uint64_t strips = 0;
+    for (const PlaneRectangle& strip : outside(view_.setup.aimed().frame, frame_.rectangle)) {
+      constexpr std::uint32_t kSide = 64;
+      const PictureFrame there{strip, frame_.plane_m, kSide, kSide};
+      const TracedPictures cut_off = traced_parts(there, ++strips, out.rays);
+      const double ray_px = strip.width_m * strip.height_m /
+                            (std::uint64_t{kSide} * kSide * kStripSamples) / (pixel_m * pixel_m);
+      for (const TracedPictures::Met& met : cut_off.met_set)
+        of[cut_off.part_set[met.part]].outside_px += met.samples * ray_px;
+    }
+    for (auto& [parts, set] : of) {
+      set.part = parts;
+      out.part_set.push_back(std::move(set));
+    }
+  }
+
+  // What of a rectangle lies beside another, as rectangles.
+  static std::vector<PlaneRectangle> outside(const PlaneRectangle& of,
+                                             const PlaneRectangle& frame) {
+    std::vector<PlaneRectangle> out;
+    // Less is rounding.
+    const double least_m = 1e-9 * std::max(of.width_m, of.height_m);
+    const auto add = [&](double x0_m, double x1_m, double y0_m, double y1_m) {
+      if (x1_m - x0_m > least_m && y1_m - y0_m > least_m)
+        out.push_back({x0_m, y0_m, x1_m - x0_m, y1_m - y0_m});
+    };
+    const double x1_m = of.x0_m + of.width_m, y1_m = of.y0_m + of.height_m,
+                 right_m = frame.x0_m + frame.width_m, top_m = frame.y0_m + frame.height_m;
+    const double from_m = std::max(of.x0_m, frame.x0_m), to_m = std::min(x1_m, right_m);
+    add(of.x0_m, std::min(x1_m, frame.x0_m), of.y0_m, y1_m);
+    add(std::max(of.x0_m, right_m), x1_m, of.y0_m, y1_m);
+    add(from_m, to_m, of.y0_m, std::min(y1_m, frame.y0_m));
+    add(from_m, to_m, std::max(of.y0_m, top_m), y1_m);
+    return out;
+  }
+
+  // The parts that rays meet in a frame, without light.
+  TracedPictures traced_parts(const PictureFrame& frame, std::uint64_t seed, std::uint64_t& rays) {
+    const ViewSetup& setup = view_.setup;
+    const SourceLayout paths(setup.parts(), setup.sources.geometry());
+    ImagePlan plan =
+        blank_pictures(frame, setup.aimed().frame, 1, 1, paths, setup.scene.path_basis());
+    plan.whole_parts = true;
+    PathSettings settings =
+        picture_settings(path_settings(setup.accuracy, setup.plan.effects,
+                                       setup.seed + kPictureStage + (seed << 32), 1),
+                         plan, kStripSamples);
+    settings.max_reflections = 0;
+    TracedView traced = trace_view(setup.scene, whole_view(setup.aimed()), setup.sources.geometry(),
+                                   settings, plan);
+    rays += traced.counts.rays;
+    return std::move(traced.pictures);
+  }
+
   void add_layers(std::size_t row, const PixelErrors& errors, const PixelBackground* background,
                   SignatureResult& r) const {
     if (!request_.image) return;
@@ -278,7 +364,7 @@ class RowPictures {
     };
     const auto first = [&](std::size_t pixel, std::size_t which) {
       if (met[pixel] == 0) return 0.0;
-      const std::size_t at = *window_.pixel_of(pixel) * (1 + pictures_.plan.values) + which;
+      const std::size_t at = *window_.pixel_of(pixel) * pictures_.plan.first_numbers() + which;
       return pictures_.traced.first_sum[at] / met[pixel];
     };
     const std::size_t condition = row / view_.setup.keys.band.size();
@@ -329,6 +415,23 @@ class RowPictures {
         case ImageLayer::kRange:
           fill([&](std::size_t i) { return first(i, 0); });
           break;
+        case ImageLayer::kNormalX:
+        case ImageLayer::kNormalY:
+        case ImageLayer::kNormalZ: {
+          const auto axis =
+              static_cast<std::size_t>(layer) - static_cast<std::size_t>(ImageLayer::kNormalX);
+          fill([&](std::size_t i) { return first(i, 1 + pictures_.plan.values + axis); });
+          break;
+        }
+        case ImageLayer::kSunlit: {
+          const auto sun = towards_sun(request_.condition[of.condition]);
+          const std::size_t suns = pictures_.plan.towards_sun.size(),
+                            first_sun = pictures_.plan.first_numbers() - suns;
+          fill([&](std::size_t i) {
+            return sun ? first(i, first_sun + place_of(*sun, pictures_.plan)) : 0.0;
+          });
+          break;
+        }
       }
     }
   }

@@ -166,15 +166,23 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
   add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
 }
 
-// How far away a pixel's rays meet the target, and values of what they meet.
+// How far away a pixel's rays meet the target, and values of what they meet. Whether that is in the
+// sun is found for the whole batch (light_first_hits).
 void PathTracer::add_first_hit(Work& work, const PathState& path, const Hit& hit) const {
   const ImagePlan& plan = *work.plan;
-  double* sum = work.pictures->first_sum.data() +
-                stored_pixel(plan, pixel_of(work, path)) * (1 + plan.values);
+  const std::size_t pixel = stored_pixel(plan, pixel_of(work, path));
+  double* sum = work.pictures->first_sum.data() + pixel * plan.first_numbers();
   *sum++ += length(Vec<Body>{hit.at.x, hit.at.y, hit.at.z} - view_.frame.sensor);
   const std::size_t emitter = sources_.emitters.of(hit.facet, hit.part);
   for (std::size_t k = 0; k < plan.values; ++k)
-    sum[k] += static_cast<double>(plan.of_emitter[emitter * plan.values + k]);
+    *sum++ += static_cast<double>(plan.of_emitter[emitter * plan.values + k]);
+  const Float3 p = hit.at, n = hit.normal;
+  if (plan.normals)
+    for (const float along : {n.x, n.y, n.z}) *sum++ += static_cast<double>(along);
+  if (plan.towards_sun.empty()) return;
+  const auto offset = static_cast<float>(target_.offset_m());
+  work.first_hit.push_back(
+      {pixel, {p.x + offset * n.x, p.y + offset * n.y, p.z + offset * n.z}, n});
 }
 
 // A path's weight where the last vertex may have aimed at this hot part as well: its share by the

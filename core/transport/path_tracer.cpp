@@ -54,7 +54,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
   pictures.sum.assign(plan.size(), 0.0);
   pictures.stderr_.assign(plan.size(), 0.0f);
   if (plan.kinds > 1) pictures.kind_sum.assign(plan.size() * plan.kinds, 0.0f);
-  if (plan.first_hits) pictures.first_sum.assign(plan.pixels() * (1 + plan.values), 0.0);
+  if (plan.first_hits) pictures.first_sum.assign(plan.pixels() * plan.first_numbers(), 0.0);
   Work work;
   work.plan = &plan;
   work.pictures = &pictures;
@@ -95,6 +95,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
     work.hot_light.resize(most);
     for (auto* v : {&work.hot_total, &work.hot_pick}) v->resize(most);
   }
+  if (!plan.towards_sun.empty()) work.first_shadow.resize(capacity, 0);
+  if (plan.whole_parts) work.through_batch.resize(capacity, 0);
   if (any_glint_) {
     const auto rays = static_cast<std::uint32_t>(most * sources_.sun.size());
     work.glint_shadow.resize(rays, row);
@@ -238,25 +240,6 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   trace_listed<kSpectral>(work);
 }
 
-namespace {
-
-// Samples of one pixel and part become one entry; in order.
-void join_met(std::vector<TracedPictures::Met>& met) {
-  std::sort(met.begin(), met.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.pixel, a.part) < std::pair(b.pixel, b.part);
-  });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < met.size(); ++i) {
-    if (kept > 0 && met[kept - 1].pixel == met[i].pixel && met[kept - 1].part == met[i].part)
-      met[kept - 1].samples += met[i].samples;
-    else
-      met[kept++] = met[i];
-  }
-  met.resize(kept);
-}
-
-}  // namespace
-
 // Each pixel has a scrambled Sobol sequence of its own, which is stratified over the pixel, and so
 // is each of its groups. Pixels are traced row by row from below.
 template <bool kSpectral>
@@ -291,6 +274,7 @@ void PathTracer::trace_pixels(Work& work, SeedPair aim) const {
   trace_listed<kSpectral>(work);
   close_pixels(work, pixels);
   join_met(work.pictures->met);
+  join_met(work.pictures->met_set);
 }
 
 // Takes pixels up to `end`, of which all samples are traced, from the groups' sums into pictures.
@@ -522,6 +506,8 @@ void PathTracer::trace_batch(Work& work) const {
     if (order > 0 && gas_around_ != nullptr) cross_gas_around<kSpectral>(work);
     work.next.size = 0;
     arrive<kSpectral>(work, order);
+    if (!work.first_hit.empty()) light_first_hits(work);
+    if (order == 0 && work.plan->whole_parts) meet_parts_behind(work);
     if (any_glint_) trace_glint<kSpectral>(work, order);
     if (order < settings_.max_reflections) {
       depart<kSpectral>(work, order);

@@ -52,6 +52,15 @@ struct ImagePlan {
   bool first_hits = false;
   std::size_t values = 0;
   std::vector<float> of_emitter;
+  // With them, if asked for: the unit normal on the side of the ray, and whether the target lets
+  // light through from each of these directions towards a sun (body frame, unit vectors).
+  bool normals = false;
+  std::vector<Vec<Body>> towards_sun;
+  // Numbers of a pixel's first hits: distance, values, normal, sunlit by each sun.
+  [[nodiscard]] std::size_t first_numbers() const {
+    return 1 + values + (normals ? 3 : 0) + towards_sun.size();
+  }
+  bool whole_parts = false;  // whether rays go on to the parts behind the first one
   bool empty() const { return images == 0 || width_px == 0; }
   [[nodiscard]] std::size_t pixels() const { return std::size_t{width_px} * height_px; }
   // Numbers of all pictures, [pixel][images].
@@ -243,6 +252,8 @@ class PathTracer {
   [[nodiscard]] std::uint32_t pixel_of(const Work& work, const PathState& path) const;
   [[nodiscard]] static double* image_of(Work& work, const PathState& path, SourceId source);
   void add_first_hit(Work& work, const PathState& path, const Hit& hit) const;
+  void light_first_hits(Work& work) const;
+  void meet_parts_behind(Work& work) const;
   template <typename Visit>
   void for_each_first(const Work& work, const PathState& path, Visit&& visit) const;
   template <bool kSpectral>

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "core/environment/sea_glint.h"
@@ -109,6 +110,9 @@ inline std::size_t stored_pixel(const ImagePlan& plan, std::size_t traced) {
   return (plan.height_px - 1 - traced / plan.width_px) * plan.width_px + traced % plan.width_px;
 }
 
+// Samples of one pixel and part become one entry; in order.
+void join_met(std::vector<TracedPictures::Met>& met);
+
 struct PathTracer::Work {
   const ImagePlan* plan;
   TracedPictures* pictures;
@@ -118,6 +122,24 @@ struct PathTracer::Work {
   std::vector<double> group_sum;         // [pixel][group][kind][ImagePlan::padded]
   std::vector<double> sum_of_group;      // [group] of the pixel and picture being closed
   std::vector<TracedPictures::Met> met;  // one for each sample of the batch that met the target
+  // First hits of the batch that may be in the sun: the pixel as stored, and where shadow rays
+  // start.
+  struct FirstHit {
+    std::size_t pixel;
+    Float3 from, normal;
+  };
+  std::vector<FirstHit> first_hit;
+  std::vector<std::size_t> first_shadow_pixel;
+  RayBatch first_shadow;
+  // Rays that go on behind what they have met.
+  struct Through {
+    std::uint32_t ray, triangle;  // of the batch; met last
+    float step_m;
+  };
+  std::vector<Through> through;
+  RayBatch through_batch;
+  std::vector<std::uint64_t> met_parts;  // [ray of the batch][part / 64], a bit for each
+  std::map<std::vector<std::uint32_t>, std::uint32_t> place_of_set;
   std::vector<Sun> sun;
   std::uint32_t capacity = 0;               // primary rays of a batch
   std::uint32_t most = 0;                   // after splitting

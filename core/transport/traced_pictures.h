@@ -25,10 +25,15 @@ struct TracedPictures {
     std::uint32_t pixel, part, samples;
   };
   std::vector<Met> met;
+  // With ImagePlan::whole_parts: of which parts a pixel's samples meet any facet, one behind the
+  // other, up to sea or ground. `part` of such an entry is a place in `part_set`, whose parts
+  // increase.
+  std::vector<Met> met_set;
+  std::vector<std::vector<std::uint32_t>> part_set;
   // [pixel][image][kind] The parts of `sum`, if the plan keeps kinds of light apart.
   std::vector<float> kind_sum;
-  // Where the plan has first hits: sums over the samples that met the target: of the distance
-  // from the sensor [m], and of each value. [pixel][1 + value]
+  // Where the plan has first hits: sums over the samples that met the target, of the distance
+  // from the sensor [m] and the plan's further numbers. [pixel][ImagePlan::first_numbers()]
   std::vector<double> first_sum;
 };
 

@@ -153,20 +153,43 @@ absl::Status add_layers(schema::SignatureRow* row, const SignatureResult& r, con
   return absl::OkStatus();
 }
 
-// zlib's bytes of little-endian numbers.
-std::string packed(const std::vector<std::uint16_t>& samples) {
-  std::string bytes;
-  bytes.reserve(2 * samples.size());
-  for (const std::uint16_t s : samples) {
-    bytes.push_back(static_cast<char>(s & 255U));
-    bytes.push_back(static_cast<char>(s >> 8U));
-  }
+std::string packed(const std::string& bytes) {
   uLongf size = compressBound(bytes.size());
   std::string out(size, '\0');
   IRSIG_CHECK(compress(reinterpret_cast<Bytef*>(out.data()), &size,
                        reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) == Z_OK);
   out.resize(size);
   return out;
+}
+
+// Little-endian bytes of a number.
+template <typename Number>
+void append(Number number, std::string& bytes) {
+  for (std::size_t i = 0; i < sizeof(Number); ++i)
+    bytes.push_back(static_cast<char>(number >> (8 * i) & 255U));
+}
+
+// zlib's bytes of little-endian numbers.
+std::string packed(const std::vector<std::uint16_t>& samples) {
+  std::string bytes;
+  bytes.reserve(2 * samples.size());
+  for (const std::uint16_t s : samples) append(s, bytes);
+  return packed(bytes);
+}
+
+void add_part_set(const ViewResult::PartSet& set, schema::Silhouette& out) {
+  schema::PartSetPixels* there = out.add_part_set();
+  there->mutable_part_index()->Assign(set.part.begin(), set.part.end());
+  there->set_outside_px(set.outside_px);
+  std::string bytes;
+  std::uint32_t next = 0;
+  for (const TracedPictures::Met& met : set.pixel) {
+    append(met.pixel - next, bytes);
+    next = met.pixel + 1;
+  }
+  for (const TracedPictures::Met& met : set.pixel)
+    append(static_cast<std::uint16_t>(met.samples), bytes);
+  there->set_samples(packed(bytes));
 }
 
 schema::Silhouette silhouette_of(const ViewResult& view) {
@@ -198,6 +221,7 @@ schema::Silhouette silhouette_of(const ViewResult& view) {
     box->set_height_px(bottom - top + 1);
     box->set_samples(packed(samples));
   }
+  for (const ViewResult::PartSet& set : view.part_set) add_part_set(set, out);
   return out;
 }
 

@@ -80,6 +80,7 @@ absl::StatusOr<ImageSpec> image_from_message(const schema::Image& image) {
   if (image.has_max_samples()) out.most_samples = image.max_samples();
   if (!std::has_single_bit(out.most_samples))
     return keyed_problem("image.max_samples", "expected a power of two");
+  out.whole_parts = image.whole_parts();
   for (const std::string& name : image.layers()) {
     const auto layer = image_layer_of(name);
     if (!layer)

@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 22;
+PRAGMA user_version = 23;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.
@@ -507,6 +507,15 @@ CREATE TABLE part_pixels (
   PRIMARY KEY (job_id, part_id)
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX part_pixels_by_part ON part_pixels (part_id);
+
+-- Rays that meet exactly these parts, one behind the other; no row: the sweep did not ask for whole parts.
+CREATE TABLE part_set (
+  job_id INTEGER NOT NULL REFERENCES silhouette ON DELETE CASCADE,
+  parts TEXT NOT NULL CHECK (parts <> ''),  -- their names, one in a line, in the sweep's order
+  outside_px REAL NOT NULL CHECK (outside_px >= 0),  -- what such rays cover outside the frame, in areas of a pixel
+  samples BLOB NOT NULL,  -- zlib, little-endian: pixels skipped before each (uint32), then rays of each (uint16)
+  PRIMARY KEY (job_id, parts)
+) STRICT, WITHOUT ROWID;
 
 -- Mean in-band radiance over a footprint, with at most `reflections` reflections. A row is replaced and removed with
 -- its signature and has the same provenance.

@@ -147,6 +147,14 @@ SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples
 FROM signature s JOIN part_pixels x USING (job_id) JOIN part p USING (part_id)
 WHERE s.signature_id = ?1 ORDER BY p.part_index, p.name;
 
+-- Of rows whose images have whole parts: the others have the digests that they had before there were any.
+-- name: has_part_sets
+SELECT EXISTS (SELECT 1 FROM signature s JOIN part_set x USING (job_id) WHERE s.signature_id = ?1);
+
+-- name: digest_part_sets
+SELECT x.parts, x.outside_px, x.samples
+FROM signature s JOIN part_set x USING (job_id) WHERE s.signature_id = ?1 ORDER BY x.parts;
+
 -- name: digest_profile
 SELECT profile_index, point_index, reflections, name, x_m, y_m, z_m, footprint_width_m, footprint_height_m,
        radiance_w_m2_sr, radiance_stderr_w_m2_sr, apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr,

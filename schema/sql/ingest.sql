@@ -124,6 +124,12 @@ DELETE FROM silhouette WHERE job_id = ?1;
 -- name: insert_silhouette
 INSERT INTO silhouette (job_id, width_px, height_px, pixel_samples) VALUES (?1, ?2, ?3, ?4);
 
+-- name: part_name
+SELECT name FROM part WHERE part_id = ?1;
+
+-- name: insert_part_set
+INSERT INTO part_set (job_id, parts, outside_px, samples) VALUES (?1, ?2, ?3, ?4);
+
 -- name: insert_part_pixels
 INSERT INTO part_pixels (job_id, part_id, left_px, top_px, width_px, height_px, samples)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7);

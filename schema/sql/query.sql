@@ -165,6 +165,9 @@ FROM signature s JOIN silhouette t USING (job_id) WHERE s.signature_id = ?1;
 SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples
 FROM part_pixels x JOIN part p USING (part_id) WHERE x.job_id = ?1 ORDER BY p.part_index, p.name;
 
+-- name: part_sets_of_job
+SELECT parts, outside_px, samples FROM part_set WHERE job_id = ?1 ORDER BY parts;
+
 -- name: signature_exists
 SELECT count(*) FROM signature WHERE signature_id = ?1;
 

@@ -97,6 +97,7 @@ INSERT INTO slice.job_need
 INSERT INTO slice.provenance SELECT * FROM main.provenance WHERE job_id IN (SELECT job_id FROM temp.kept_job);
 INSERT INTO slice.silhouette SELECT * FROM main.silhouette WHERE job_id IN (SELECT job_id FROM temp.kept_job);
 INSERT INTO slice.part_pixels SELECT * FROM main.part_pixels WHERE job_id IN (SELECT job_id FROM temp.kept_job);
+INSERT INTO slice.part_set SELECT * FROM main.part_set WHERE job_id IN (SELECT job_id FROM temp.kept_job);
 INSERT INTO slice.asset
   SELECT * FROM main.asset
   WHERE sha256 IN (SELECT output_sha256 FROM main.heat_job WHERE job_id IN (SELECT job_id FROM temp.kept_heat))

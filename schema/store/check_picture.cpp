@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <set>
@@ -206,8 +207,17 @@ absl::Status check_image_layer(const schema::ImageLayer& layer, std::uint32_t wi
              : check_exr(layer.stderr_exr(), width_px, height_px, path + ".stderr_exr");
 }
 
-absl::Status visit_silhouette(const schema::Silhouette& silhouette,
-                              const std::function<void(int, std::uint32_t, std::uint16_t)>& visit) {
+namespace {
+
+// What all of a silhouette's pixels may hold: so much is read into memory, and inflated before it.
+std::uint64_t most_entries(const schema::Silhouette& of) {
+  return 4 * std::uint64_t{of.width_px()} * of.height_px() + (1U << 22U);
+}
+std::uint64_t most_inflated(const schema::Silhouette& of) {
+  return 16 * std::uint64_t{of.width_px()} * of.height_px() + (1U << 26U);
+}
+
+absl::Status check_frame(const schema::Silhouette& silhouette) {
   const std::uint32_t width_px = silhouette.width_px(), height_px = silhouette.height_px();
   if (width_px < 1 || height_px < 1 || width_px > kMostPixels || height_px > kMostPixels)
     return absl::DataLossError(
@@ -216,25 +226,73 @@ absl::Status visit_silhouette(const schema::Silhouette& silhouette,
     return absl::DataLossError(absl::StrCat("states ", silhouette.pixel_samples(),
                                             " samples of a pixel, expected 1 to ",
                                             kMostPixelSamples));
-  std::set<std::uint32_t> parts;
-  for (const schema::PartPixels& part : silhouette.part())
-    if (!parts.insert(part.part_index()).second)
-      return absl::DataLossError(absl::StrCat("names part ", part.part_index(), " twice"));
+  return absl::OkStatus();
+}
+
+// Boxes are in the frame, of different parts, and together no larger than any worker's.
+absl::Status check_boxes(const schema::Silhouette& silhouette) {
   const auto within = [](std::uint32_t first, std::uint32_t count, std::uint32_t all) {
     return count > 0 && count <= all && first <= all - count;
   };
-  std::vector<std::uint16_t> all(std::size_t{width_px} * height_px, 0);
+  std::set<std::uint32_t> parts;
+  std::uint64_t area_px = 0;
+  for (const schema::PartPixels& part : silhouette.part()) {
+    if (!parts.insert(part.part_index()).second)
+      return absl::DataLossError(absl::StrCat("names part ", part.part_index(), " twice"));
+    if (!within(part.left_px(), part.width_px(), silhouette.width_px()) ||
+        !within(part.top_px(), part.height_px(), silhouette.height_px()))
+      return absl::DataLossError("has a part outside the picture");
+    area_px += std::uint64_t{part.width_px()} * part.height_px();
+    if (area_px > most_inflated(silhouette))
+      return absl::DataLossError(absl::StrCat("has parts in boxes of more than ",
+                                              most_inflated(silhouette), " pixels together"));
+  }
+  return absl::OkStatus();
+}
+
+// Counts the rays of each pixel that are accounted for, and all entries.
+class RayCounts {
+ public:
+  explicit RayCounts(const schema::Silhouette& of)
+      : samples_(of.pixel_samples()),
+        most_(most_entries(of)),
+        all_(std::size_t{of.width_px()} * of.height_px(), 0) {}
+
+  absl::Status add(std::uint32_t pixel, std::uint16_t count) {
+    if (count > samples_ - all_[pixel])
+      return absl::DataLossError(absl::StrCat("has a pixel of more than ", samples_, " samples"));
+    all_[pixel] = static_cast<std::uint16_t>(all_[pixel] + count);
+    if (++entries_ > most_)
+      return absl::DataLossError(
+          absl::StrCat("has more than ", most_, " numbers of pixels and parts"));
+    return absl::OkStatus();
+  }
+
+ private:
+  std::uint32_t samples_;
+  std::uint64_t most_, entries_ = 0;
+  std::vector<std::uint16_t> all_;
+};
+
+bool inflate_into(const std::string& packed, std::vector<unsigned char>& bytes, uLongf& size) {
+  size = bytes.size();
+  return uncompress(bytes.data(), &size, reinterpret_cast<const Bytef*>(packed.data()),
+                    packed.size()) == Z_OK;
+}
+
+}  // namespace
+
+absl::Status visit_silhouette(const schema::Silhouette& silhouette,
+                              const std::function<void(int, std::uint32_t, std::uint16_t)>& visit) {
+  IRSIG_STORE_TRY(check_frame(silhouette));
+  IRSIG_STORE_TRY(check_boxes(silhouette));
+  RayCounts rays(silhouette);
   std::vector<unsigned char> bytes;
   for (int p = 0; p < silhouette.part_size(); ++p) {
     const schema::PartPixels& part = silhouette.part(p);
-    if (!within(part.left_px(), part.width_px(), width_px) ||
-        !within(part.top_px(), part.height_px(), height_px))
-      return absl::DataLossError("has a part outside the picture");
     bytes.resize(2 * std::size_t{part.width_px()} * part.height_px());
-    uLongf size = bytes.size();
-    if (uncompress(bytes.data(), &size, reinterpret_cast<const Bytef*>(part.samples().data()),
-                   part.samples().size()) != Z_OK ||
-        size != bytes.size())
+    uLongf size = 0;
+    if (!inflate_into(part.samples(), bytes, size) || size != bytes.size())
       return absl::DataLossError("has a part with damaged samples");
     bool any = false;
     for (std::size_t i = 0; 2 * i < bytes.size(); ++i) {
@@ -242,11 +300,9 @@ absl::Status visit_silhouette(const schema::Silhouette& silhouette,
       if (count == 0) continue;
       const auto row = static_cast<std::uint32_t>(i / part.width_px()),
                  column = static_cast<std::uint32_t>(i % part.width_px());
-      const std::uint32_t pixel = (part.top_px() + row) * width_px + part.left_px() + column;
-      if (count > silhouette.pixel_samples() - all[pixel])
-        return absl::DataLossError(
-            absl::StrCat("has a pixel of more than ", silhouette.pixel_samples(), " samples"));
-      all[pixel] = static_cast<std::uint16_t>(all[pixel] + count);
+      const std::uint32_t pixel =
+          (part.top_px() + row) * silhouette.width_px() + part.left_px() + column;
+      IRSIG_STORE_TRY(rays.add(pixel, count));
       any = true;
       visit(p, pixel, count);
     }
@@ -255,9 +311,49 @@ absl::Status visit_silhouette(const schema::Silhouette& silhouette,
   return absl::OkStatus();
 }
 
+absl::Status visit_part_sets(const schema::Silhouette& silhouette,
+                             const std::function<void(int, std::uint32_t, std::uint16_t)>& visit) {
+  if (silhouette.part_set().empty()) return absl::OkStatus();
+  IRSIG_STORE_TRY(check_frame(silhouette));
+  // Of a set each pixel has a number of pixels skipped and one of rays.
+  constexpr std::size_t kSkipBytes = 4, kCountBytes = 2, kBytes = kSkipBytes + kCountBytes;
+  const std::uint32_t pixels = silhouette.width_px() * silhouette.height_px();
+  RayCounts rays(silhouette);
+  std::vector<unsigned char> bytes;
+  for (int s = 0; s < silhouette.part_set_size(); ++s) {
+    const schema::PartSetPixels& set = silhouette.part_set(s);
+    if (!(set.outside_px() >= 0) || !std::isfinite(set.outside_px()))
+      return absl::DataLossError("has a set of parts with no area outside the frame");
+    bytes.resize(std::size_t{kBytes} * pixels);
+    uLongf size = 0;
+    if (!inflate_into(set.samples(), bytes, size) || size % kBytes != 0)
+      return absl::DataLossError("has a set of parts with damaged samples");
+    const std::size_t count = size / kBytes;
+    if (count == 0 && set.outside_px() == 0)
+      return absl::DataLossError("has a set of parts that no sample meets");
+    std::uint64_t next = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const unsigned char *skip = bytes.data() + kSkipBytes * i,
+                          *of = bytes.data() + kSkipBytes * count + kCountBytes * i;
+      next += std::uint64_t{skip[0]} | std::uint64_t{skip[1]} << 8U |
+              std::uint64_t{skip[2]} << 16U | std::uint64_t{skip[3]} << 24U;
+      const auto number = static_cast<std::uint16_t>(of[0] | of[1] << 8U);
+      if (next >= pixels || number == 0)
+        return absl::DataLossError("has a set of parts with damaged samples");
+      const auto pixel = static_cast<std::uint32_t>(next++);
+      IRSIG_STORE_TRY(rays.add(pixel, number));
+      visit(s, pixel, number);
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_silhouette(const schema::Silhouette& silhouette, const std::string& path) {
-  const absl::Status whole = visit_silhouette(silhouette, [](int, std::uint32_t, std::uint16_t) {});
-  return whole.ok() ? whole : wrong_picture(path, std::string(whole.message()));
+  for (const auto& visited : {visit_silhouette, visit_part_sets}) {
+    const absl::Status whole = visited(silhouette, [](int, std::uint32_t, std::uint16_t) {});
+    if (!whole.ok()) return wrong_picture(path, std::string(whole.message()));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace irsig

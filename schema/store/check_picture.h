@@ -37,13 +37,20 @@ inline constexpr std::uint32_t kMostPixels = 4096;
 // Calls visit(place of the part, pixel, count) for each pixel that shows a part, one part after the
 // other. DATA_LOSS as soon as something is found that no worker makes: a frame of another size than
 // images have, a part twice, a box that is not in the frame, damaged counts or none but zeros, a
-// pixel of more counts than it has samples. So no more is visited than pixels times samples, and no
-// more memory is taken than the frame's and one box's.
+// pixel of more counts than it has samples, boxes of more than 16 frames and 2^26 pixels together,
+// or more numbers than 4 for each pixel and 2^22. No more memory is taken than the frame's and one
+// box's.
 [[nodiscard]] absl::Status visit_silhouette(
     const schema::Silhouette& silhouette,
     const std::function<void(int part, std::uint32_t pixel, std::uint16_t count)>& visit);
 
-// INVALID_ARGUMENT, naming `path`, unless it can be visited to its end.
+// Visits the pixels of the sets of parts likewise: visit(place of the set, pixel, count). The place
+// of a set's part_index is not looked at.
+[[nodiscard]] absl::Status visit_part_sets(
+    const schema::Silhouette& silhouette,
+    const std::function<void(int set, std::uint32_t pixel, std::uint16_t count)>& visit);
+
+// INVALID_ARGUMENT, naming `path`, unless both can be visited to their ends.
 [[nodiscard]] absl::Status check_silhouette(const schema::Silhouette& silhouette,
                                             const std::string& path);
 

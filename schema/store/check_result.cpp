@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -239,6 +240,15 @@ absl::Status check_silhouette_of(const schema::ViewJobResult& view,
     if (part.part_index() >= expected.parts || !seen.insert(part.part_index()).second)
       return wrong(path,
                    absl::StrCat("names part ", part.part_index(), " twice, or it does not exist"));
+  std::set<std::vector<std::uint32_t>> sets;
+  for (const schema::PartSetPixels& set : view.silhouette().part_set()) {
+    const std::vector<std::uint32_t> parts(set.part_index().begin(), set.part_index().end());
+    const bool increasing =
+        std::adjacent_find(parts.begin(), parts.end(), std::greater_equal<>()) == parts.end();
+    if (parts.empty() || !increasing || parts.back() >= expected.parts ||
+        !sets.insert(parts).second)
+      return wrong(path, "has a set of parts twice, in no order, or of parts that do not exist");
+  }
   return absl::OkStatus();
 }
 

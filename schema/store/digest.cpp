@@ -140,6 +140,10 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
         encode(database, out, First::kContent, sql::digest_silhouette, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_part_pixels, signature_id).status());
+    ASSIGN_OR_RETURN(const std::int64_t whole, database.integer(sql::has_part_sets, signature_id));
+    if (whole != 0)
+      IRSIG_STORE_TRY(
+          encode(database, out, First::kContent, sql::digest_part_sets, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_profile, signature_id).status());
   }

@@ -177,6 +177,17 @@ absl::Status insert_silhouette(Database& database, const LeasedJob& job,
     IRSIG_STORE_TRY(database.run(sql::insert_part_pixels, job.job_id, parts[part.part_index()],
                                  part.left_px(), part.top_px(), part.width_px(), part.height_px(),
                                  Blob{part.samples()}));
+  for (const schema::PartSetPixels& set : silhouette.part_set()) {
+    std::string names;
+    for (const std::uint32_t part : set.part_index()) {
+      ASSIGN_OR_RETURN(Rows row, database.query(sql::part_name, parts[part]));
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) return absl::InternalError("a part of no sweep");
+      absl::StrAppend(&names, names.empty() ? "" : "\n", row.text());
+    }
+    IRSIG_STORE_TRY(database.run(sql::insert_part_set, job.job_id, names, set.outside_px(),
+                                 Blob{set.samples()}));
+  }
   return absl::OkStatus();
 }
 

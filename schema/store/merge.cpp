@@ -52,6 +52,7 @@ const Owned kProvenance = {
 const Owned kTemperature = {"computed_temperature", "job_id"};
 const Owned kSilhouette = {"silhouette", "job_id"};
 const Owned kPartPixels = {"part_pixels", "job_id"};
+const Owned kPartSet = {"part_set", "job_id"};
 const Owned kAttempt = {"attempt", "job_id", {"fencing_token"}, {}, "t.outcome = 1"};
 const Owned kAside = {"result_aside", "job_id", {"aside_id"}};
 
@@ -248,7 +249,8 @@ class Taking {
     for (const auto& [owned, out] :
          {std::pair{&kProvenance, &provenance_}, std::pair{&kTemperature, &temperature_},
           std::pair{&kSilhouette, &silhouette_}, std::pair{&kPartPixels, &part_pixels_},
-          std::pair{&kAttempt, &attempt_}, std::pair{&kAside, &aside_}}) {
+          std::pair{&kPartSet, &part_set_}, std::pair{&kAttempt, &attempt_},
+          std::pair{&kAside, &aside_}}) {
       ASSIGN_OR_RETURN(*out, statements(*owned));
     }
     return absl::OkStatus();
@@ -322,15 +324,15 @@ class Taking {
     IRSIG_STORE_TRY(compare_jobs(sql::merge_other_temperatures, "heat_job"));
     for (const auto& [compared, table] :
          {std::pair{&provenance_, kProvenance.table}, std::pair{&temperature_, kTemperature.table},
-          std::pair{&silhouette_, kSilhouette.table},
-          std::pair{&part_pixels_, kPartPixels.table}}) {
+          std::pair{&silhouette_, kSilhouette.table}, std::pair{&part_pixels_, kPartPixels.table},
+          std::pair{&part_set_, kPartSet.table}}) {
       IRSIG_STORE_TRY(compare_jobs(compared->only_here.c_str(), table, 0, kAll));
       IRSIG_STORE_TRY(compare_jobs(compared->only_there.c_str(), table, 0, kAll));
     }
     IRSIG_STORE_TRY(check_assets(database_, sql::merge_heat_outputs));
     IRSIG_STORE_TRY(database_.script(sql::merge_temperatures));
     for (const Statements* copied :
-         {&provenance_, &temperature_, &silhouette_, &part_pixels_, &attempt_, &aside_})
+         {&provenance_, &temperature_, &silhouette_, &part_pixels_, &part_set_, &attempt_, &aside_})
       IRSIG_STORE_TRY(database_.run(copied->copy.c_str(), 0, kAll));
     ASSIGN_OR_RETURN(Rows row, database_.query(sql::merge_new_jobs));
     for (;;) {
@@ -406,7 +408,7 @@ class Taking {
   const MergeProgress& progress_;
   std::string sweep_;
   std::vector<Statements> of_signatures_;
-  Statements provenance_, temperature_, silhouette_, part_pixels_, attempt_, aside_;
+  Statements provenance_, temperature_, silhouette_, part_pixels_, part_set_, attempt_, aside_;
 };
 
 // Each file once, whatever it is called.

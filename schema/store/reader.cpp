@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "core/accuracy/spectral_modes.h"
 #include "core/base/status_macros.h"
 #include "schema/store/check_picture.h"
@@ -173,7 +174,7 @@ absl::StatusOr<std::optional<StoredSilhouette>> StoreReader::silhouette(std::int
     silhouette.set_pixel_samples(static_cast<std::uint32_t>(row.integer()));
   }
   StoredSilhouette out{
-      silhouette.width_px(), silhouette.height_px(), silhouette.pixel_samples(), {}};
+      silhouette.width_px(), silhouette.height_px(), silhouette.pixel_samples(), {}, {}};
   {
     ASSIGN_OR_RETURN(Rows row, database_->query(sql::part_pixels_of_job, job_id));
     for (;;) {
@@ -192,6 +193,21 @@ absl::StatusOr<std::optional<StoredSilhouette>> StoreReader::silhouette(std::int
   IRSIG_STORE_TRY(
       visit_silhouette(silhouette, [&](int part, std::uint32_t pixel, std::uint16_t count) {
         out.part[static_cast<std::size_t>(part)].pixel.push_back({pixel, count});
+      }));
+  {
+    ASSIGN_OR_RETURN(Rows row, database_->query(sql::part_sets_of_job, job_id));
+    for (;;) {
+      ASSIGN_OR_RETURN(const bool found, row.next());
+      if (!found) break;
+      out.part_set.push_back({absl::StrSplit(row.text(), '\n'), 0, {}});
+      schema::PartSetPixels& packed = *silhouette.add_part_set();
+      packed.set_outside_px(out.part_set.back().outside_px = row.real());
+      packed.set_samples(row.text());
+    }
+  }
+  IRSIG_STORE_TRY(
+      visit_part_sets(silhouette, [&](int set, std::uint32_t pixel, std::uint16_t count) {
+        out.part_set[static_cast<std::size_t>(set)].pixel.push_back({pixel, count});
       }));
   return out;
 }

@@ -121,13 +121,20 @@ struct StoredSilhouette {
   std::uint32_t width_px = 0, height_px = 0, pixel_samples = 0;
   struct Pixel {
     std::uint32_t at;       // row by row from the top left
-    std::uint16_t samples;  // of it that meet the part first, more than 0
+    std::uint16_t samples;  // of it that meet the part first, or the set; more than 0
   };
   struct Part {
     std::string name;
     std::vector<Pixel> pixel;
   };
   std::vector<Part> part;  // those that are seen, in the sweep's order
+  // Rays that meet exactly these parts, one behind the other, if the sweep asked for whole parts.
+  struct PartSet {
+    std::vector<std::string> part;
+    double outside_px = 0;  // what such rays cover outside the frame [areas of a pixel]
+    std::vector<Pixel> pixel;
+  };
+  std::vector<PartSet> part_set = {};
 };
 
 // One stored signature without its spectrum and images.

@@ -5,7 +5,7 @@ import { decodeExr } from "./exr.js";
 const TARGET = { name: "", unit: "W/(m2 sr)", what: "radiance at the target, without the air" };
 // Layers whose every pixel counts: the others are of the target alone.
 const WHOLE_FRAME = ["at_sensor", "background", "path"];
-const MEANS = ["temperature", "range"];
+const MEANS = ["temperature", "range", "normal_x", "normal_y", "normal_z", "sunlit"];
 export const isWholeFrame = ({ layer }) => WHOLE_FRAME.includes(layer.name);
 
 // Counts of rays as /api/silhouette.json packs them: per pixel the fraction that the target fills,

@@ -7,7 +7,7 @@ import { brief, withError } from "./numbers.js";
 import { readOut } from "./readout.js";
 
 const LONG_SIDE = 720;  // of the canvas, whose pixels are squares of it
-const unitOf = ({ layer }) => layer.unit.replace("m2", "m²");
+const unitOf = ({ layer }) => (layer.unit === "1" ? "" : layer.unit.replace("m2", "m²"));
 
 // From the 1st to the 99th percentile, so that few hot pixels leave the others their colours; of
 // values that are alike, from the smallest to the largest.
@@ -115,7 +115,7 @@ export class ImageView {
     const what = shows ? `${parts.names[parts.part[k] - 1]} (${parts.rays[k]} of ${parts.samples} rays)` : "nothing of the target";
     if (difference && !isShown(picture, k)) return "nothing of the target in one of them";
     if (isMean(picture) && !shows) return what;
-    const out = [stderr ? withError(value[k], stderr[k], unitOf(picture)) : `${brief(value[k])} ${unitOf(picture)}`];
+    const out = [stderr ? withError(value[k], stderr[k], unitOf(picture)) : `${brief(value[k])} ${unitOf(picture)}`.trimEnd()];
     if (difference && stderr?.[k] > 0) out.push(`${brief(value[k] / stderr[k], 3)} σ`);
     const seen = !difference && info.plain_band_um.length === 2 ? radianceOf(picture, k) : null;
     const kelvin = seen && bandTemperature(info.plain_band_um, seen.radiance);

@@ -98,6 +98,21 @@ inline std::string packed_counts(const std::vector<std::uint16_t>& counts) {
   return packed;
 }
 
+// Rays that meet these parts: pixels skipped before each, and counts.
+inline void add_part_set(const std::vector<std::uint32_t>& parts,
+                         const std::vector<std::uint32_t>& skipped,
+                         const std::vector<std::uint16_t>& counts, schema::Silhouette& out) {
+  schema::PartSetPixels& set = *out.add_part_set();
+  set.mutable_part_index()->Assign(parts.begin(), parts.end());
+  set.set_outside_px(1.5);
+  std::vector<std::uint16_t> halves;
+  for (const std::uint32_t skip : skipped)
+    halves.insert(halves.end(), {static_cast<std::uint16_t>(skip & 0xffffU),
+                                 static_cast<std::uint16_t>(skip >> 16U)});
+  halves.insert(halves.end(), counts.begin(), counts.end());
+  set.set_samples(packed_counts(halves));
+}
+
 // Each part in a box of its own, of counts that fit 8 samples of a pixel.
 inline void add_synthetic_silhouette(std::uint32_t width_px, std::uint32_t height_px, int parts,
                                      std::mt19937_64& random, schema::ViewJobResult& view) {
@@ -118,6 +133,9 @@ inline void add_synthetic_silhouette(std::uint32_t width_px, std::uint32_t heigh
     counts[0] = 8;
     part.set_samples(packed_counts(counts));
   }
+  // Pixels 0 and 2 show the first part alone, 0 and 5 the second one behind it.
+  add_part_set({0}, {0, 1}, {3, 8}, out);
+  if (parts > 1) add_part_set({0, 1}, {0, 4}, {5, 1}, out);
 }
 
 }  // namespace irsig

@@ -17,7 +17,8 @@ using namespace fixture;
 const std::vector<ImageLayer> kAll = {
     ImageLayer::kEmitted,  ImageLayer::kSun,         ImageLayer::kSky,        ImageLayer::kSurface,
     ImageLayer::kParts,    ImageLayer::kPath,        ImageLayer::kBackground, ImageLayer::kHidden,
-    ImageLayer::kAtSensor, ImageLayer::kTemperature, ImageLayer::kRange};
+    ImageLayer::kAtSensor, ImageLayer::kTemperature, ImageLayer::kRange,      ImageLayer::kNormalX,
+    ImageLayer::kNormalY,  ImageLayer::kNormalZ,     ImageLayer::kSunlit};
 
 ImageSpec framed(std::uint32_t width_px, std::uint32_t height_px, double margin = 0.05) {
   ImageSpec out;
@@ -339,6 +340,222 @@ TEST(Image, ErrorsAreAsSmallAsAskedForAndTrue) {
   }
 }
 
+// Sum of a mean over the target, weighted with the fraction that the target fills. [m2]
+double area_m2(const ViewResult& view, const SignatureResult& row, ImageLayer layer,
+               double range_m) {
+  double sum = 0;
+  for (const TracedPictures::Met& met : view.seen)
+    sum += static_cast<double>(met.samples) / view.pixel_samples * at(row, layer, met.pixel);
+  return sum * std::pow(view.pixel_rad * range_m, 2);
+}
+
+// A cube shows three faces, each as large as the cosine of its angle makes it.
+TEST(Image, NormalsAreThoseOfTheFacesInTheBodyFrame) {
+  constexpr double kRange = 1e5, kSide = 2;
+  const auto cube =
+      simulator_of(scene_of(generated("box", 12, 0, kSide, kSide, kSide), grey(0.9), lwir()));
+  for (const double azimuth_deg : {30.0, 200.0}) {
+    ViewRequest r = request(*cube, azimuth_deg, 20, kRange, {300});
+    r.image = framed(128, 128);
+    r.image->layer = {ImageLayer::kNormalX, ImageLayer::kNormalY, ImageLayer::kNormalZ};
+    const ViewResult view = simulated(*cube, r);
+    const double a = azimuth_deg * std::numbers::pi / 180, e = 20 * std::numbers::pi / 180;
+    const Vec<Body> towards{std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), -std::sin(e)};
+    const auto sum = [&](ImageLayer layer) { return area_m2(view, view.row[0], layer, kRange); };
+    EXPECT_NEAR(sum(ImageLayer::kNormalX), kSide * kSide * towards.x, 0.01);
+    EXPECT_NEAR(sum(ImageLayer::kNormalY), kSide * kSide * towards.y, 0.01);
+    EXPECT_NEAR(sum(ImageLayer::kNormalZ), kSide * kSide * towards.z, 0.01);
+    std::size_t of_one_face = 0;
+    for (const TracedPictures::Met& met : view.seen) {
+      const Vec<Body> n{at(view.row[0], ImageLayer::kNormalX, met.pixel),
+                        at(view.row[0], ImageLayer::kNormalY, met.pixel),
+                        at(view.row[0], ImageLayer::kNormalZ, met.pixel)};
+      EXPECT_LE(length(n), 1 + 1e-6);
+      EXPECT_GT(dot(n, towards), 0);
+      of_one_face += length(n) > 1 - 1e-6;
+    }
+    EXPECT_GT(of_one_face, view.seen.size() * 9 / 10);
+  }
+  // A sheet with two sides, facing ahead: the side that is seen.
+  SceneSpec sheet = scene_of(generated("disk", 64, 1), grey(0.9), lwir());
+  sheet.part[0].two_sided = true;
+  const auto simulator = simulator_of(sheet);
+  for (const double azimuth_deg : {30.0, 150.0}) {
+    ViewRequest r = request(*simulator, azimuth_deg, 0, kRange, {300});
+    r.image = framed(32, 32);
+    r.image->layer = {ImageLayer::kNormalX};
+    const ViewResult view = simulated(*simulator, r);
+    ASSERT_FALSE(view.seen.empty());
+    for (const TracedPictures::Met& met : view.seen)
+      EXPECT_NEAR(at(view.row[0], ImageLayer::kNormalX, met.pixel), azimuth_deg < 90 ? 1 : -1,
+                  1e-6);
+  }
+}
+
+// The sun stands behind a wall, 45 deg up, and its shadow covers half of a square; straight above
+// there is no shadow; at night there is no sun. Which lights paths follow is another question.
+TEST(Image, SunlitIsWhatNoShadowCovers) {
+  constexpr double kRange = 1e5, kThick = 0.01;
+  Mesh yard = moved(generated("box", 12, 0, 10, 10, kThick), {0, 0, 0.5 * kThick});
+  yard = joined(yard, moved(generated("box", 12, 0, kThick, 10, 5), {-5, 0, -2.5}), "wall_");
+  const auto simulator = simulator_of(scene_of(yard, grey(0.9), lwir()));
+  ViewRequest r = request(*simulator, 0, 60, kRange, {300});
+  const auto add_sun = [&](Vec<Body> direction) {
+    ConditionSpec c = r.condition[0];
+    make_day(c);
+    c.surroundings = r.condition[0].surroundings;
+    c.sun_direction = normalized(direction);
+    c.sun_cos_zenith = -c.sun_direction.z;
+    r.condition.push_back(c);
+  };
+  add_sun({-1, 0, -1});
+  add_sun({0, 0, -1});
+  add_sun({-1, 0, 0.1});  // set
+  r.selected_condition = {0, 1, 2, 3};
+  r.image = framed(200, 200);
+  r.image->layer = {ImageLayer::kSunlit};
+  const double up = std::sin(std::numbers::pi / 3);
+  // The wall's upper edge is lit, too.
+  const double lit_m2[] = {0, 50 * up, 100 * up, 0};
+  for (const std::uint32_t reflections : {0u, 3u}) {
+    r.max_reflections = reflections;
+    const ViewResult view = simulated(*simulator, r);
+    ASSERT_EQ(view.row.size(), 4u);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(area_m2(view, view.row[k], ImageLayer::kSunlit, kRange), lit_m2[k],
+                  lit_m2[k] > 0 ? 0.25 : 0)
+          << k;
+      std::size_t whole = 0;
+      for (const float value : values(view.row[k], ImageLayer::kSunlit)) {
+        ASSERT_TRUE(value >= 0 && value <= 1);
+        whole += value == 1;
+      }
+      EXPECT_EQ(whole > 1000, lit_m2[k] > 0);
+    }
+  }
+  // Of few rows the same bits, and layers of first hits do not change the image.
+  const ViewResult all = simulated(*simulator, r);
+  r.selected_condition = {1};
+  r.image->layer = {};
+  const ViewResult bare = simulated(*simulator, r);
+  EXPECT_EQ(bare.row[0].image_w_m2_sr, all.row[1].image_w_m2_sr);
+  EXPECT_LT(bare.rays, all.rays);
+  r.image->layer = {ImageLayer::kSunlit};
+  EXPECT_EQ(values(simulated(*simulator, r).row[0], ImageLayer::kSunlit),
+            values(all.row[1], ImageLayer::kSunlit));
+}
+
+// [m2] What rays cover that meet exactly these parts: in the frame, and beside it.
+struct Cover {
+  double inside_m2 = 0, outside_m2 = 0;
+};
+Cover covered(const ViewResult& view, const std::vector<std::uint32_t>& parts, double range_m) {
+  const double pixel_m2 = std::pow(view.pixel_rad * range_m, 2);
+  for (const ViewResult::PartSet& set : view.part_set) {
+    if (set.part != parts) continue;
+    double rays = 0;
+    for (const TracedPictures::Met& met : set.pixel) rays += met.samples;
+    return {pixel_m2 * rays / view.pixel_samples, pixel_m2 * set.outside_px};
+  }
+  return {};
+}
+
+// A block of 4 x 2 m before a wall of 10 x 10 m: 0.08 of the wall is hidden.
+TEST(Image, WholePartsShowTheWallBehindABlock) {
+  constexpr double kRange = 1e5;
+  Mesh mesh = generated("box", 12, 0, 1, 4, 2);
+  mesh = joined(mesh, moved(generated("box", 12, 0, 1, 10, 10), {-20, 0, 0}), "wall_");
+  SceneSpec scene = scene_of(mesh, grey(0.9), lwir());
+  scene.part = {{"wall", {"wall_*"}, 0, false, false}, {"block", {}, 0, false, false, true}};
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 0, 0, kRange, {300, 310});
+  r.image = framed(200, 200);
+  r.image->layer.clear();
+  const ViewResult bare = simulated(*simulator, r);
+  EXPECT_TRUE(bare.part_set.empty());
+  r.image->whole_parts = true;
+  const ViewResult view = simulated(*simulator, r);
+  EXPECT_NEAR(covered(view, {0}, kRange).inside_m2, 92, 0.1);
+  EXPECT_NEAR(covered(view, {0, 1}, kRange).inside_m2, 8, 0.05);
+  EXPECT_EQ(covered(view, {1}, kRange).inside_m2, 0);
+  double wall = 0;
+  for (const TracedPictures::Met& met : view.seen) wall += met.part == 0 ? met.samples : 0;
+  wall *= std::pow(view.pixel_rad * kRange, 2) / view.pixel_samples;
+  EXPECT_NEAR(
+      1 - wall / (covered(view, {0}, kRange).inside_m2 + covered(view, {0, 1}, kRange).inside_m2),
+      0.08, 5e-4);
+  for (const ViewResult::PartSet& set : view.part_set) EXPECT_EQ(set.outside_px, 0);
+  EXPECT_EQ(view.row[0].image_w_m2_sr, bare.row[0].image_w_m2_sr);
+  EXPECT_EQ(view.row[0].image_stderr_w_m2_sr, bare.row[0].image_stderr_w_m2_sr);
+  // Rays through the wall have met its front and its back when nothing is behind it.
+  EXPECT_GT(view.rays, bare.rays);
+  EXPECT_LT(view.rays, 5 * bare.rays);
+  // From behind, the wall hides all of the block; a target far below a pixel has its parts, too.
+  for (const double margin : {0.1, 50.0}) {
+    r.viewpoint = {180, 0, kRange};
+    r.image->margin = margin;
+    const ViewResult behind = simulated(*simulator, r);
+    EXPECT_NEAR(covered(behind, {0, 1}, kRange).inside_m2, 8, 0.4) << margin;
+    EXPECT_NEAR(covered(behind, {0}, kRange).inside_m2, 92, 0.5) << margin;
+  }
+  // With one part nothing stands behind.
+  scene.part = {{"all", {"*"}, 0, false, false}};
+  const auto one = simulator_of(scene);
+  r = request(*one, 0, 0, kRange, {300});
+  r.image = framed(200, 200);
+  const std::uint64_t rays = simulated(*one, r).rays;
+  r.image->whole_parts = true;
+  EXPECT_EQ(simulated(*one, r).rays, rays);
+}
+
+// Half of a plate, a quarter, and all of it lie outside the frame of a camera.
+TEST(Image, WholePartsAreMeasuredBesideTheFrame) {
+  constexpr double kRange = 1000;
+  const auto simulator =
+      simulator_of(scene_of(generated("box", 12, 0, 0.02, 4, 2), grey(0.9), lwir()));
+  ViewRequest r = request(*simulator, 0, 0, kRange, {300});
+  r.image = camera(100, 100, 2 * std::atan(2 / kRange));  // 4 m wide
+  r.image->layer.clear();
+  r.image->whole_parts = true;
+  struct Case {
+    Vec<Body> look_at;
+    double outside_m2;
+  };
+  for (const Case& c : {Case{{0, 0, 0}, 0}, Case{{0, 2, 0}, 4}, Case{{0, -1, 0}, 2},
+                        Case{{0, 0, 2}, 4}, Case{{0, 2, -2}, 6}, Case{{0, 50, 0}, 8}}) {
+    r.image->camera->look_at_m = c.look_at;
+    const ViewResult view = simulated(*simulator, r);
+    const Cover plate = covered(view, {0}, kRange);
+    // The plate's face is nearer than the plane of the frame by 1e-5.
+    EXPECT_NEAR(plate.outside_m2, c.outside_m2, 0.01 * c.outside_m2 + 1e-3) << c.look_at.y;
+    EXPECT_NEAR(plate.inside_m2, 8 - c.outside_m2, 0.02) << c.look_at.y;
+  }
+}
+
+// Rays that look down at a floating hull go through it into the water, where its keel is.
+TEST(Image, WholePartsEndAtTheSea) {
+  Mesh mesh = generated("box", 12, 0, 20, 10, 4);
+  mesh = joined(mesh, moved(generated("box", 12, 0, 16, 8, 2), {0, 0, 4}), "keel_");
+  SceneSpec scene = scene_of(mesh, grey(0.9), lwir());
+  scene.part = {{"keel", {"keel_*"}, 0, false, false}, {"hull", {}, 0, false, false, true}};
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 60, 30, 1000, {300, 310});
+  r.image = framed(100, 60);
+  r.image->layer.clear();
+  r.image->whole_parts = true;
+  const ViewResult dry = simulated(*simulator, r);
+  EXPECT_GT(covered(dry, {0, 1}, 1000).inside_m2, 10);
+  EXPECT_GT(covered(dry, {0}, 1000).inside_m2, 10);
+  make_day(r.condition[0]);
+  const ViewResult floating = simulated(*simulator, r);
+  ASSERT_EQ(floating.part_set.size(), 1u);
+  EXPECT_EQ(floating.part_set[0].part, std::vector<std::uint32_t>{1});
+  std::vector<std::uint32_t> first(6000, 0), any(6000, 0);
+  for (const TracedPictures::Met& met : floating.seen) first[met.pixel] += met.samples;
+  for (const TracedPictures::Met& met : floating.part_set[0].pixel) any[met.pixel] += met.samples;
+  EXPECT_EQ(first, any);
+}
+
 // A mirror, one facet of 1e-4 pixel, one pixel for all.
 TEST(Image, HardFramesAreShown) {
   Day d = day();
@@ -348,7 +565,11 @@ TEST(Image, HardFramesAreShown) {
     d.request.image = spec;
     for (const SignatureResult& row : simulated(*simulator, d.request).row)
       for (const LayerImage& image : row.layer)
-        for (const float value : image.value) ASSERT_TRUE(std::isfinite(value) && value > -1e-3f);
+        for (const float value : image.value)
+          ASSERT_TRUE(
+              std::isfinite(value) &&
+              (image.layer >= ImageLayer::kNormalX ? std::abs(value) < 1.001f : value > -1e-3f))
+              << name_of(image.layer);
   }
   Mesh speck = generated("box", 12, 0, 10, 10, 10);
   speck = joined(speck, moved(generated("box", 12, 0, 0.001, 0.001, 0.001), {0, 0, -10}), "speck_");

@@ -2,7 +2,7 @@
 
 usage: image_layers_test.py <irsig> <repository>
 """
-import pathlib, sqlite3, struct, subprocess, sys, tempfile, unittest
+import csv, json, pathlib, sqlite3, struct, subprocess, sys, tempfile, unittest
 
 import numpy
 
@@ -13,6 +13,10 @@ sys.path.insert(0, str(ROOT / "python"))
 import irsig as reader  # noqa: E402
 
 LIGHT = ("emitted", "sun", "sky", "surface", "parts", "path", "background")
+MEANS = ("temperature", "range", "normal_x", "normal_y", "normal_z", "sunlit")
+
+TITLES = {"temperature": "Temperature in K", "range": "Distance from the sensor in m", "sunlit": "Fraction in the sun",
+          **{f"normal_{axis}": "Component of the normal" for axis in "xyz"}}
 
 
 def irsig(*arguments, expect=0):
@@ -28,6 +32,8 @@ class ImageLayers(unittest.TestCase):
         cls.path = pathlib.Path(cls.folder.name)
         text = (ROOT / "jobs/examples/camera.toml").read_text()
         text = text.replace("[320, 256]", "[64, 48]").replace("triangles = 20000", "triangles = 2000")
+        text = text.replace('"range"]', '"range", "normal_x", "normal_y", "normal_z", "sunlit"]')
+        text = text.replace("[image]\n", "[image]\nwhole_parts = true\n")
         cls.text = text.replace("pixel_error_percent = 0.5", "pixel_error_percent = 0.1\nmax_samples = 16")
         cls.sweep = cls.path / "camera.toml"
         cls.sweep.write_text(cls.text)
@@ -41,7 +47,7 @@ class ImageLayers(unittest.TestCase):
     def test_layers_add_up_in_arrays_of_python(self):
         rows = reader.open(self.db).query()
         self.assertEqual(len(rows), 6)
-        self.assertEqual(rows.image_layers()[0], sorted((*LIGHT, "hidden", "at_sensor", "temperature", "range")))
+        self.assertEqual(rows.image_layers()[0], sorted((*LIGHT, "hidden", "at_sensor", *MEANS)))
         for seen, *parts, hidden in zip(rows.images("at_sensor"), *map(rows.images, LIGHT), rows.images("hidden")):
             self.assertEqual(seen.shape, (48, 64))
             numpy.testing.assert_allclose(sum(parts) - hidden, seen, rtol=1e-6)
@@ -55,6 +61,12 @@ class ImageLayers(unittest.TestCase):
         temperature, filled = rows.images("temperature")[0], sum(rows.silhouettes()[0].values())
         self.assertEqual(set(temperature[filled == 0]), {0})
         self.assertTrue(((temperature[filled > 0] > 313) & (temperature[filled > 0] < 400.01)).all())
+        # From ahead, a little above: facets face the sensor. What is in the sun reflects some of it.
+        x, y, z, sunlit = (rows.images(layer)[0] for layer in ("normal_x", "normal_y", "normal_z", "sunlit"))
+        self.assertLessEqual(numpy.sqrt(x * x + y * y + z * z).max(), 1 + 1e-6)
+        self.assertGreater((x * filled).sum(), 0)
+        self.assertTrue(((sunlit >= 0) & (sunlit <= 1) & ((filled > 0) | (sunlit == 0))).all())
+        self.assertTrue((rows.images("sun")[0][(sunlit == 0)] == 0).mean() > 0.99 and (sunlit > 0).any())
 
     def test_the_digest_is_what_the_readme_of_the_schema_defines(self):
         self.assertEqual(irsig("digest", self.db).stdout.split()[0], readme_digest.digest(self.db))
@@ -77,7 +89,7 @@ class ImageLayers(unittest.TestCase):
         out = self.path / "seen"
         irsig("export", self.db, "--thumbnails", "--background", "--exr", "--bits", "16", "--row", "1", "--out", out)
         layers = (out / "images/0000001.layers.exr").read_bytes()
-        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", "temperature", "range"):
+        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", *MEANS):
             self.assertIn(f"{name}.Y\0".encode(), layers[:2000])
         labels = (out / "labels.csv").read_text().splitlines()
         white = float(dict(zip(labels[0].split(","), labels[1].split(",")))["white_w_m2_sr"])
@@ -86,20 +98,78 @@ class ImageLayers(unittest.TestCase):
         sun = self.path / "sun"
         irsig("export", self.db, "--thumbnails", "--layer", "sun", "--row", "1", "--out", sun)
         self.assertTrue((sun / "images/0000001.png").exists())
-        for options, why in ((("--layer", "temperature"), "is no radiance"), (("--layer", "sunn"), "--layer"),
+        for options, why in ((("--layer", "temperature"), "is no radiance"), (("--layer", "normal_x"), "is no radiance"), (("--layer", "sunn"), "--layer"),
                              (("--layer", "sun", "--background"), "--layer")):
             self.assertIn(why, irsig("export", self.db, "--thumbnails", *options, "--out", self.path / "none", expect=2).stderr)
 
+    def objects(self, db, *options):
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.path)) / "coco"
+        irsig("export", db, "--thumbnails", "--coco", *options, "--out", folder)
+        labels = json.loads((folder / "annotations.json").read_text())
+        rows = {image["id"]: image["row"] for image in labels["images"]}
+        names = {c["id"]: c["name"] for c in labels["categories"]}
+        return {(rows[a["image_id"]], names[a["category_id"]]): a for a in labels["annotations"]}
+
+    def test_whole_objects_are_the_rays_that_meet_any_of_their_parts(self):
+        rows = reader.open(self.db).query(band="lwir")
+        objects = self.objects(self.db, "--band", "lwir", "--category", "ship=*", "--category", "stack=funnel*", "--category", "deck=deck")
+        classes = {"ship": lambda part: True, "stack": lambda part: part.startswith("funnel"), "deck": lambda part: part == "deck"}
+        hidden = 0
+        for number, parts, sets in zip(rows["row"], rows.silhouettes(), rows.part_sets(), strict=True):
+            filled = sum(array for array, _ in sets.values())
+            numpy.testing.assert_allclose(filled, sum(parts.values()), atol=1e-12)
+            for name, has in classes.items():
+                whole = sum(array for names, (array, _) in sets.items() if any(map(has, names)))
+                seen = sum(array for part, array in parts.items() if has(part))
+                self.assertTrue((whole >= seen - 1e-12).all())
+                if numpy.max(seen) == 0:
+                    self.assertNotIn((number, name), objects)
+                    continue
+                found = objects[number, name]
+                self.assertAlmostEqual(found["whole"]["area"], whole.sum(), delta=1e-5 * whole.sum())
+                self.assertAlmostEqual(found["occlusion"], 1 - seen.sum() / whole.sum(), delta=1e-5)
+                self.assertEqual(found["truncation"], 0)
+                if name == "ship":
+                    self.assertAlmostEqual(found["occlusion"], 0, delta=1e-9)
+                    self.assertEqual(found["whole"]["segmentation"], found["segmentation"])
+                hidden = max(hidden, found["occlusion"])
+                flat = [bool(i % 2) for i, n in enumerate(found["whole"]["segmentation"]["counts"]) for _ in range(n)]
+                inside = whole >= 0.5 - 1e-9 if whole.max() >= 0.5 else whole > 0
+                numpy.testing.assert_array_equal(numpy.array(flat).reshape(64, 48).T, inside)
+        self.assertGreater(hidden, 0.1)
+
+    def test_a_camera_that_cuts_the_target_off_says_by_how_much(self):
+        near = self.path / "near.toml"
+        text = self.text.replace("field_of_view_deg = 1.83", "field_of_view_deg = 0.9").replace("pixel_error_percent = 0.1\nmax_samples = 16", "samples = 16")
+        near.write_text(text.replace("whole_parts = true\n", "whole_parts = true\nlook_at_m = [76.9, 0, -5]\n"))
+        db = self.path / "near.sigdb"
+        irsig("run", near, "--db", db, "--workers", "2")
+        rows = reader.open(db).query(band="lwir")
+        objects = self.objects(db, "--band", "lwir", "--category", "ship=*")
+        folder = self.path / "near"
+        irsig("export", db, "--thumbnails", "--band", "lwir", "--out", folder)
+        with open(folder / "labels.csv") as file:
+            labels = {int(label["row"]): label for label in csv.DictReader(file)}
+        cut = []
+        for number, area_m2 in zip(rows["row"], rows["projected_area_m2"], strict=True):
+            label, found = labels[number], objects[number, "ship"]
+            whole_px, shown_px = float(label["target_area_px"]), float(label["target_in_frame_px"])
+            self.assertAlmostEqual(shown_px, found["area"], delta=1e-4 * shown_px)
+            self.assertAlmostEqual(found["truncation"], 1 - shown_px / whole_px, delta=0.02)
+            cut.append(found["truncation"])
+        self.assertGreater(max(cut), 0.3)
+        self.assertEqual(irsig("digest", db).stdout.split()[0], readme_digest.digest(db))
+
     def test_plots_show_layers(self):
-        for layer in ("at_sensor", "temperature", "range", "hidden"):
+        for layer in ("at_sensor", *MEANS, "hidden"):
             file = self.path / f"{layer}.svg"
             irsig("plot", self.db, "--kind", "picture", "--layer", layer, "--row", "1", "--out", file)
-            self.assertIn({"temperature": "Temperature in K", "range": "Distance from the sensor in m"}.get(layer, "W/(m"), file.read_text())
+            self.assertIn(TITLES.get(layer, "W/(m"), file.read_text())
         irsig("plot", self.db, "--kind", "sheet", "--layer", "at_sensor", "--band", "mwir", "--out", self.path / "sheet.svg")
 
     def test_a_layer_that_is_not_there_or_damaged_has_words(self):
         few = self.path / "few.toml"
-        few.write_text(self.text.replace('"range"]', '"temperature"]').replace('"temperature", "temperature"]', '"temperature"]'))
+        few.write_text(self.text.replace('"range", ', ""))
         bare = self.path / "bare.sigdb"
         irsig("run", few, "--db", bare, "--workers", "2")
         self.assertIn("has no layer range: it has", irsig("plot", bare, "--kind", "picture", "--layer", "range", "--row", "1",

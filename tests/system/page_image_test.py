@@ -53,7 +53,7 @@ class PageImage(PageCase):
             self.assertIn(f"{name} (", said)
         else:
             self.assertTrue(said.endswith("nothing of the target"), said)
-        if layer in ("temperature", "range") and fraction == 0:
+        if layer in ("temperature", "range", "normal_x", "sunlit") and fraction == 0:
             self.assertEqual(said, "nothing of the target")
             return column, row
         self.assertAlmostEqual(numbers(said)[0], value[row, column], delta=6e-5 * abs(value[row, column]))
@@ -93,7 +93,7 @@ class PageImage(PageCase):
             page.tap(x, y) if WIDTHS[name][2] else page.mouse("mouseMoved", x, y)
             page.wait("document.querySelector('#image .readout').innerText.startsWith('Column 40, row 30:')")
             self.check_readout(page)
-            for layer in ("at_sensor", "sun", "temperature", "range"):
+            for layer in ("at_sensor", "sun", "temperature", "normal_x", "sunlit", "range"):
                 page.choose("#image [name=layer]", layer)
                 page.wait(f"document.querySelector('#image .tools a').href.endsWith('layer={layer}')")
                 self.assertEqual(self.state(page)["layer"], layer)

@@ -70,7 +70,7 @@ def small_sweep(program, source, sweep_file, database, changes={}):
 
 
 FEW = {'kind = "fibonacci"\ncount = 24': 'kind = "grid"\nazimuth_deg = [0, 40, 80]\nelevation_deg = [10, 30]'}  # all on one side
-LAYERS = ["emitted", "sun", "sky", "surface", "parts", "path", "background", "hidden", "at_sensor", "temperature", "range"]
+LAYERS = ["emitted", "sun", "sky", "surface", "parts", "path", "background", "hidden", "at_sensor", "temperature", "range", "normal_x", "normal_y", "normal_z", "sunlit"]
 # Six viewpoints, whose images have every layer.
 LAYERED = {"count = 24": "count = 6", "[accuracy]\n": f"[image]\npixels = [96, 48]\nlayers = {json.dumps(LAYERS)}\n\n[accuracy]\n"}
 POLAR = {'name = "winter"': 'name = "polar"'}

@@ -293,7 +293,7 @@ class Serve(ServeCase):
         self.assertEqual((said["stderr"], said["gas"], said["plain_band_um"]), (True, False, [3, 5]))
         self.assertEqual([layer["name"] for layer in said["layer"]], LAYERS)
         self.assertEqual([layer["name"] for layer in said["layer"] if layer["stderr"]], ["at_sensor"])
-        self.assertEqual({layer["unit"] for layer in said["layer"]}, {"W/(m2 sr)", "K", "m"})
+        self.assertEqual({layer["unit"] for layer in said["layer"]}, {"W/(m2 sr)", "K", "m", "1"})
         printed(next(layer["command"] for layer in said["layer"] if layer["name"] == "sun"))
         self.assertTrue((self.path / "row-3-sun.svg").read_text().startswith("<svg"))
         blobs = {(name, column): blob for column in ("exr", "stderr_exr")

@@ -348,6 +348,28 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
          r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_samples(
              packed_counts(std::vector<std::uint16_t>(127, 0)));
        }},
+      {"has a set of parts with damaged samples",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part_set(0)->set_samples("no zlib");
+       }},
+      {"has a set of parts with damaged samples",  // beyond the last pixel
+       [&](auto& r) {
+         schema::Silhouette& s = *r.mutable_view()->mutable_silhouette();
+         s.clear_part_set();
+         add_part_set({0}, {128 * 40 - 1, 0}, {1, 1}, s);
+       }},
+      {"has a set of parts with damaged samples",  // no rays
+       [&](auto& r) {
+         schema::Silhouette& s = *r.mutable_view()->mutable_silhouette();
+         s.clear_part_set();
+         add_part_set({0}, {3}, {0}, s);
+       }},
+      {"has a pixel of more than 8 samples",
+       [&](auto& r) { add_part_set({1}, {0}, {1}, *r.mutable_view()->mutable_silhouette()); }},
+      {"has a set of parts with no area outside the frame",
+       [&](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part_set(0)->set_outside_px(-1);
+       }},
       {"silhouette has more parts than the rows",
        [&](auto& r) {
          schema::Silhouette& s = *r.mutable_view()->mutable_silhouette();

@@ -40,6 +40,41 @@ TEST(RecordedImage, PartsAreAveragedOverThePixelsOfTheDetector) {
   }
 }
 
+// A mast before a hull, of which a camera cuts off a part: 4 x 3 pixels of 8 rays. The hull fills
+// the lower six of its pixels, the mast one of them and one above; 3 pixels of hull lie outside.
+TEST(Masks, WholeObjectsHaveWhatOthersHide) {
+  StoredSilhouette of{4, 3, 8, {}};
+  of.part = {{"hull", {{4, 8}, {6, 8}, {8, 8}, {9, 8}, {10, 8}}}, {"mast", {{1, 8}, {5, 8}}}};
+  of.part_set = {{{"hull"}, 3, {{4, 8}, {6, 8}, {8, 8}, {9, 8}, {10, 8}}},
+                 {{"hull", "mast"}, 0, {{5, 8}}},
+                 {{"mast"}, 0, {{1, 8}}}};
+  const auto whole_of = [&](const StoredSilhouette& from, const std::string& part) {
+    const auto has = [&](const std::string& name) { return part == "*" || name == part; };
+    return whole_object(from, seen_object(from, has).value(), has);
+  };
+  const auto hull = whole_of(of, "hull");
+  ASSERT_TRUE(hull.has_value());
+  EXPECT_EQ(hull->mask.area_px, 6);
+  EXPECT_NEAR(hull->occlusion, 1.0 / 6, 1e-12);
+  EXPECT_NEAR(hull->truncation, 3.0 / 9, 1e-12);
+  EXPECT_EQ(hull->mask.top_px, 1U);
+  EXPECT_EQ(hull->mask.runs, (std::vector<std::uint32_t>{1, 2, 1, 2, 1, 2, 3}));
+  const auto mast = whole_of(of, "mast");
+  EXPECT_EQ(mast->mask.area_px, 2);
+  EXPECT_EQ(mast->occlusion, 0);
+  EXPECT_EQ(mast->truncation, 0);
+  // Rays through both count once.
+  EXPECT_EQ(whole_of(of, "*")->mask.area_px, 7);
+  EXPECT_EQ(whole_of(of, "*")->occlusion, 0);
+  EXPECT_NEAR(whole_of(of, "*")->truncation, 0.3, 1e-12);
+  // On the pixels of an imager, too.
+  const auto recorded = whole_of(on_detector(of, {2, 1, 2.0, 0, 0.5}), "hull");
+  EXPECT_NEAR(recorded->occlusion, 1.0 / 6, 1e-4);
+  EXPECT_NEAR(recorded->truncation, 3.0 / 9, 1e-4);
+  of.part_set.clear();
+  EXPECT_FALSE(whole_of(of, "hull").has_value());
+}
+
 // A target smaller than a pixel keeps its place and its area.
 TEST(RecordedImage, ASmallTargetIsAPartOfOnePixel) {
   Imager imager;

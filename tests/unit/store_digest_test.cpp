@@ -131,6 +131,11 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
       },
       [](auto& r) { r.mutable_view()->mutable_silhouette()->mutable_part()->RemoveLast(); },
       [](auto& r) {
+        r.mutable_view()->mutable_silhouette()->mutable_part_set(0)->set_outside_px(2);
+      },
+      [](auto& r) { r.mutable_view()->mutable_silhouette()->mutable_part_set()->RemoveLast(); },
+      [](auto& r) { r.mutable_view()->mutable_silhouette()->clear_part_set(); },
+      [](auto& r) {
         r.mutable_view()->mutable_row(2)->mutable_part(1)->mutable_intensity_w_sr()->set_value(-1);
       },
       [](auto& r) {

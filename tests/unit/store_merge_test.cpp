@@ -253,6 +253,8 @@ TEST_F(StoreMerge, EqualJobsHaveEqualContent) {
            {"silhouette", "UPDATE silhouette SET pixel_samples = 16 WHERE job_id = 3"},
            {"part_pixels", "UPDATE part_pixels SET left_px = 0 WHERE job_id = 3"},
            {"part_pixels", "DELETE FROM part_pixels WHERE job_id = 3"},
+           {"part_set", "UPDATE part_set SET outside_px = 2 WHERE job_id = 3"},
+           {"part_set", "DELETE FROM part_set WHERE job_id = 3"},
            {"ledger", "UPDATE ledger SET bound_w_sr = 8 WHERE signature_id = 2 AND effect = 3"},
            {"ledger", "DELETE FROM ledger WHERE signature_id = 2 AND effect = 3"},
            {"energy", "UPDATE energy SET absorbed = 2 WHERE rowid = 4"},

@@ -155,6 +155,20 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
        [](auto& r) { r.mutable_view()->mutable_silhouette()->set_width_px(15); }},
       {"silhouette names part 1 twice",
        [](auto& r) { r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_part_index(1); }},
+      {"silhouette has a set of parts twice",
+       [](auto& r) {
+         auto& s = *r.mutable_view()->mutable_silhouette();
+         *s.add_part_set() = s.part_set(0);
+       }},
+      {"silhouette has a set of parts twice, in no order",
+       [](auto& r) {
+         auto* parts = r.mutable_view()->mutable_silhouette()->mutable_part_set(1);
+         parts->set_part_index(0, 1);
+       }},
+      {"of parts that do not exist",
+       [](auto& r) {
+         r.mutable_view()->mutable_silhouette()->mutable_part_set(1)->set_part_index(1, 9);
+       }},
       {"silhouette names part 9 twice, or it does not exist",
        [](auto& r) { r.mutable_view()->mutable_silhouette()->mutable_part(0)->set_part_index(9); }},
       {"seconds is not a finite number", [](auto& r) { r.set_seconds(kNan); }},
@@ -243,6 +257,48 @@ TEST(StoreResult, ASilhouetteOfImpossibleSizeIsNotRead) {
     const auto read = StoreReader::open(path).value()->silhouette(id);
     EXPECT_TRUE(absl::IsDataLoss(read.status())) << change << ": " << read.status();
   }
+}
+
+// Zeros pack well: 60 boxes of 4096 x 4096 pixels took 2 GB to inflate.
+TEST(StoreResult, BoxesOfZerosAreRefusedBeforeTheyAreInflated) {
+  schema::Silhouette silhouette;
+  silhouette.set_width_px(4096);
+  silhouette.set_height_px(4096);
+  silhouette.set_pixel_samples(8);
+  for (std::uint32_t p = 0; p < 21; ++p) {
+    schema::PartPixels& part = *silhouette.add_part();
+    part.set_part_index(p);
+    part.set_width_px(4096);
+    part.set_height_px(4096);
+    part.set_samples("no zlib");
+  }
+  const auto visit = [&] {
+    return visit_silhouette(silhouette, [](int, std::uint32_t, std::uint16_t) {});
+  };
+  EXPECT_THAT(std::string(visit().message()), testing::HasSubstr("in boxes of more than"));
+  silhouette.mutable_part()->RemoveLast();
+  EXPECT_THAT(std::string(visit().message()), testing::HasSubstr("damaged samples"));
+  silhouette.mutable_part(1)->set_part_index(0);
+  EXPECT_THAT(std::string(visit().message()), testing::HasSubstr("names part 0 twice"));
+}
+
+// Each number is one of a ray that a pixel has, but together they would fill the memory.
+TEST(StoreResult, ASilhouetteOfTooManyNumbersIsRefused) {
+  schema::Silhouette silhouette;
+  silhouette.set_width_px(64);
+  silhouette.set_height_px(64);
+  silhouette.set_pixel_samples(65535);
+  const std::vector<std::uint32_t> skipped(4096, 0);
+  const std::vector<std::uint16_t> counts(4096, 1);
+  add_part_set({0}, skipped, counts, silhouette);
+  std::uint64_t visited = 0;
+  const auto visit = [&] {
+    return visit_part_sets(silhouette, [&](int, std::uint32_t, std::uint16_t) { ++visited; });
+  };
+  ASSERT_OK(visit());
+  EXPECT_EQ(visited, 4096u);
+  for (int i = 0; i < 1100; ++i) *silhouette.add_part_set() = silhouette.part_set(0);
+  EXPECT_THAT(std::string(visit().message()), testing::HasSubstr("numbers of pixels and parts"));
 }
 
 // A full disk, simulated by a limit on the file's pages.

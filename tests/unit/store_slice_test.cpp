@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "schema/store/examine.h"
 #include "schema/store/slice.h"
@@ -101,6 +102,11 @@ class StoreSlice : public ::testing::Test {
       for (const StoredSilhouette::Part& p : seen.part)
         for (const StoredSilhouette::Pixel& pixel : p.pixel)
           absl::StrAppend(&text, p.name, pixel.at, ":", pixel.samples, ",");
+      EXPECT_FALSE(seen.part_set.empty());
+      for (const StoredSilhouette::PartSet& set : seen.part_set)
+        for (const StoredSilhouette::Pixel& pixel : set.pixel)
+          absl::StrAppend(&text, absl::StrJoin(set.part, "+"), set.outside_px, " ", pixel.at, ":",
+                          pixel.samples, ",");
       const auto parts = reader->parts(s.signature_id).value();
       for (const StoredPart& p : parts) absl::StrAppend(&text, p.part, p.intensity_w_sr);
       const StoredLedger ledger = reader->ledger(s.signature_id).value();

@@ -53,15 +53,27 @@ std::string coco_entry(const CocoImage& image, const std::string& more) {
                      more.empty() ? "" : ", ", more);
 }
 
+namespace {
+
+// Area, box, rectangle and mask of an object, as fields of JSON.
+std::string mask_fields(const CocoImage& image, const SeenObject& object) {
+  return fmt::format(R"("area": {:.6g}, "bbox": [{}, {}, {}, {}], "rectangle": [{:.6g}], )"
+                     R"("segmentation": {{"size": [{}, {}], "counts": [{}]}})",
+                     object.area_px, object.left_px, object.top_px, object.width_px,
+                     object.height_px, fmt::join(object.rectangle_px, ", "), image.height_px,
+                     image.width_px, fmt::join(object.runs, ", "));
+}
+
+}  // namespace
+
 std::string coco_entry(std::uint64_t id, const CocoImage& image, std::size_t category_id,
-                       const SeenObject& object) {
-  return fmt::format(
-      R"({{"id": {}, "image_id": {}, "category_id": {}, "iscrowd": 0, "area": {:.6g}, )"
-      R"("bbox": [{}, {}, {}, {}], "rectangle": [{:.6g}], )"
-      R"("segmentation": {{"size": [{}, {}], "counts": [{}]}}}})",
-      id, image.id, category_id, object.area_px, object.left_px, object.top_px, object.width_px,
-      object.height_px, fmt::join(object.rectangle_px, ", "), image.height_px, image.width_px,
-      fmt::join(object.runs, ", "));
+                       const SeenObject& object, const std::optional<WholeObject>& whole) {
+  std::string of_whole;
+  if (whole)
+    of_whole = fmt::format(R"(, "occlusion": {:.6g}, "truncation": {:.6g}, "whole": {{{}}})",
+                           whole->occlusion, whole->truncation, mask_fields(image, whole->mask));
+  return fmt::format(R"({{"id": {}, "image_id": {}, "category_id": {}, "iscrowd": 0, {}{}}})", id,
+                     image.id, category_id, mask_fields(image, object), of_whole);
 }
 
 absl::Status write_coco(const std::string& images_path, const std::string& annotations_path,

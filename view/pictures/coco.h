@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,10 @@ struct CocoImage {
 // Returns the entry of an object. `segmentation` is its mask as run lengths that are not packed,
 // `bbox` the box around it, `rectangle` the corners of the smallest rectangle of any direction, and
 // `area` is that of its fractions of pixels. Places to count from 1 are those of the lists.
+// `whole`: likewise with what other parts hide, if it is known.
 [[nodiscard]] std::string coco_entry(std::uint64_t id, const CocoImage& image,
-                                     std::size_t category_id, const SeenObject& object);
+                                     std::size_t category_id, const SeenObject& object,
+                                     const std::optional<WholeObject>& whole);
 
 // Makes the file of two files with an entry on each line.
 [[nodiscard]] absl::Status write_coco(const std::string& images_path,

@@ -388,11 +388,13 @@ class ThumbnailFolder {
                       json_number(s.aspect_elevation_deg), json_number(s.range_m));
       lines[validation ? kValidationImages : kTrainImages] += coco_entry(image, more) + "\n";
       for (std::size_t c = 0; c < classes.size(); ++c) {
-        const auto object = seen_object(
-            some[i].silhouette, [&](const std::string& part) { return classes[c].has(part); });
+        const auto has = [&](const std::string& part) { return classes[c].has(part); };
+        const auto object = seen_object(some[i].silhouette, has);
         if (!object) continue;
         lines[validation ? kValidationObjects : kTrainObjects] +=
-            coco_entry(++journal_.annotations, image, c + 1, *object) + "\n";
+            coco_entry(++journal_.annotations, image, c + 1, *object,
+                       whole_object(some[i].silhouette, *object, has)) +
+            "\n";
       }
     }
     for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
@@ -439,7 +441,7 @@ class ThumbnailFolder {
       ImageLabel& label = labels.emplace_back(
           ImageLabel{facts[i].name + ending_of(asked_.format), sweeps_.mask_of(s),
                      is_for_validation(s) ? "validation" : "train", s, facts[i].target,
-                     t.width_px(), t.height_px(), t.pixel_rad()});
+                     facts[i].target_in_frame_px, t.width_px(), t.height_px(), t.pixel_rad()});
       if (asked_.imager) {
         const ImagerInBand& figures = facts[i].figures;
         label.counts = {asked_.imager_name, figures.counts_per_w_m2_sr, figures.offset_counts,

@@ -46,8 +46,8 @@ std::vector<Column> heads_of(const LabelColumns& columns) {
   } else if (columns.scale) {
     for (const char* name : {"black_w_m2_sr", "white_w_m2_sr"}) head(name);
   }
-  for (const char* name : {"target_area_px", "target_px", "box_left_px", "box_top_px",
-                           "box_width_px", "box_height_px"})
+  for (const char* name : {"target_area_px", "target_in_frame_px", "target_px", "box_left_px",
+                           "box_top_px", "box_width_px", "box_height_px"})
     head(name);
   for (const Number& n : kValues) head(n.name);
   for (const std::string& part : columns.part) {
@@ -83,6 +83,7 @@ absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
     else if (label.scale)
       line.insert(line.end(), {label.scale->black_w_m2_sr, label.scale->white_w_m2_sr});
     line.emplace_back(s.projected_area_m2 / std::pow(label.pixel_rad * s.range_m, 2));
+    line.emplace_back(label.target_in_frame_px);
     const ImageContent& target = label.target;
     add_counts({target.shown_px, target.left_px, target.top_px, target.width_px, target.height_px});
     for (const Number& n : kValues) line.push_back(known(s.*n.member));

@@ -27,6 +27,7 @@ struct ImageLabel {
   std::string image, mask, split;  // the last two: where there are such columns
   const StoredSignature& signature;
   ImageContent target;  // pixels of the exported image that show any of it
+  double target_in_frame_px = 0;
   std::uint32_t width_px = 0, height_px = 0;
   double pixel_rad = 0;
   struct Scale {

@@ -99,9 +99,11 @@ std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
   return out;
 }
 
-std::optional<SeenObject> seen_object(const StoredSilhouette& silhouette,
-                                      const std::function<bool(const std::string&)>& has) {
-  const std::vector<std::uint32_t> count = counts_of(silhouette, has);
+namespace {
+
+//   count  [pixel] samples that meet the object
+std::optional<SeenObject> object_of(const StoredSilhouette& silhouette,
+                                    const std::vector<std::uint32_t>& count) {
   SeenObject out;
   std::uint32_t most = 0;
   for (const std::uint32_t c : count) {
@@ -150,6 +152,31 @@ std::optional<SeenObject> seen_object(const StoredSilhouette& silhouette,
   std::sort(corners.begin(), corners.end(), before);
   corners.erase(std::unique(corners.begin(), corners.end(), same), corners.end());
   out.rectangle_px = smallest_rectangle(hull_of(corners));
+  return out;
+}
+
+}  // namespace
+
+std::optional<SeenObject> seen_object(const StoredSilhouette& silhouette,
+                                      const std::function<bool(const std::string&)>& has) {
+  return object_of(silhouette, counts_of(silhouette, has));
+}
+
+std::optional<WholeObject> whole_object(const StoredSilhouette& silhouette, const SeenObject& seen,
+                                        const std::function<bool(const std::string&)>& has) {
+  std::vector<std::uint32_t> count(std::size_t{silhouette.width_px} * silhouette.height_px, 0);
+  double outside_px = 0;
+  for (const StoredSilhouette::PartSet& set : silhouette.part_set) {
+    if (std::none_of(set.part.begin(), set.part.end(), has)) continue;
+    outside_px += set.outside_px;
+    for (const StoredSilhouette::Pixel& p : set.pixel) count[p.at] += p.samples;
+  }
+  auto mask = object_of(silhouette, count);
+  if (!mask) return std::nullopt;
+  WholeObject out{*std::move(mask)};
+  const double whole_px = out.mask.area_px;
+  out.occlusion = std::max(0.0, 1 - seen.area_px / whole_px);
+  out.truncation = outside_px / (outside_px + whole_px);
   return out;
 }
 

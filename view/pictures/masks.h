@@ -34,6 +34,17 @@ struct SeenObject {
   // Lengths of runs of pixels outside and inside by turns, column by column from the top left.
   std::vector<std::uint32_t> runs;
 };
+// An object with what other parts hide of it.
+struct WholeObject {
+  SeenObject mask;
+  double occlusion = 0;   // fraction of its area in the image that other parts hide
+  double truncation = 0;  // fraction of its area that lies outside the frame
+};
+// Returns the whole of an object that is seen; nothing: the silhouette has no whole parts.
+[[nodiscard]] std::optional<WholeObject> whole_object(
+    const StoredSilhouette& silhouette, const SeenObject& seen,
+    const std::function<bool(const std::string&)>& has);
+
 //   has  whether a part belongs to the object
 // Returns nothing if no sample meets such a part.
 [[nodiscard]] std::optional<SeenObject> seen_object(

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "core/accuracy/image_layers.h"
@@ -85,6 +86,8 @@ absl::Status PictureFiles::write(RowImage& image, RadianceImage radiance,
   RETURN_IF_ERROR(asked_.imager ? write_counts(image, std::move(radiance), facts)
                                 : write_picture(image, radiance, facts));
   facts.target = covered_pixels(image.silhouette);
+  const std::vector<float> filled = filled_fractions(image.silhouette);
+  facts.target_in_frame_px = std::accumulate(filled.begin(), filled.end(), 0.0);
   return asked_.masks ? write_mask(image) : absl::OkStatus();
 }
 

@@ -22,6 +22,7 @@ struct PictureFacts {
   ImagerInBand figures{};                       // of counts
   std::uint64_t saturated_px = 0;               // of counts
   ImageContent target{};                        // pixels that show any of it
+  double target_in_frame_px = 0;                // area that the image shows, by rays
 };
 
 // The files of images in the folder of an export.

@@ -101,8 +101,7 @@ Shows what_is_shown(const std::string& layer, bool gas) {
   if (!known || *known == ImageLayer::kAtSensor || *known == ImageLayer::kBackground ||
       *known == ImageLayer::kPath)
     return Shows::kAll;
-  return *known == ImageLayer::kTemperature || *known == ImageLayer::kRange ? Shows::kOfTarget
-                                                                            : Shows::kTarget;
+  return is_mean_of_target(*known) ? Shows::kOfTarget : Shows::kTarget;
 }
 
 // The target's own radiance where it fills at least half of a pixel; of a target that does so
@@ -206,15 +205,27 @@ absl::StatusOr<ColorRange> range_of_most(const std::vector<float>& values) {
                     static_cast<double>(sorted[sorted.size() - 1 - tail])};
 }
 
+// Of a layer that is no radiance.
+std::string axis_title(ImageLayer layer) {
+  switch (layer) {
+    case ImageLayer::kTemperature:
+      return "Temperature in K";
+    case ImageLayer::kRange:
+      return "Distance from the sensor in m";
+    case ImageLayer::kSunlit:
+      return "Fraction in the sun";
+    default:
+      return "Component of the normal";
+  }
+}
+
 // Title, colours and axes of a picture whose pixels are there.
 absl::Status finish(StoreReader& reader, const StoredSignature& s, const std::string& layer,
                     const std::optional<ColorRange>& range, FalseColorPicture& picture) {
   ASSIGN_OR_RETURN(const auto own, range_of_most(picture.value));
   picture.range = range.value_or(own);
-  if (layer == name_of(ImageLayer::kTemperature) || layer == name_of(ImageLayer::kRange)) {
-    picture.axis = bar_axis(
-        layer == name_of(ImageLayer::kRange) ? "Distance from the sensor in m" : "Temperature in K",
-        picture.range);
+  if (const auto known = image_layer_of(layer); known && is_mean_of_target(*known)) {
+    picture.axis = bar_axis(axis_title(*known), picture.range);
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(const auto band, band_of(reader, s));

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/base/sobol.h"
@@ -73,10 +74,9 @@ StoredSilhouette on_detector(const StoredSilhouette& silhouette, const DetectorG
   const std::vector<Under> down =
       under_pixels(silhouette.height_px, grid.height_px, grid.top, grid.ratio);
   const double filled = silhouette.pixel_samples * grid.ratio * grid.ratio;
-  StoredSilhouette out{grid.width_px, grid.height_px, kFilled, {}};
-  for (const StoredSilhouette::Part& part : silhouette.part) {
+  const auto recorded = [&](const std::vector<StoredSilhouette::Pixel>& pixels) {
     std::vector<double> sum(std::size_t{grid.width_px} * grid.height_px, 0);
-    for (const StoredSilhouette::Pixel& pixel : part.pixel) {
+    for (const StoredSilhouette::Pixel& pixel : pixels) {
       const Under& x = across[pixel.at % silhouette.width_px];
       const Under& y = down[pixel.at / silhouette.width_px];
       for (std::size_t j = 0; j < 2; ++j)
@@ -85,14 +85,20 @@ StoredSilhouette on_detector(const StoredSilhouette& silhouette, const DetectorG
             sum[(y.first + j) * grid.width_px + x.first + i] +=
                 pixel.samples * x.length[i] * y.length[j];
     }
-    StoredSilhouette::Part& there = out.part.emplace_back();
-    there.name = part.name;
+    std::vector<StoredSilhouette::Pixel> there;
     for (std::uint32_t at = 0; at < sum.size(); ++at) {
       const double samples = std::round(kFilled * std::min(1.0, sum[at] / filled));
-      if (samples > 0) there.pixel.push_back({at, static_cast<std::uint16_t>(samples)});
+      if (samples > 0) there.push_back({at, static_cast<std::uint16_t>(samples)});
     }
-    if (there.pixel.empty()) out.part.pop_back();
-  }
+    return there;
+  };
+  StoredSilhouette out{grid.width_px, grid.height_px, kFilled, {}, {}};
+  for (const StoredSilhouette::Part& part : silhouette.part)
+    if (auto pixels = recorded(part.pixel); !pixels.empty())
+      out.part.push_back({part.name, std::move(pixels)});
+  for (const StoredSilhouette::PartSet& set : silhouette.part_set)
+    out.part_set.push_back(
+        {set.part, set.outside_px / (grid.ratio * grid.ratio), recorded(set.pixel)});
   return out;
 }
 
