@@ -1,7 +1,6 @@
 #include "core/atmosphere/cloud.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -13,9 +12,15 @@
 namespace irsig {
 namespace {
 
-// Positions of levels inside a cloud: light changes next to its boundaries.
-constexpr std::array kInside = {0.0, 0.001, 0.004, 0.012, 0.03,  0.07,  0.15,  0.3, 0.5,
-                                0.7, 0.85,  0.93,  0.97,  0.988, 0.996, 0.999, 1.0};
+// Positions of levels inside a cloud: light changes within an optical depth or so of its
+// boundaries, in thin clouds hardly at all.
+std::vector<double> level_positions(double depth) {
+  constexpr double kThinDepth = 1, kThickDepth = 6;
+  if (depth < kThinDepth) return {0, 0.5, 1};
+  if (depth < kThickDepth) return {0, 0.1, 0.3, 0.5, 0.7, 0.9, 1};
+  return {0,   0.001, 0.004, 0.012, 0.03,  0.07,  0.15,  0.3, 0.5,
+          0.7, 0.85,  0.93,  0.97,  0.988, 0.996, 0.999, 1.0};
+}
 
 // The air below and above a cloud keeps its own humidity so close to it. [m]
 constexpr double kEdgeM = 1;
@@ -126,7 +131,11 @@ CloudOptics cloud_optics(const CloudSpec& spec, ForwardPeak peak) {
 std::vector<double> cloud_levels_m(const AirProfile& profile, const CloudSpec& spec) {
   const double ground_m = profile.level.front().height_m;
   std::vector<double> out;
-  for (const double f : kInside) out.push_back(ground_m + std::lerp(spec.base_m, spec.top_m, f));
+  // Of particles much larger than the wavelength.
+  constexpr double kWaterKgM3 = 1000;
+  const double depth = 1.5 * spec.water_path_kg_m2 / (kWaterKgM3 * 1e-6 * spec.effective_radius_um);
+  for (const double f : level_positions(depth))
+    out.push_back(ground_m + std::lerp(spec.base_m, spec.top_m, f));
   return out;
 }
 

@@ -16,6 +16,8 @@
 #include "core/environment/environment.h"
 #include "core/environment/thermal_surroundings.h"
 #include "core/spectral/planck.h"
+#include "core/thermal/clear_sky.h"
+#include "core/thermal/weather_course.h"
 #include "tests/physics/reference_table.h"
 
 namespace irsig {
@@ -276,6 +278,61 @@ TEST(CloudSky, CirrusAddsAsMuchAsInLowtran) {
   const double cloud_alone = std::exp(-beam.absorption[window] - beam.scattering[window]);
   // 0.8482 is LOWTRAN7's, with the rural aerosol's 0.981 in it.
   EXPECT_NEAR(cloud_alone, 0.8482 / 0.981, 0.02);
+}
+
+// Horizontal irradiance from the sky: its hemisphere in the bands of the air, and air as black as
+// it is warm at other wavelengths.
+double hemisphere_w_m2(const Sky& sky) {
+  double sum = 0;
+  const std::vector<SkyRing>& ring = sky.light->sky;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double um = air_band_lambda_um(b), per_um = um * um * 1e-4 * kAirBandWidthCm1;
+    for (std::size_t i = 0; i + 1 < ring.size(); ++i) {
+      const double low = ring[i].sin_elevation, high = ring[i + 1].sin_elevation;
+      sum += M_PI * (high - low) * (low * ring[i].total[b] + high * ring[i + 1].total[b]) * per_um;
+    }
+  }
+  const double air_k = sky.weather.air.profile.level.front().temperature_k;
+  for (double cm1 = 0.5; cm1 < 8000; ++cm1) {
+    if (cm1 > kAirFirstCm1 && cm1 < kAirLastCm1) continue;
+    const double um = 1e4 / cm1;
+    sum += M_PI * planck_radiance_w_m2_sr_um(um, air_k) * um * um * 1e-4;
+  }
+  return sum;
+}
+
+// Walls have the sky of a formula, rows that of the atmosphere: one cloud for both.
+TEST(CloudSky, WarmsWallsAsItsHemisphere) {
+  for (const AfglProfile of :
+       {AfglProfile::kMidlatitudeSummer, AfglProfile::kMidlatitudeWinter,
+        AfglProfile::kSubarcticWinter, AfglProfile::kUsStandard1976, AfglProfile::kTropical}) {
+    for (const double base_m : {330.0, 1000.0, 2500.0}) {
+      const CloudSpec cloud{CloudPhase::kWater, base_m, base_m + 670, 0.2, 7.9};
+      const Sky sky(of, AerosolKind::kRural, &cloud);
+      const AirLevel& surface = sky.weather.air.profile.level.front();
+      CloudAbove above;
+      for (const AirLevel& level : sky.weather.air.profile.level) {
+        above.height_m.push_back(level.height_m);
+        above.air_k.push_back(level.temperature_k);
+      }
+      above.base_m = base_m;
+      WeatherRecord now;
+      now.air_k = surface.temperature_k;
+      now.dew_point_k = dew_point_k(relative_humidity_percent(surface) / 100 *
+                                    vapour_pressure_pa(surface.temperature_k));
+      now.pressure_pa = surface.pressure_pa;
+      now.cloud_cover = 1;
+      WeatherCourse course{{now, now}, 0, false};
+      course.record[0].unix_s = 1735700400;
+      course.record[1].unix_s = 1735704000;
+      const auto walls =
+          CourseRadiation::make(course, {49.5, 0, 0}, {0.2, 0.1, 0.3, 0.2, std::move(above)});
+      ASSERT_TRUE(walls.ok()) << walls.status();
+      const double of_view = hemisphere_w_m2(sky);
+      EXPECT_NEAR(walls->at(1735702000).sky_w_m2, of_view, 0.03 * of_view)
+          << name_of(of) << " " << base_m;
+    }
+  }
 }
 
 // ---- mixtures
