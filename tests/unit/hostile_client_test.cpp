@@ -53,7 +53,7 @@ class HostileClient : public testing::Test {
     address_ = *parse_address("unix:" + folder_ + "/farm");
     auto server = FarmServer::start({folder_ + "/test.sigdb",
                                      address_,
-                                     {1, 60, 5},
+                                     {1, 60, 5, 0},  // no audits: they come by chance
                                      now_s,
                                      now_s,
                                      [](const absl::Status& status) { ADD_FAILURE() << status; },
