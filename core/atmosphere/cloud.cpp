@@ -1,6 +1,7 @@
 #include "core/atmosphere/cloud.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string_view>
@@ -12,14 +13,20 @@
 namespace irsig {
 namespace {
 
-// Positions of levels inside a cloud: light changes within an optical depth or so of its
-// boundaries, in thin clouds hardly at all.
+// Positions of levels inside a cloud: light changes within some optical depths of its boundaries,
+// in thin clouds hardly at all.
 std::vector<double> level_positions(double depth) {
-  constexpr double kThinDepth = 1, kThickDepth = 6;
+  constexpr double kThinDepth = 1, kThickDepth = 6, kOpaqueDepth = 20;
   if (depth < kThinDepth) return {0, 0.5, 1};
   if (depth < kThickDepth) return {0, 0.1, 0.3, 0.5, 0.7, 0.9, 1};
-  return {0,   0.001, 0.004, 0.012, 0.03,  0.07,  0.15,  0.3, 0.5,
-          0.7, 0.85,  0.93,  0.97,  0.988, 0.996, 0.999, 1.0};
+  if (depth < kOpaqueDepth) return {0, 0.02, 0.07, 0.2, 0.5, 0.8, 0.93, 0.98, 1};
+  std::vector<double> out{0};
+  constexpr std::array kDepths = {0.3, 1.0, 2.5, 5.0, 9.0};
+  for (const double d : kDepths) out.push_back(d / depth);
+  out.push_back(0.5);
+  for (auto d = kDepths.rbegin(); d != kDepths.rend(); ++d) out.push_back(1 - *d / depth);
+  out.push_back(1);
+  return out;
 }
 
 // The air below and above a cloud keeps its own humidity so close to it. [m]

@@ -73,7 +73,7 @@ void for_spectra(Layer& layer, const Each& each) {
 }
 
 // Beyond, no band lets pass so much as to matter.
-constexpr double kOpaque = 1e-12;
+constexpr double kOpaque = 1e-8;
 
 bool opaque(const AirSpectrum& transmittance) {
   return std::all_of(transmittance.begin(), transmittance.end(),
