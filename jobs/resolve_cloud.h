@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "absl/status/statusor.h"
 #include "jobs/section_check.h"
 #include "schema/job.pb.h"
 
@@ -26,5 +27,9 @@ void check_cloud_of_season(const schema::Season& season, int season_index, Findi
 //   always  also without a cover: it is uncertain
 void resolve_cloud(const schema::Season& season, int season_index, bool always,
                    schema::Weather& weather, schema::Condition& condition, Findings& findings);
+
+// Returns the layer that the keys of [[season.cloud]] state elsewhere than in a sweep file, checked
+// as that table is. INVALID_ARGUMENT names the keys as "cloud.top_m".
+[[nodiscard]] absl::StatusOr<schema::CloudLayer> stated_cloud_layer(const schema::Cloud& cloud);
 
 }  // namespace irsig
