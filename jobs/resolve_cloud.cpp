@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "core/atmosphere/cloud.h"
 #include "core/base/status_macros.h"
 #include "core/thermal/condensation.h"
@@ -65,18 +67,32 @@ LayerKeys keys_of_table(const schema::Cloud& cloud, const std::string& path) {
           key(cloud.has_effective_radius_um(), "effective_radius_um")};
 }
 
+// Without a type all of the layer has to be stated.
+void check_without_type(const std::string& path, const SectionCheck& check, Findings& findings) {
+  std::vector<std::string> missing;
+  for (const char* key : {"base_m", "top_m", "water_path_g_m2", "effective_radius_um", "phase"})
+    if (!check.has(key)) missing.push_back(path + "." + key);
+  if (missing.empty()) return;
+  findings.add(path,
+               absl::StrFormat("%s.type is missing, expected a type (\"stratus\", \"cumulus\", "
+                               "\"cirrus\" ...), or all of the layer: also %s",
+                               path, absl::StrJoin(missing, ", ")));
+}
+
 // One table by itself.
 //   cover_elsewhere  a weather file may have it
 void check_layer_table(const schema::Cloud& cloud, const std::string& path, bool cover_elsewhere,
                        Findings& findings) {
   const SectionCheck check(cloud, path, findings);
-  (void)check.at_most_one({"cover", "cover_oktas"});
+  if (cloud.has_cover() && cloud.has_cover_oktas())
+    check.error("cover_oktas",
+                absl::StrFormat("= %g and cover = %g both state how much of the sky is covered: "
+                                "expected only one of them",
+                                cloud.cover_oktas(), cloud.cover()));
   if (!cloud.has_cover() && !cloud.has_cover_oktas() && !cover_elsewhere)
     check.require({"cover"},
                   "expected the covered fraction of the sky, 0 to 1 (or cover_oktas, 0 to 8)");
-  if (!cloud.has_type())
-    check.require({"base_m", "top_m", "water_path_g_m2", "effective_radius_um", "phase"},
-                  "expected it, or a type: \"stratus\", \"cumulus\", \"cirrus\" ...");
+  if (!cloud.has_type()) check_without_type(path, check, findings);
   (void)check.one_of("type", type_names());
   (void)check.one_of("phase", {"water", "ice"});
 }
@@ -117,16 +133,17 @@ void check_layer(const schema::CloudLayer& layer, const schema::Cloud& cloud, co
                                  keys.base, layer.top_m(), layer.base_m(),
                                  layer.top_m() - layer.base_m(), layer.type(), kHighestCloudM));
   }
-  if (!(layer.effective_radius_um() >= low && layer.effective_radius_um() <= high))
+  const double radius_um = layer.effective_radius_um();
+  if (!(radius_um >= low && radius_um <= high))
     findings.add(
         keys.radius,
-        absl::StrFormat("%s: effective_radius_um = %g%s is outside the table of %s (phase = "
-                        "\"%s\"), expected %g to %g um, or phase = \"%s\"",
-                        keys.radius, layer.effective_radius_um(),
+        absl::StrFormat("%s %g um is outside the table of %s, expected %g to %g um, or phase = "
+                        "\"%s\"",
                         cloud.has_effective_radius_um()
-                            ? ""
-                            : absl::StrFormat(" (of type \"%s\")", layer.type()),
-                        water ? "droplets" : "ice crystals", layer.phase(), low, high,
+                            ? keys.radius + " ="
+                            : absl::StrFormat("%s: the effective radius of type \"%s\",",
+                                              keys.radius, layer.type()),
+                        radius_um, water ? "droplets" : "ice crystals", low, high,
                         water ? "ice" : "water"));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "absl/status/statusor.h"
@@ -10,6 +11,9 @@ namespace irsig {
 
 // [[season.cloud]], and a season's keys cloud_cover, cloud_type, cloud_base_m and
 // cloud_water_path_g_m2, which state the same layer in a table of conditions.
+
+inline constexpr std::array kCloudKeys = {"cloud", "cloud_cover", "cloud_type", "cloud_base_m",
+                                          "cloud_water_path_g_m2"};
 
 // Reports what is wrong with a season's cloud under the embedded atmosphere.
 void check_cloud_of_season(const schema::Season& season, int season_index, Findings& findings);

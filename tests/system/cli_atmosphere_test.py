@@ -275,7 +275,8 @@ class Cloud(unittest.TestCase):
         sky = ("sky", *AIR, "--height-m", 1, "--zenith-deg", 0)
         for arguments, expected in (
                 (("--cloud-type", "stratus"), "--cloud-cover is missing"),
-                (("--cloud-cover", 1), '--cloud-base-m is missing, expected it, or a type: "stratus"'),
+                (("--cloud-cover", 1), '--cloud-type is missing, expected a type ("stratus", "cumulus", "cirrus" ...), or all of '
+                                         'the layer: also --cloud-base-m, --cloud-top-m'),
                 ((*self.STRATUS, "--cloud-cover", 80), "--cloud-cover = 80, expected a number from 0 to 1"),
                 (("--cloud-type", "stratos", "--cloud-cover", 1), '--cloud-type = "stratos": did you mean "stratus"?'),
                 ((*self.STRATUS, "--cloud-cover", 1, "--cloud-base-m", 900, "--cloud-top-m", 200),

@@ -101,6 +101,34 @@ SWEEPS = [
     (r"^range_m = .*", "range_m = 5000\nrange_m = 6000", r"\(each key stands once in its table: delete one\)"),
     (r"^relative_error = .*", "relative_error = 1%", r"\(a fraction: 1 % is 0.01\)"),
     (r"^relative_error = .*", "relative_error = .01", r"\(a number begins with a digit: 0.01\)"),
+    # Clouds.
+    (r'^name = "summer"', 'name = "summer"\ncloud_cover = 80', r"cloud_cover = 80, expected a number from 0 to 1 .*80 % are 0.8"),
+    (r'^name = "summer"', 'name = "summer"\ncloud_cover = 0.5', r"taken as stratus, 670 m thick, .*set cloud_type or", "warning"),
+    (r'^name = "summer"', 'name = "summer"\ncloud_type = "stratus"', r":\d+:1: season\[0\]\.cloud_type does not apply without a cover, "
+     r"expected cloud_cover = 0 to 1 beside it"),
+    (r'^name = "summer"', 'name = "summer"\ncloud_cover = 0.5\ncloud = [{type = "stratus", cover = 1}]',
+     r"cloud_cover does not apply beside \[\[season\.cloud\]\], .*expected only one of them"),
+    (r'^name = "summer"[\s\S]*^model = "atmosphere"', 'name = "summer"\ncloud_cover = 1\n\n[air]\nmodel = "vacuum"',
+     r'cloud_cover does not apply to air.model "vacuum", which has no clouds: expected air.model = "atmosphere"'),
+    *((r"\Z", f"\n[[season.cloud]]\n{keys}\n", said) for keys, said in (
+        ('type = "stratus"\ncover = 0.5\ncover_oktas = 4', r"cover_oktas = 4 and cover = 0.5 both .*expected only one of them"),
+        ('type = "stratus"\ncover_oktas = 9', r"cover_oktas = 9, expected a number from 0 to 8 \(eighths of the sky\)"),
+        ('type = "stratus"\ncover = 1\nbase_m = 900\ntop_m = 200',
+         r"cloud\[0\]\.top_m: the layer's top, 200 m, is below its base, 900 m; expected top_m of at least 901 m"),
+        ('type = "altostratus"\ncover = 1\ntop_m = 900', r'is below its base, 2400 m \(of type "altostratus"\)'),
+        ('type = "cirrus"\ncover = 1\nbase_m = 24500', r"cloud\[0\]\.base_m: the layer's top, 25500 m .*is above 25000 m"),
+        ('type = "stratos"\ncover = 1', r'cloud\[0\]\.type = "stratos": did you mean "stratus"\?'),
+        ('type = "fog"\ncover = 1', r'cloud\[0\]\.type = "fog": expected one of "stratus", "stratocumulus"'),
+        ('type = "cirrus"\ncover = 1\neffective_radius_um = 5',
+         r'effective_radius_um = 5 um is outside the table of ice crystals, expected 6.4 to 153.3 um, or phase = "water"'),
+        ('type = "cirrus"\ncover = 1\nphase = "water"', r'the effective radius of type "cirrus", 64 um is outside the table of droplets'),
+        ('type = "stratus"', r"cloud\[0\]\.cover is missing, expected the covered fraction of the sky"),
+        ("cover = 1", r'cloud\[0\]\.type is missing, expected a type \("stratus", .*also season\[0\]\.cloud\[0\]\.base_m'),
+        ('type = "stratus"\ncover = 1\n[[season.cloud]]\ntype = "cirrus"\ncover = 0.5',
+         r"cloud\[1\] is a second layer of cloud, expected one"))),
+    (r"\Z", '\n[season.cloud]\ntype = "stratus"\n', r"cloud is a table, expected an array of tables: \[\[season\.cloud\]\]"),
+    (r"\Z", '\n[[cloud]]\ntype = "stratus"\n', r'unknown key "cloud", expected \[\[season\.cloud\]\], \[\[condition\.cloud\]\]'),
+    (r"^aerosol = .*", 'aerosol = "maritime"\ncloud_cover = 0.5', r'unknown key "cloud_cover" in air, it is a key of .*\[\[season\]\]'),
 ]
 
 # Commands, with what is said.
