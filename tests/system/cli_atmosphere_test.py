@@ -271,6 +271,26 @@ class Cloud(unittest.TestCase):
             for a, b, c in zip(clear, half, overcast):
                 self.assertAlmostEqual(b[name], 0.5 * (a[name] + c[name]), delta=1e-9 * b[name])
 
+    def test_stored_rows_have_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def run(*arguments):
+                done = subprocess.run([IRSIG, *arguments], cwd=folder, capture_output=True, text=True, timeout=300)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                return done.stdout
+            run("model", "frigate", "--triangles", "2000", "--out", "ship.obj")
+            run("init", "--model", "ship.obj", "--place", "54.3,10.1", "--out", "ship.toml")
+            sweep = pathlib.Path(folder) / "ship.toml"
+            text = sweep.read_text().replace("count = 12", "count = 1").replace("step_um = 0.1", "step_um = 0.11")
+            sweep.write_text(text + '\n[[season.cloud]]\ntype = "stratus"\ncover = 0.5\n')
+            run("run", "ship.toml", "--db", "ship.sigdb", "--relative-error", "0.1")
+            self.assertIn("\ncloud: stratus covers 0.5 of the sky, 330 to 1000 m above the surface, 200 g/m2 of water",
+                          run("explain", "ship.sigdb", "--row", "1"))
+            for chosen in (("--row", "2"), ("--season", "summer", "--band", "lwir")):
+                run("plot", "ship.sigdb", "--kind", "sky", *chosen, "--pixels", "64", "--out", "sky.svg")
+                words = " ".join(xml.etree.ElementTree.parse(pathlib.Path(folder) / "sky.svg").getroot().itertext())
+                for expected in ("Sky of ship, summer", "lwir (8 to 12", "stratus cover 0.5", "Apparent temperature in K", "+ sun"):
+                    self.assertIn(expected, words)
+
     def test_errors(self):
         sky = ("sky", *AIR, "--height-m", 1, "--zenith-deg", 0)
         for arguments, expected in (
