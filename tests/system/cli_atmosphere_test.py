@@ -270,6 +270,12 @@ class Cloud(unittest.TestCase):
             self.assertGreater(temperature_k(overcast, name), temperature_k(clear, name) + 20)
             for a, b, c in zip(clear, half, overcast):
                 self.assertAlmostEqual(b[name], 0.5 * (a[name] + c[name]), delta=1e-9 * b[name])
+            gas = subprocess.run([IRSIG, "show", "gas", "--temperature-k", "650", "--co2", "0.07", "--range-m", "1000",
+                                  "--sweep", "cloud.toml", "--season", "winter"], cwd=folder, capture_output=True, text=True,
+                                 timeout=300)
+            self.assertEqual(gas.returncode, 0)
+            self.assertIn("hot gas is seen through clear air; the cloud of cloud.toml, winter, stratus cover 1 is left out",
+                          gas.stderr)
 
     def test_stored_rows_have_it(self):
         with tempfile.TemporaryDirectory() as folder:
