@@ -1,15 +1,19 @@
 #include "cli/air_options.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/import/model_file.h"
 #include "jobs/number_bounds.h"
+#include "jobs/resolve_cloud.h"
 #include "jobs/sweep_file.h"
 #include "messages/environment/weather_from_message.h"
 #include "planning/load_sweep.h"
@@ -40,10 +44,31 @@ std::string profile_names() {
 
 std::string aerosol_list() { return comma_list(aerosol_names()); }
 
+// A key of [[season.cloud]] as an option.
+struct CloudOption {
+  const char *key, *name, *about;
+};
+constexpr std::array<CloudOption, 7> kCloudOptions = {
+    {{"type", "--cloud-type",
+      "stratus | stratocumulus | cumulus | altostratus | nimbostratus | cirrus: needed unless all "
+      "of the layer is stated"},
+     {"cover", "--cloud-cover", "Fraction of the sky that a layer of cloud covers: 0 to 1"},
+     {"base_m", "--cloud-base-m", "Above the surface; default: the type's"},
+     {"top_m", "--cloud-top-m", "Default: the base and the type's thickness"},
+     {"water_path_g_m2", "--cloud-water-path-g-m2", "Vertical, liquid or ice; default: the type's"},
+     {"effective_radius_um", "--cloud-effective-radius-um",
+      "Of the particles; default: the type's"},
+     {"phase", "--cloud-phase", "water | ice; default: the type's"}}};
+
+// "stratus cover 0.5": of a drawing.
+std::string cloud_title(const WeatherSpec& weather, const std::string& type) {
+  if (weather.cloud_cover <= 0) return "";
+  return absl::StrFormat(", %s cover %g", type.empty() ? "cloud" : type, weather.cloud_cover);
+}
+
 }  // namespace
 
-AirOptions::AirOptions(CLI::App& command, bool own_temperature)
-    : group_(command.add_option_group("The air")) {
+AirOptions::AirOptions(CLI::App& command, Use use) : group_(command.add_option_group("The air")) {
   group_
       ->add_option(
           "--sweep", sweep_,
@@ -61,7 +86,7 @@ AirOptions::AirOptions(CLI::App& command, bool own_temperature)
   group_->add_option("--aerosol", aerosol_, aerosol_list())->type_name("NAME");
   group_->add_option("--visibility-m", visibility_m_, "Meteorological range: 100 to 100000");
   group_->add_option(
-      own_temperature ? "--air-temperature-k" : "--air-temperature-k,--temperature-k",
+      use == Use::kHotGas ? "--air-temperature-k" : "--air-temperature-k,--temperature-k",
       air_temperature_k_,
       "Weather at the surface, to which the lowest 2 km are bent: all three or none");
   group_->add_option("--relative-humidity-percent,--humidity-percent,--humidity",
@@ -76,6 +101,49 @@ AirOptions::AirOptions(CLI::App& command, bool own_temperature)
                    "Aerosol amounts above 2 km of autumn and winter");
   group_->add_option("--co2-ppmv", co2_ppmv_, "Default 425");
   group_->add_flag("--no-refraction", straight_, "Straight rays");
+  if (use == Use::kLight) add_cloud_options();
+}
+
+void AirOptions::add_cloud_options() {
+  for (const CloudOption& option : kCloudOptions) {
+    const google::protobuf::FieldDescriptor* field =
+        cloud_.GetDescriptor()->FindFieldByName(option.key);
+    if (field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_STRING) {
+      group_
+          ->add_option_function<std::string>(
+              option.name,
+              [this, field](const std::string& value) {
+                cloud_.GetReflection()->SetString(&cloud_, field, value);
+              },
+              option.about)
+          ->type_name("NAME");
+    } else {
+      group_->add_option_function<double>(
+          option.name,
+          [this, field](double value) { cloud_.GetReflection()->SetDouble(&cloud_, field, value); },
+          option.about);
+    }
+  }
+}
+
+absl::Status AirOptions::set_cloud(WeatherSpec& weather) const {
+  if (cloud_.ByteSizeLong() == 0) return absl::OkStatus();
+  const auto layer = stated_cloud_layer(cloud_);
+  if (!layer.ok()) {
+    // The options have the names of the keys.
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const CloudOption& option : kCloudOptions) {
+      const std::string key = option.key;
+      names.emplace_back(absl::StrCat("cloud.", key), option.name);
+      if (key.ends_with("_m")) names.emplace_back(key, option.name);
+    }
+    names.emplace_back(" (or cover_oktas, 0 to 8)", "");
+    return absl::Status(layer.status().code(),
+                        absl::StrReplaceAll(layer.status().message(), names));
+  }
+  ASSIGN_OR_RETURN(weather.cloud, cloud_from_message(*layer));
+  weather.cloud_cover = cloud_.cover();
+  return absl::OkStatus();
 }
 
 bool AirOptions::given() const {
@@ -189,23 +257,11 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
   ASSIGN_OR_RETURN(auto atmosphere, Atmosphere::make(weather.air));
   const schema::Place& place = sweep.sweep().place();
   return ChosenAir{
-      std::move(atmosphere), weather.refraction,
-      absl::StrCat(std::filesystem::path(sweep_).filename().string(), ", ", chosen->season()),
-      weather.lower,
+      std::move(atmosphere), weather,
+      absl::StrCat(std::filesystem::path(sweep_).filename().string(), ", ", chosen->season(),
+                   cloud_title(weather, chosen->weather().cloud().type())),
       ChosenAir::Place{place.latitude_deg(), place.longitude_deg(), place.height_m(),
                        chosen->time_utc()}};
-}
-
-absl::StatusOr<AirSpectrum> ChosenAir::surroundings_w_m2_sr_um(double height_m) const {
-  constexpr double kHighestM = 50e3;  // next to no scattering above
-  std::vector<double> um;
-  for (std::size_t b = 0; b < kAirBandCount; ++b) um.push_back(air_band_lambda_um(b));
-  const double lowest_m = atmosphere.profile().level.front().height_m;
-  auto environment = Environment::make(
-      {WeatherSpec{atmosphere.spec(), refraction, lower, nullptr}}, {{0, false, {0, 0, -1}, 1}},
-      std::clamp(height_m - lowest_m, kLowestAirPointM, kHighestM), std::move(um));
-  if (!environment.ok()) return environment.status();
-  return (*environment)->surroundings_w_m2_sr_um(0);
 }
 
 absl::StatusOr<ChosenAir> AirOptions::choose() const {
@@ -224,10 +280,12 @@ absl::StatusOr<ChosenAir> AirOptions::choose() const {
     if (!value) continue;
     RETURN_IF_ERROR(check_number(key, name, *value));
   }
-  AtmosphereSpec spec;
-  ASSIGN_OR_RETURN(spec.profile, profile());
-  ASSIGN_OR_RETURN(spec.aerosol, aerosol());
-  spec.co2_ppmv = co2_ppmv_.value_or(spec.co2_ppmv);
+  WeatherSpec weather;
+  ASSIGN_OR_RETURN(weather.air.profile, profile());
+  ASSIGN_OR_RETURN(weather.air.aerosol, aerosol());
+  weather.air.co2_ppmv = co2_ppmv_.value_or(weather.air.co2_ppmv);
+  weather.refraction = !straight_;
+  RETURN_IF_ERROR(set_cloud(weather));
   std::string title =
       absl::StrCat(profile_file_.empty() ? profile_ : profile_file_, ", aerosol ", aerosol_);
   if (visibility_m_) absl::StrAppendFormat(&title, " %g km", *visibility_m_ / 1000);
@@ -235,10 +293,11 @@ absl::StatusOr<ChosenAir> AirOptions::choose() const {
     absl::StrAppendFormat(&title, ", %g K, %g %% humidity", *air_temperature_k_,
                           *relative_humidity_percent_);
   }
-  ASSIGN_OR_RETURN(auto atmosphere, Atmosphere::make(std::move(spec)));
-  SurfaceBoundary ground{SurfaceBoundary::Kind::kGround};
-  ground.temperature_k = atmosphere.profile().level.front().temperature_k;
-  return ChosenAir{std::move(atmosphere), !straight_, std::move(title), ground, std::nullopt};
+  title += cloud_title(weather, cloud_.type());
+  ASSIGN_OR_RETURN(auto atmosphere, Atmosphere::make(weather.air));
+  weather.lower = {.kind = SurfaceBoundary::Kind::kGround,
+                   .temperature_k = atmosphere.profile().level.front().temperature_k};
+  return ChosenAir{std::move(atmosphere), std::move(weather), std::move(title), std::nullopt};
 }
 
 }  // namespace irsig

@@ -6,21 +6,19 @@
 
 #include "absl/status/statusor.h"
 #include "core/atmosphere/atmosphere.h"
-#include "core/environment/environment.h"
+#include "core/environment/weather_spec.h"
+#include "schema/sweep.pb.h"
 
 namespace irsig {
 
 // An atmosphere, as the command line describes it.
 struct ChosenAir {
-  Atmosphere atmosphere;
-  bool refraction = true;
+  Atmosphere atmosphere;  // without a cloud
+  // The same with its cloud. Its surface is the season's with --sweep; else black ground as warm as
+  // the air above it.
+  WeatherSpec weather;
   std::string title;  // for a plot
-  // The season's surface with --sweep; else black ground as warm as the air above it.
-  SurfaceBoundary lower;
 
-  // Mean radiance of sky and surface around a point at this height above the sea, as a run scatters
-  // it into its paths. [band of the air]
-  [[nodiscard]] absl::StatusOr<AirSpectrum> surroundings_w_m2_sr_um(double height_m) const;
   // The sweep's place, with --sweep, and the time of the season's first condition.
   struct Place {
     double latitude_deg, longitude_deg, height_m;
@@ -33,8 +31,10 @@ struct ChosenAir {
 // atmosphere`, `sky` and `sun` share them.
 class AirOptions {
  public:
-  // own_temperature: --temperature-k is the command's own, the air's is --air-temperature-k alone.
-  explicit AirOptions(CLI::App& command, bool own_temperature = false);
+  // kHotGas: --temperature-k is the command's own, the air's is --air-temperature-k alone, and
+  // there are no options for a cloud, because hot gas is seen through clear air.
+  enum class Use { kLight, kHotGas };
+  explicit AirOptions(CLI::App& command, Use use = Use::kLight);
 
   // Returns true if any of the options was given.
   [[nodiscard]] bool given() const;
@@ -46,12 +46,16 @@ class AirOptions {
   [[nodiscard]] absl::StatusOr<ChosenAir> of_sweep() const;
   [[nodiscard]] absl::StatusOr<AirProfile> profile() const;
   [[nodiscard]] absl::StatusOr<AerosolSpec> aerosol() const;
+  void add_cloud_options();
+  // Sets the cloud of the weather that the options describe.
+  [[nodiscard]] absl::Status set_cloud(WeatherSpec& weather) const;
 
   CLI::Option_group* group_;
   std::string sweep_, season_;
   std::string profile_, profile_file_, aerosol_;
   std::optional<double> visibility_m_, air_temperature_k_, relative_humidity_percent_, pressure_pa_;
   std::optional<double> wind_speed_m_s_, wind_speed_24h_m_s_, air_mass_, co2_ppmv_;
+  schema::Cloud cloud_;  // keys that are not stated are absent
   bool straight_ = false, winter_troposphere_ = false;
 };
 

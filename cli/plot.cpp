@@ -15,6 +15,7 @@
 #include "core/base/status_macros.h"
 #include "planning/temperature_picture.h"
 #include "view/pictures/plot_picture.h"
+#include "view/pictures/sky_picture.h"
 #include "view/report/hours.h"
 
 namespace irsig {
@@ -55,6 +56,8 @@ struct PlotCommand {
       return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures, layer));
     if (kind == "sheet")
       return write_picture(sheet_picture(*reader, query, range, pixels, read_pictures, layer));
+    if (kind == "sky")
+      return write_picture(sky_picture(*reader, query, range, pixels.value_or(kPixels)));
     if (kind == "temperatures")
       return write_picture(
           temperature_picture(filter.database(), query, range, pixels.value_or(kPixels)));
@@ -81,9 +84,10 @@ struct PlotCommand {
 
   [[nodiscard]] absl::Status check_options() const {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
-    status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures"}));
+    status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures", "sky"}));
     status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet"}));
-    status.Update(belongs(pixels.has_value(), "--pixels", {"picture", "sheet", "temperatures"}));
+    status.Update(
+        belongs(pixels.has_value(), "--pixels", {"picture", "sheet", "temperatures", "sky"}));
     return status;
   }
 
@@ -113,30 +117,32 @@ void add_plot(CLI::App& app, int& exit_code) {
       "json), of the source intensity or of --quantity; transmittance (of the air, from one "
       "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
       "and apparent temperature), sheet (the images of many, side by side) or temperatures (of the "
-      "target's facets, from any --aspect)");
+      "target's facets, from any --aspect); sky (its in-band radiance by direction, in a "
+      "condition)");
   const auto options = std::make_shared<PlotCommand>(*command);
   command
-      ->add_option("--kind", options->kind,
-                   "polar, spectrum, map, hours, transmittance, picture, sheet or temperatures")
+      ->add_option(
+          "--kind", options->kind,
+          "polar, spectrum, map, hours, transmittance, picture, sheet, temperatures or sky")
       ->required()
       ->type_name("KIND")
       ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "transmittance", "picture",
-                             "sheet", "temperatures"}));
+                             "sheet", "temperatures", "sky"}));
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
       ->type_name("DEG");
   command
       ->add_option("--scale", options->scale,
-                   "Values at the ends of the colours of picture and sheet [W/(m2 sr)] and "
+                   "Values at the ends of the colours of picture, sheet and sky [W/(m2 sr)] and "
                    "temperatures [K]; "
-                   "default: the 1st and 99th percentile of their pixels; of temperatures: the "
-                   "smallest and largest")
+                   "default: the 1st and 99th percentile of their pixels; of temperatures and "
+                   "sky: the smallest and largest")
       ->type_name("LOW,HIGH");
   command
       ->add_option(
           "--pixels", options->pixels,
-          "Long side of temperatures, default: " + std::to_string(PlotCommand::kPixels) +
+          "Long side of temperatures and sky, default: " + std::to_string(PlotCommand::kPixels) +
               "; of picture and sheet, of whose stored pixels squares are averaged, default: all "
               "that are stored")
       ->type_name("N")

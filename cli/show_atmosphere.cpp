@@ -15,13 +15,15 @@
 #include "core/atmosphere/imported_path.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
+#include "core/environment/weather_air.h"
 #include "core/geo/sun.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 #include "view/base/table.h"
 #include "view/plot/plot_curves.h"
 
-// irsig show atmosphere | sky | sun: what core/atmosphere answers, as CSV or drawn.
+// irsig show atmosphere | sky | sun: what core/atmosphere and a cloud's light in core/environment
+// answer, as CSV or drawn.
 namespace irsig {
 namespace {
 
@@ -189,21 +191,25 @@ struct AtmosphereCommand {
   [[nodiscard]] absl::Status run() const {
     ASSIGN_OR_RETURN(const auto chosen, air.choose());
     RETURN_IF_ERROR(bands.check());
-    ASSIGN_OR_RETURN(const auto path, line_of_sight(chosen));
-    PathLight light;
-    ASSIGN_OR_RETURN(light.sun, sun.place(0));
+    RETURN_IF_ERROR(check_line_of_sight());
+    ASSIGN_OR_RETURN(const auto sun_place, sun.place(0));
+    std::optional<AirSpectrum> surroundings;
     if (surroundings_temperature_k) {
       RETURN_IF_ERROR(
           check_number("--surroundings-temperature-k", *surroundings_temperature_k, 0, 400));
+      surroundings.emplace();
       for (std::size_t b = 0; b<kAirBandCount&& * surroundings_temperature_k> 0; ++b) {
-        light.surroundings_w_m2_sr_um.push_back(
+        surroundings->push_back(
             planck_radiance_w_m2_sr_um(air_band_lambda_um(b), *surroundings_temperature_k));
       }
-    } else {
-      ASSIGN_OR_RETURN(light.surroundings_w_m2_sr_um,
-                       chosen.surroundings_w_m2_sr_um(target_height_m.value_or(observer_height_m)));
     }
-    const PathRadiance ours = chosen.atmosphere.radiance(path, light);
+    ASSIGN_OR_RETURN(const auto air_light,
+                     WeatherAir::make(chosen.weather, target_height_m.value_or(observer_height_m)));
+    const auto ray = [&](const AirProfile& profile) {
+      return line_of_sight(profile, chosen.weather.refraction);
+    };
+    ASSIGN_OR_RETURN(const auto ours, air_light.radiance(WeatherAir::Sight::kSharp, ray, sun_place,
+                                                         surroundings ? &*surroundings : nullptr));
     warn_of_scattering(ours);
 
     ASSIGN_OR_RETURN(const auto other, imported());
@@ -222,7 +228,7 @@ struct AtmosphereCommand {
   }
 
  private:
-  [[nodiscard]] absl::StatusOr<LightPath> line_of_sight(const ChosenAir& chosen) const {
+  [[nodiscard]] absl::Status check_line_of_sight() const {
     for (const absl::Status& s :
          {check_number("--observer-height-m", observer_height_m, 0, 1e8),
           check_number("--target-height-m", target_height_m.value_or(0), 0, 1e8),
@@ -234,9 +240,13 @@ struct AtmosphereCommand {
           level ? "--level has one height, --observer-height-m; --target-height-m contradicts it"
                 : "--target-height-m is missing (or --level, for one height all along)");
     }
+    return absl::OkStatus();
+  }
+
+  [[nodiscard]] absl::StatusOr<LightPath> line_of_sight(const AirProfile& profile,
+                                                        bool refraction) const {
     if (level) return level_path(observer_height_m, range_m);
-    return look_between(chosen.atmosphere.profile(), observer_height_m, *target_height_m, range_m,
-                        chosen.refraction);
+    return look_between(profile, observer_height_m, *target_height_m, range_m, refraction);
   }
 
   // What the other code has for this line of sight.
@@ -318,15 +328,16 @@ struct SkyCommand {
     }
     std::vector<std::vector<Cell>> rows;
     std::vector<DrawnSpectrum> spectra;
-    ASSIGN_OR_RETURN(const auto around, chosen.surroundings_w_m2_sr_um(height_m));
+    ASSIGN_OR_RETURN(const auto air_light, WeatherAir::make(chosen.weather, height_m));
     for (const double azimuth : azimuth_deg) {
       for (const double zenith : zenith_deg) {
-        PathLight light;
-        light.surroundings_w_m2_sr_um = around;
-        ASSIGN_OR_RETURN(light.sun, sun.place(azimuth));
-        const LightPath path = look(chosen.atmosphere.profile(), height_m, zenith,
-                                    std::numeric_limits<double>::infinity(), chosen.refraction);
-        const PathRadiance sky = chosen.atmosphere.radiance(path, light);
+        ASSIGN_OR_RETURN(const auto sun_place, sun.place(azimuth));
+        const auto ray = [&](const AirProfile& profile) -> absl::StatusOr<LightPath> {
+          return look(profile, height_m, zenith, std::numeric_limits<double>::infinity(),
+                      chosen.weather.refraction);
+        };
+        ASSIGN_OR_RETURN(const auto sky,
+                         air_light.radiance(WeatherAir::Sight::kDiffuse, ray, sun_place));
         warn_of_scattering(sky);
         append(rows, zenith, azimuth, sky);
         spectra.push_back(
@@ -402,7 +413,8 @@ struct SunCommand {
     if (!chosen) return write();
     RETURN_IF_ERROR(bands.check());
     RETURN_IF_ERROR(check_number("--height-m", where.height_m, 0, 1e8));
-    const AirSpectrum here = chosen->atmosphere.sun_irradiance_w_m2_um(
+    ASSIGN_OR_RETURN(const auto air_light, WeatherAir::make(chosen->weather, where.height_m));
+    const AirSpectrum here = air_light.sun_irradiance_w_m2_um(
         where.height_m, SunPlace{sun.zenith_deg, 0, sun.distance_au});
     for (const char* more : {"wavenumber_cm1", "lambda_um", "sun_irradiance_w_m2_um",
                              "sun_irradiance_in_space_w_m2_um"})

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +21,7 @@ namespace {
 
 struct GasCommand {
   explicit GasCommand(CLI::App& command)
-      : air(command, true), output(command, {"csv", "json", "text", "svg"}) {
+      : air(command, AirOptions::Use::kHotGas), output(command, {"csv", "json", "text", "svg"}) {
     command.add_option("--temperature-k", temperature_k, "200 to 2000")->required();
     command.add_option("--pressure-atm", pressure_atm, "0.1 to 2; default 1");
     command.add_option("--length-m", length_m, "Of the column; default 1");
@@ -64,6 +65,12 @@ struct GasCommand {
       if (!(*range_m >= 0 && *range_m <= 1e6 && height_m >= 0 && height_m <= 1e5)) {
         return absl::InvalidArgumentError(absl::StrFormat(
             "--range-m %g, --height-m %g: expected 0 to 1e6, 0 to 1e5", *range_m, height_m));
+      }
+      if (chosen.weather.cloud_cover > 0) {
+        std::fprintf(stderr,
+                     "irsig: warning: hot gas is seen through clear air; the cloud of %s is left "
+                     "out\n",
+                     chosen.title.c_str());
       }
       const AbsorberAmounts amounts = chosen.atmosphere.amounts(level_path(height_m, *range_m));
       ASSIGN_OR_RETURN(behind, gas_through_air(column, amounts, bands));

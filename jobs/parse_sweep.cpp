@@ -73,16 +73,27 @@ std::string what_is_expected(const FieldDescriptor& field) {
   }
 }
 
+// Returns true for a field that is a table, or an array of tables, and nothing else.
+bool is_table(const FieldDescriptor& field) {
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field.is_map() &&
+         constant_of(field) == nullptr;
+}
+
 std::vector<std::string> table_keys(const Descriptor& table) {
   std::vector<std::string> keys;
   for (int i = 0; i < table.field_count(); ++i) keys.push_back(table.field(i)->name());
   return keys;
 }
 
-// Every table of the grammar that has a key, as it is written: "[air]", "[[season]]".
+// Every table of the grammar that has a key, as it is written: "[air]", "[[season]]". Where the key
+// is a table by itself, that table: "[[season.cloud]]".
 void find_homes(const std::string& key, const Descriptor& table, const std::string& path,
                 bool repeated, std::vector<std::string>& out) {
-  if (table.FindFieldByName(key) != nullptr)
+  const FieldDescriptor* found = table.FindFieldByName(key);
+  if (found != nullptr && is_table(*found) && !path.empty())
+    out.push_back(found->is_repeated() ? absl::StrCat("[[", path, ".", key, "]]")
+                                       : absl::StrCat("[", path, ".", key, "]"));
+  else if (found != nullptr)
     out.push_back(path.empty() ? "the top level"
                   : repeated   ? absl::StrCat("[[", path, "]]")
                                : absl::StrCat("[", path, "]"));
@@ -97,6 +108,18 @@ void find_homes(const std::string& key, const Descriptor& table, const std::stri
 std::vector<std::string> homes_of(const std::string& key, const Descriptor& root) {
   std::vector<std::string> out;
   find_homes(key, root, "", false, out);
+  return out;
+}
+
+// "season.cloud" of "season[0].cloud": as the header of a table is written.
+std::string without_indices(std::string_view path) {
+  std::string out;
+  bool inside = false;
+  for (const char c : path) {
+    inside = inside || c == '[';
+    if (!inside) out += c;
+    if (c == ']') inside = false;
+  }
   return out;
 }
 
@@ -216,7 +239,8 @@ class Filler {
     if (homes.empty() || nearest_name(key, keys)) return suggestion(key, keys);
     constexpr std::size_t kMost = 4;
     if (homes.size() > kMost) homes.resize(kMost);
-    return absl::StrCat("it is a key of ", absl::StrJoin(homes, ", "));
+    const bool is_header = homes.front().find(absl::StrCat(".", key, "]")) != std::string::npos;
+    return absl::StrCat(is_header ? "expected " : "it is a key of ", absl::StrJoin(homes, ", "));
   }
 
   static std::string home_of(const std::string& path) {
@@ -251,7 +275,7 @@ class Filler {
     if (array == nullptr) {
       return wrong_type(node, path,
                         of_tables
-                            ? absl::StrCat("an array of tables: [[", path, "]]")
+                            ? absl::StrCat("an array of tables: [[", without_indices(path), "]]")
                             : absl::StrCat("an array: [ ", what_is_expected(field), ", ... ]"));
     }
     for (std::size_t i = 0; i < array->size(); ++i) {

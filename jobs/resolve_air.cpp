@@ -254,8 +254,16 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
     of_any_air.insert(of_any_air.end(), {"wind_speed_m_s", "wind_from_deg"});
     require_wind(check, findings);
   }
-  if (model == "vacuum" || model == "homogeneous")
-    check.only(of_any_air, absl::StrCat("to air.model \"", model, "\""));
+  if (model == "vacuum" || model == "homogeneous") {
+    const std::string why = absl::StrCat("to air.model \"", model, "\"");
+    for (const char* key : kCloudKeys) {
+      if (!check.has(key)) continue;
+      check.error(key, absl::StrCat("does not apply ", why,
+                                    ", which has no clouds: expected air.model = \"atmosphere\""));
+      of_any_air.push_back(key);  // reported
+    }
+    check.only(of_any_air, why);
+  }
   if (model == "homogeneous")
     check.require({"air_temperature_k"}, "expected the air's temperature: the air is homogeneous");
   if (season.has_air_temperature_k() && season.air_temperature_k() == 0 && model == "homogeneous")

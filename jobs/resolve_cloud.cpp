@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "core/atmosphere/cloud.h"
+#include "core/base/status_macros.h"
 #include "core/thermal/condensation.h"
+#include "jobs/number_bounds.h"
 
 namespace irsig {
 namespace {
@@ -52,53 +56,107 @@ schema::Cloud written_cloud(const schema::Season& season) {
   return out;
 }
 
-void check_cloud_table(const schema::Season& season, const std::string& of, Findings& findings) {
-  const std::string path = of + ".cloud[0]";
-  const schema::Cloud& cloud = season.cloud(0);
+// Where the keys of a layer stand: in its table, or beside the season's other keys.
+struct LayerKeys {
+  std::string all, base, top, radius;
+};
+
+LayerKeys keys_of_table(const schema::Cloud& cloud, const std::string& path) {
+  const auto key = [&](bool has, const char* name) { return has ? path + "." + name : path; };
+  return {path, key(cloud.has_base_m(), "base_m"), key(cloud.has_top_m(), "top_m"),
+          key(cloud.has_effective_radius_um(), "effective_radius_um")};
+}
+
+// Without a type all of the layer has to be stated.
+void check_without_type(const std::string& path, const SectionCheck& check, Findings& findings) {
+  std::vector<std::string> missing;
+  for (const char* key : {"base_m", "top_m", "water_path_g_m2", "effective_radius_um", "phase"})
+    if (!check.has(key)) missing.push_back(path + "." + key);
+  if (missing.empty()) return;
+  findings.add(path,
+               absl::StrFormat("%s.type is missing, expected a type (\"stratus\", \"cumulus\", "
+                               "\"cirrus\" ...), or all of the layer: also %s",
+                               path, absl::StrJoin(missing, ", ")));
+}
+
+// One table by itself.
+//   cover_elsewhere  a weather file may have it
+void check_layer_table(const schema::Cloud& cloud, const std::string& path, bool cover_elsewhere,
+                       Findings& findings) {
   const SectionCheck check(cloud, path, findings);
-  (void)check.at_most_one({"cover", "cover_oktas"});
-  if (!cloud.has_cover() && !cloud.has_cover_oktas() && !season.has_weather_file())
+  if (cloud.has_cover() && cloud.has_cover_oktas())
+    check.error("cover_oktas",
+                absl::StrFormat("= %g and cover = %g both state how much of the sky is covered: "
+                                "expected only one of them",
+                                cloud.cover_oktas(), cloud.cover()));
+  if (!cloud.has_cover() && !cloud.has_cover_oktas() && !cover_elsewhere)
     check.require({"cover"},
                   "expected the covered fraction of the sky, 0 to 1 (or cover_oktas, 0 to 8)");
+  if (!cloud.has_type()) check_without_type(path, check, findings);
+  (void)check.one_of("type", type_names());
+  (void)check.one_of("phase", {"water", "ice"});
+}
+
+void check_beside_table(const schema::Season& season, const std::string& of, Findings& findings) {
   const SectionCheck of_season(season, of, findings);
   for (const char* key : {"cloud_cover", "cloud_type", "cloud_base_m", "cloud_water_path_g_m2"})
     if (of_season.has(key))
       of_season.error(key,
                       "does not apply beside [[season.cloud]], which states the same layer: "
                       "expected only one of them");
-  if (!cloud.has_type())
-    check.require({"base_m", "top_m", "water_path_g_m2", "effective_radius_um", "phase"},
-                  "expected it, or a type: \"stratus\", \"cumulus\", \"cirrus\" ...");
 }
 
-void check_layer(const schema::CloudLayer& layer, const std::string& key, Findings& findings) {
-  if (findings.any_at(key)) return;
+// The base or top of a layer, and what states it.
+std::string height_text(double height_m, bool stated, const schema::CloudLayer& layer) {
+  return absl::StrFormat("%g m%s", height_m,
+                         stated ? "" : absl::StrFormat(" (of type \"%s\")", layer.type()));
+}
+
+void check_layer(const schema::CloudLayer& layer, const schema::Cloud& cloud, const LayerKeys& keys,
+                 Findings& findings) {
+  if (findings.any_at(keys.all) || findings.any_at(keys.base)) return;
   const bool water = layer.phase() == "water";
   const double low = water ? kSmallestDropUm : kSmallestCrystalUm,
                high = water ? kLargestDropUm : kLargestCrystalUm;
-  if (!(layer.top_m() >= layer.base_m() + kThinnestCloudM))
-    findings.add(key,
-                 absl::StrFormat("%s: the layer's top, %g m, is not %g m above its base, %g m, "
-                                 "expected top_m above base_m",
-                                 key, layer.top_m(), kThinnestCloudM, layer.base_m()));
-  if (layer.top_m() > kHighestCloudM)
-    findings.add(key, absl::StrFormat("%s: the layer's top is at %g m, expected at most %g m", key,
-                                      layer.top_m(), kHighestCloudM));
-  if (!(layer.effective_radius_um() >= low && layer.effective_radius_um() <= high))
-    findings.add(key, absl::StrFormat("%s: effective_radius_um = %g, expected %g to %g um of %s",
-                                      key, layer.effective_radius_um(), low, high,
-                                      water ? "droplets" : "ice crystals"));
+  if (!(layer.top_m() >= layer.base_m() + kThinnestCloudM)) {
+    findings.add(keys.top, absl::StrFormat(
+                               "%s: the layer's top, %s, is below its base, %s; expected top_m of "
+                               "at least %g m, or a lower base_m",
+                               keys.top, height_text(layer.top_m(), cloud.has_top_m(), layer),
+                               height_text(layer.base_m(), cloud.has_base_m(), layer),
+                               layer.base_m() + kThinnestCloudM));
+  } else if (layer.top_m() > kHighestCloudM) {
+    findings.add(keys.base,
+                 absl::StrFormat("%s: the layer's top, %g m (base %g m, and the %g m of type "
+                                 "\"%s\"), is above %g m, where the model of clouds ends; expected "
+                                 "a lower base_m, or top_m",
+                                 keys.base, layer.top_m(), layer.base_m(),
+                                 layer.top_m() - layer.base_m(), layer.type(), kHighestCloudM));
+  }
+  const double radius_um = layer.effective_radius_um();
+  if (!(radius_um >= low && radius_um <= high))
+    findings.add(
+        keys.radius,
+        absl::StrFormat("%s %g um is outside the table of %s, expected %g to %g um, or phase = "
+                        "\"%s\"",
+                        cloud.has_effective_radius_um()
+                            ? keys.radius + " ="
+                            : absl::StrFormat("%s: the effective radius of type \"%s\",",
+                                              keys.radius, layer.type()),
+                        radius_um, water ? "droplets" : "ice crystals", low, high,
+                        water ? "ice" : "water"));
 }
 
-std::string cloud_key(const schema::Season& season, int season_index) {
+LayerKeys keys_of_season(const schema::Season& season, int season_index) {
   const std::string of = absl::StrCat("season[", season_index, "].");
-  return of + (season.cloud_size() > 0              ? "cloud[0]"
-               : season.has_cloud_cover()           ? "cloud_cover"
-               : season.has_cloud_type()            ? "cloud_type"
-               : season.has_cloud_base_m()          ? "cloud_base_m"
-               : season.has_cloud_water_path_g_m2() ? "cloud_water_path_g_m2"
-               : season.has_weather_file()          ? "weather_file"
-                                                    : "day");
+  if (season.cloud_size() > 0) return keys_of_table(season.cloud(0), of + "cloud[0]");
+  const std::string all = of + (season.has_cloud_cover()             ? "cloud_cover"
+                                : season.has_cloud_type()            ? "cloud_type"
+                                : season.has_cloud_base_m()          ? "cloud_base_m"
+                                : season.has_cloud_water_path_g_m2() ? "cloud_water_path_g_m2"
+                                : season.has_weather_file()          ? "weather_file"
+                                                                     : "day");
+  return {all, season.has_cloud_base_m() ? of + "cloud_base_m" : all, all, all};
 }
 
 }  // namespace
@@ -119,10 +177,8 @@ void check_cloud_of_season(const schema::Season& season, int season_index, Findi
                  of + ".cloud[1] is a second layer of cloud, expected one: the lower one hides the "
                       "others from below");
   if (season.cloud_size() > 0) {
-    check_cloud_table(season, of, findings);
-    const SectionCheck of_cloud(season.cloud(0), of + ".cloud[0]", findings);
-    (void)of_cloud.one_of("type", type_names());
-    (void)of_cloud.one_of("phase", {"water", "ice"});
+    check_layer_table(season.cloud(0), of + ".cloud[0]", season.has_weather_file(), findings);
+    check_beside_table(season, of, findings);
   } else {
     (void)check.one_of("cloud_type", type_names());
     if (!season.has_cloud_cover() && !season.has_weather_file())
@@ -164,8 +220,9 @@ void resolve_cloud(const schema::Season& season, int season_index, bool always,
   if (weather.cloud_cover() <= 0 && !always) return;
   *weather.mutable_cloud() = cloud_layer(season, weather);
   const schema::CloudLayer& layer = weather.cloud();
-  const std::string key = cloud_key(season, season_index);
-  check_layer(layer, key, findings);
+  const LayerKeys keys = keys_of_season(season, season_index);
+  const std::string& key = keys.all;
+  check_layer(layer, written_cloud(season), keys, findings);
   if (layer.base_from_weather()) {
     condition.add_warning(findings.odd(
         key,
@@ -178,6 +235,21 @@ void resolve_cloud(const schema::Season& season, int season_index, bool always,
   if (season.cloud_size() > 0 && season.has_weather_file() && stated_cloud_cover(season))
     condition.add_warning(
         findings.odd(key, absl::StrCat(key, ": its cover is used in place of the weather file's")));
+}
+
+absl::StatusOr<schema::CloudLayer> stated_cloud_layer(const schema::Cloud& cloud) {
+  const std::string path = "cloud";
+  const SweepFile none;
+  Findings findings(none);
+  check_numbers(cloud, path, findings);
+  check_layer_table(cloud, path, false, findings);
+  RETURN_IF_ERROR(findings.status());
+  schema::Season season;
+  *season.add_cloud() = cloud;
+  schema::CloudLayer layer = cloud_layer(season, schema::Weather());
+  check_layer(layer, cloud, keys_of_table(cloud, path), findings);
+  RETURN_IF_ERROR(findings.status());
+  return layer;
 }
 
 }  // namespace irsig

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
+#include "absl/status/statusor.h"
 #include "jobs/section_check.h"
 #include "schema/job.pb.h"
 
@@ -9,6 +11,9 @@ namespace irsig {
 
 // [[season.cloud]], and a season's keys cloud_cover, cloud_type, cloud_base_m and
 // cloud_water_path_g_m2, which state the same layer in a table of conditions.
+
+inline constexpr std::array kCloudKeys = {"cloud", "cloud_cover", "cloud_type", "cloud_base_m",
+                                          "cloud_water_path_g_m2"};
 
 // Reports what is wrong with a season's cloud under the embedded atmosphere.
 void check_cloud_of_season(const schema::Season& season, int season_index, Findings& findings);
@@ -26,5 +31,9 @@ void check_cloud_of_season(const schema::Season& season, int season_index, Findi
 //   always  also without a cover: it is uncertain
 void resolve_cloud(const schema::Season& season, int season_index, bool always,
                    schema::Weather& weather, schema::Condition& condition, Findings& findings);
+
+// Returns the layer that the keys of [[season.cloud]] state elsewhere than in a sweep file, checked
+// as that table is. INVALID_ARGUMENT names the keys as "cloud.top_m".
+[[nodiscard]] absl::StatusOr<schema::CloudLayer> stated_cloud_layer(const schema::Cloud& cloud);
 
 }  // namespace irsig

@@ -88,8 +88,7 @@ SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zen
   const double top_m = atmosphere.profile().level.back().height_m;
   std::vector<double> at;
   for (const double above_m : kSunHeightsM) at.push_back(height_m + above_m);
-  for (const double level_m : atmosphere.cloud_levels_m())
-    if (level_m > height_m) at.push_back(level_m);
+  at.insert(at.end(), atmosphere.cloud_levels_m().begin(), atmosphere.cloud_levels_m().end());
   std::sort(at.begin(), at.end());
   if (!atmosphere.cloud_levels_m().empty()) {
     cloud_base_m_ = atmosphere.cloud_levels_m().front();
@@ -99,6 +98,7 @@ SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zen
     if (at_m >= top_m && at_m > height_m) break;
     std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(at_m, zenith_deg, bands_);
     const bool lit = amounts.has_value();
+    if (at_m == height_m) lit_ = lit;
     point_.push_back({at_m, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
   }
 }

@@ -40,14 +40,14 @@ void mean_of_sunlight(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum&
 // sun.
 class SunAmounts {
  public:
-  // Computes the amounts from `height_m` to the top of the air.
+  // Computes the amounts from `height_m`, and from a cloud below it, to the top of the air.
   SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg,
              const BandChoice& bands = BandChoice());
 
   // Adds what lies between a height and the sun; false: the Earth is in the way.
   [[nodiscard]] bool add_to(AbsorberAmounts& sum, double height_m) const;
-  // Returns true if the sun shines on the lowest height.
-  [[nodiscard]] bool lit() const { return point_.front().lit; }
+  // Returns true if the sun shines on `height_m`.
+  [[nodiscard]] bool lit() const { return lit_; }
 
  private:
   struct Point {
@@ -57,6 +57,7 @@ class SunAmounts {
   };
   BandChoice bands_;
   double cloud_base_m_ = 0, cloud_top_m_ = 0;  // equal without a cloud
+  bool lit_ = false;
   std::vector<Point> point_;
 };
 

@@ -17,6 +17,13 @@ function valueCell(signature, column, error, unit) {
   return html("span", { class: "number" }, number(column, value), ` ± ${brief(signature[error], 2)} ${unit}`);
 }
 
+// The layer of cloud of a row's condition, in words; "" without a cover.
+function cloudText(row) {
+  const layer = row.explained.cloud?.[0];
+  if (!layer) return "";
+  return `${layer.type || "cloud"} covers ${brief(100 * layer.cover)} % of the sky, ${brief(layer.base_m)} to ${brief(layer.top_m)} m, ${brief(layer.water_path_g_m2)} g/m² of ${layer.phase}`;
+}
+
 // row, other: answers of /api/row (other: null); difference: {value, error, sigmas, unit} or null.
 export function values(row, other, difference) {
   const a = row.signature[0], b = other?.signature[0];
@@ -32,7 +39,9 @@ export function values(row, other, difference) {
   const where = html("p", { class: "where" },
     `Row ${a.row}: ${a.season}, ${a.time_utc}, ${a.band} (${brief(a.lambda_min_um)} to ${brief(a.lambda_max_um)} µm), ${aspectText(a.aspect_azimuth_deg, a.aspect_elevation_deg)}, ${rangeText(a.range_m)}`);
   const out = [where];
+  if (cloudText(row)) out.push(html("p", { class: "where" }, `Sky: ${cloudText(row)}`));
   if (b) out.push(html("p", { class: "where" }, `B is row ${b.row}: ${b.sweep}, ${b.season}, ${b.time_utc}, ${b.band}`));
+  if (b && cloudText(other)) out.push(html("p", { class: "where" }, `Sky of B: ${cloudText(other)}`));
   if (a.stored_range_m) out.push(html("p", { class: "note" }, `Computed at ${rangeText(a.stored_range_m)} and brought to ${rangeText(a.range_m)} through the air of the sweep; map, cut and image are of the stored range.`));
   out.push(table("Values with one numerical error", heads, lines));
   if (difference)

@@ -175,6 +175,147 @@ class Sun(unittest.TestCase):
         self.assertTrue(all(r["sun_irradiance_w_m2_um"] == 0 for r in table))
 
 
+def temperature_k(table, name):
+    """Of the black body with the table's radiance."""
+    def radiance(of):
+        return sum(of(r) * 1e5 / r["wavenumber_cm1"] ** 2 for r in table)
+    low, high = 150, 400
+    while high - low > 1e-6:
+        middle = (low + high) / 2
+        if radiance(lambda r: planck(r["lambda_um"], middle)) < radiance(lambda r: r[name]):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+class Cloud(unittest.TestCase):
+    STRATUS = ("--cloud-type", "stratus")
+    SUN = ("--sun-zenith-deg", 50, "--sun-azimuth-deg", 20)
+
+    def sky(self, cover, *more):
+        return rows(irsig("sky", *AIR, "--height-m", 1, "--zenith-deg", "0,70", *self.STRATUS, "--cloud-cover", cover, *more))
+
+    def test_overcast_sky_is_as_warm_as_its_base(self):
+        # The base, 330 m, has 292.7 K; the clear zenith has 241.5 K.
+        window = ("--lambda-min-um", 8, "--lambda-max-um", 12)
+        clear, overcast = ([r for r in self.sky(cover, *window) if r["zenith_deg"] == 0] for cover in (0, 1))
+        self.assertAlmostEqual(temperature_k(overcast, "sky_radiance_w_m2_sr_um"), 292.7, delta=0.3)
+        self.assertAlmostEqual(temperature_k(clear, "sky_radiance_w_m2_sr_um"), 241.5, delta=1)
+
+    def test_light_is_linear_in_the_cover(self):
+        for sun in ((), self.SUN):
+            clear, part, overcast = (self.sky(cover, *sun) for cover in (0, 0.3, 1))
+            for name in ("transmittance", "thermal_radiance_w_m2_sr_um", "scattered_radiance_w_m2_sr_um",
+                         "sky_radiance_w_m2_sr_um"):
+                for a, b, c in zip(clear, part, overcast):
+                    self.assertAlmostEqual(b[name], 0.7 * a[name] + 0.3 * c[name], delta=1e-9 * abs(b[name]))
+            # The sky is one of both.
+            error = "model_error_sky_radiance_w_m2_sr_um"
+            for a, b, c in zip(clear, part, overcast):
+                apart = 0.21 ** 0.5 * abs(c["sky_radiance_w_m2_sr_um"] - a["sky_radiance_w_m2_sr_um"])
+                self.assertAlmostEqual(b[error], math.hypot(0.7 * a[error] + 0.3 * c[error], apart), delta=1e-9 * b[error])
+
+    def test_no_cover_changes_nothing(self):
+        sun = ("--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0, "--time", "2025-06-21T12:00:00+09:00")
+        for arguments in (("sky", *AIR, "--height-m", 1, "--zenith-deg", "0,80,100", *self.SUN),
+                          ("atmosphere", *AIR, *SEA, *self.SUN), ("sun", *AIR, *sun),
+                          ("sky", *AIR, "--height-m", 1, "--zenith-deg", 0, "--svg")):
+            self.assertEqual(irsig(*arguments), irsig(*arguments, *self.STRATUS, "--cloud-cover", 0))
+
+    def test_thin_cloud_is_next_to_clear(self):
+        clear, thin = (rows(irsig("sky", *AIR, "--height-m", 1, "--zenith-deg", "0,80", *cloud)) for cloud in
+                       ((), ("--cloud-type", "cirrus", "--cloud-cover", 1, "--cloud-water-path-g-m2", 1e-9,
+                             "--cloud-base-m", 10000, "--cloud-top-m", 10001)))
+        for a, b in zip(clear, thin):
+            for name in ("sky_radiance_w_m2_sr_um", "transmittance"):
+                self.assertAlmostEqual(a[name], b[name], delta=3e-5 * a[name] + 1e-12)
+
+    def test_path_inside_a_cloud(self):
+        for height in (("--target-m", 500), ("--level",)):
+            path = at(rows(irsig("atmosphere", *AIR, "--observer-m", 500, *height, "--range-m", 1000, *self.STRATUS,
+                                 "--cloud-cover", 1)), 955)
+            self.assertLess(path["transmittance"], 1e-14)
+            self.assertAlmostEqual(temperature_k([path], "path_radiance_w_m2_sr_um"), 291.9, delta=1)
+        # Below its base a path is next to that in clear air.
+        clear, below = (at(rows(irsig("atmosphere", *AIR, *SEA, *cloud)), 955) for cloud in
+                        ((), (*self.STRATUS, "--cloud-cover", 1)))
+        self.assertAlmostEqual(below["transmittance"], clear["transmittance"], delta=1e-6)
+        self.assertGreater(below["scattered_radiance_w_m2_sr_um"], clear["scattered_radiance_w_m2_sr_um"])
+
+    def test_sunlight(self):
+        noon = ("sun", *AIR, "--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0, "--time",
+                "2025-06-21T12:00:00+09:00")
+        clear, half, overcast, cirrus = (
+            at(rows(irsig(*noon, *cloud)), 2605)["sun_irradiance_w_m2_um"] for cloud in
+            ((), (*self.STRATUS, "--cloud-cover", 0.5), (*self.STRATUS, "--cloud-cover", 1),
+             ("--cloud-type", "cirrus", "--cloud-cover", 1)))
+        self.assertLess(overcast, 0.01 * clear)
+        self.assertAlmostEqual(half, 0.5 * clear + 0.5 * overcast, delta=1e-9 * half)
+        self.assertTrue(0.3 * clear < cirrus < 0.95 * clear)
+
+    def test_cloud_of_a_sweep(self):
+        winter = 'name = "winter"\n'
+        text = (EXAMPLES / "frigate.toml").read_text()
+        self.assertEqual(text.count(winter), 1)
+        with tempfile.TemporaryDirectory() as folder:
+            def sky(cloud):
+                file = pathlib.Path(folder) / "cloud.toml"
+                file.write_text(text.replace(winter, winter + cloud))
+                return [r for r in rows(irsig("sky", "--sweep", file, "--season", "winter", "--height-m", 2, "--zenith-deg", 0))
+                        if 8 <= r["lambda_um"] <= 12]
+            clear = sky("")
+            half, overcast = (sky(f'cloud_type = "stratus"\ncloud_cover = {c}\n') for c in (0.5, 1))
+            name = "sky_radiance_w_m2_sr_um"
+            self.assertGreater(temperature_k(overcast, name), temperature_k(clear, name) + 20)
+            for a, b, c in zip(clear, half, overcast):
+                self.assertAlmostEqual(b[name], 0.5 * (a[name] + c[name]), delta=1e-9 * b[name])
+            gas = subprocess.run([IRSIG, "show", "gas", "--temperature-k", "650", "--co2", "0.07", "--range-m", "1000",
+                                  "--sweep", "cloud.toml", "--season", "winter"], cwd=folder, capture_output=True, text=True,
+                                 timeout=300)
+            self.assertEqual(gas.returncode, 0)
+            self.assertIn("hot gas is seen through clear air; the cloud of cloud.toml, winter, stratus cover 1 is left out",
+                          gas.stderr)
+
+    def test_stored_rows_have_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def run(*arguments):
+                done = subprocess.run([IRSIG, *arguments], cwd=folder, capture_output=True, text=True, timeout=300)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                return done.stdout
+            run("model", "frigate", "--triangles", "2000", "--out", "ship.obj")
+            run("init", "--model", "ship.obj", "--place", "54.3,10.1", "--out", "ship.toml")
+            sweep = pathlib.Path(folder) / "ship.toml"
+            text = sweep.read_text().replace("count = 12", "count = 1").replace("step_um = 0.1", "step_um = 0.11")
+            sweep.write_text(text + '\n[[season.cloud]]\ntype = "stratus"\ncover = 0.5\n')
+            run("run", "ship.toml", "--db", "ship.sigdb", "--relative-error", "0.1")
+            self.assertIn("\ncloud: stratus covers 0.5 of the sky, 330 to 1000 m above the surface, 200 g/m2 of water",
+                          run("explain", "ship.sigdb", "--row", "1"))
+            for chosen in (("--row", "2"), ("--season", "summer", "--band", "lwir")):
+                run("plot", "ship.sigdb", "--kind", "sky", *chosen, "--pixels", "64", "--out", "sky.svg")
+                words = " ".join(xml.etree.ElementTree.parse(pathlib.Path(folder) / "sky.svg").getroot().itertext())
+                for expected in ("Sky of ship, summer", "lwir (8 to 12", "stratus cover 0.5", "Apparent temperature in K", "+ sun"):
+                    self.assertIn(expected, words)
+
+    def test_errors(self):
+        sky = ("sky", *AIR, "--height-m", 1, "--zenith-deg", 0)
+        for arguments, expected in (
+                (("--cloud-type", "stratus"), "--cloud-cover is missing"),
+                (("--cloud-cover", 1), '--cloud-type is missing, expected a type ("stratus", "cumulus", "cirrus" ...), or all of '
+                                         'the layer: also --cloud-base-m, --cloud-top-m'),
+                ((*self.STRATUS, "--cloud-cover", 80), "--cloud-cover = 80, expected a number from 0 to 1"),
+                (("--cloud-type", "stratos", "--cloud-cover", 1), '--cloud-type = "stratos": did you mean "stratus"?'),
+                ((*self.STRATUS, "--cloud-cover", 1, "--cloud-base-m", 900, "--cloud-top-m", 200),
+                 "--cloud-top-m: the layer's top, 200 m, is below its base, 900 m; expected --cloud-top-m of at least 901 m"),
+                (("--cloud-type", "cirrus", "--cloud-cover", 1, "--cloud-effective-radius-um", 5),
+                 "outside the table of ice crystals")):
+            with self.subTest(expected=expected):
+                self.assertIn(expected, irsig(*sky, *arguments, exit_code=2))
+        self.assertIn("--cloud-cover contradicts --sweep", irsig(
+            "sky", "--sweep", EXAMPLES / "frigate.toml", "--season", "winter", "--height-m", 1, "--zenith-deg", 0,
+            "--cloud-cover", 1, exit_code=2))
+
+
 class Sweep(unittest.TestCase):
     """The seasons of frigate.toml, whose air is the embedded atmosphere."""
 

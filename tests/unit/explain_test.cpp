@@ -60,6 +60,35 @@ std::string explained(FakeDatabase db, std::uint64_t row, const std::string& for
   return out.str();
 }
 
+TEST(Explain, ShowsTheCloudOfTheCondition) {
+  FakeDatabase db = with_ledger();
+  EXPECT_THAT(explained(db, 4), Not(HasSubstr("cloud: ")));
+  EXPECT_THAT(explained(db, 4, "json"), HasSubstr("\"cloud\": []"));
+  const StoredSignature& s = db.signatures[3];
+  schema::ResolvedSweep& resolved = db.sweeps["box ship"].resolved;
+  for (const bool own : {false, true}) {
+    schema::Condition& condition = *resolved.add_condition();
+    condition.set_season(own ? s.season : "other");
+    condition.set_time_utc(s.time_utc);
+    schema::Weather& weather = *condition.mutable_weather();
+    weather.set_cloud_cover(own ? 0.8 : 0.1);
+    schema::CloudLayer& layer = *weather.mutable_cloud();
+    layer.set_type("stratus");
+    layer.set_phase("water");
+    layer.set_base_m(330);
+    layer.set_top_m(1000);
+    layer.set_water_path_g_m2(200);
+    layer.set_effective_radius_um(7.9);
+  }
+  EXPECT_THAT(
+      explained(db, 4),
+      HasSubstr("\ncloud: stratus covers 0.8 of the sky, 330 to 1000 m above the surface, 200 "
+                "g/m2 of water with an effective radius of 7.9 um\n"));
+  EXPECT_THAT(explained(db, 4, "json"),
+              AllOf(HasSubstr("\"cover\": 0.8"), HasSubstr("\"type\": \"stratus\""),
+                    HasSubstr("\"base_m\": 330"), HasSubstr("\"water_path_g_m2\": 200")));
+}
+
 TEST(Explain, ShowsTheTemperaturesThatAJobHasComputed) {
   FakeDatabase db = with_ledger();
   EXPECT_THAT(explained(db, 4), Not(HasSubstr("temperatures that a job")));

@@ -11,9 +11,7 @@
 
 #include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
-#include "core/spectral/band.h"
-#include "core/spectral/planck.h"
-#include "view/draw/axis.h"
+#include "view/pictures/band_quadrature.h"
 #include "view/pictures/masks.h"
 #include "view/pictures/thumbnail.h"
 #include "view/plot/plot_frame.h"
@@ -21,51 +19,13 @@
 namespace irsig {
 namespace {
 
-// A band of a stored sweep with its quadrature.
-struct BandQuadrature {
-  Band band;
-  BandGrid grid;
-
-  [[nodiscard]] double temperature_k(double radiance_w_m2_sr) const {
-    return apparent_temperature_k(band, grid, radiance_w_m2_sr);
-  }
-  [[nodiscard]] double radiance_w_m2_sr(double temperature_k) const {
-    if (band.response.empty())
-      return planck_band_radiance_w_m2_sr(band.lambda_min_um, band.lambda_max_um, temperature_k);
-    double sum = 0;
-    for (std::size_t i = 0; i < grid.node_um.size(); ++i)
-      sum += grid.band_weight[i] * planck_radiance_w_m2_sr_um(grid.node_um[i], temperature_k);
-    return sum;
-  }
-};
-
 absl::StatusOr<BandQuadrature> band_of(StoreReader& reader, const StoredSignature& s) {
   ASSIGN_OR_RETURN(const auto sweep, reader.sweep(s.sweep, SweepFiles::kNone));
   for (const schema::Band& b : sweep.resolved.sweep().band()) {
-    if (b.name() != s.band) continue;
-    BandQuadrature out{{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}}, {}};
-    for (const schema::SpectralPoint& p : b.response())
-      out.band.response.push_back({p.lambda_um(), p.value()});
-    ASSIGN_OR_RETURN(auto grid, make_band_grid(out.band));
-    out.grid = std::move(grid);
-    return out;
+    if (b.name() == s.band) return band_quadrature(b);
   }
   return absl::FailedPreconditionError(
       fmt::format("row {} is of band {}, which its sweep no longer has", s.row, s.band));
-}
-
-// Round temperatures, at the radiance of a blackbody that has them.
-BarAxis temperature_axis(const BandQuadrature& band, const ColorRange& range) {
-  const double low_k = band.temperature_k(std::max(range.low, 0.0));
-  const double high_k = band.temperature_k(std::max(range.high, 0.0));
-  BarAxis out{"Apparent temperature in K", {}, {}};
-  const Axis round = tight_axis(low_k, high_k, 16);
-  for (std::size_t i = 0; i < round.tick.size(); ++i) {
-    if (!(round.tick[i] > 0)) continue;
-    out.at.push_back(band.radiance_w_m2_sr(round.tick[i]));
-    out.label.push_back(round.label[i]);
-  }
-  return out;
 }
 
 // Row by row from the top left. [W/(m2 sr)]; NaN: nothing of the target.

@@ -30,6 +30,7 @@ struct Explained {
   std::vector<HeatEffects::Kelvin> left_out;   // of these temperatures
   schema::Accuracy accuracy;                   // of the sweep
   std::vector<schema::Slice> slice = {};
+  schema::Weather weather = {};  // of the row's condition; without a cover if it is not known
 
   [[nodiscard]] const StoredSignature& signature() const { return row.signature; }
 };
@@ -72,6 +73,10 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
                    reader.sweep(out.signature().sweep, SweepFiles::kTemperatures));
   out.accuracy = stored.resolved.sweep().accuracy();
   out.slice.assign(stored.resolved.slice().begin(), stored.resolved.slice().end());
+  if (!s.superseded) {
+    for (const schema::Condition& c : stored.resolved.condition())
+      if (c.season() == s.season && c.time_utc() == s.time_utc) out.weather = c.weather();
+  }
   ASSIGN_OR_RETURN(const auto heat, HeatEffects::make(stored));
   if (!out.ledger.effect.empty())
     for (StoredEffect& effect : heat.of(s)) out.ledger.effect.push_back(std::move(effect));
@@ -93,12 +98,26 @@ std::string head(std::string_view what, double value, std::string_view unit) {
   return fmt::format("{:<22} {:>12.6g} {}\n", what, value, unit);
 }
 
+// The layer of cloud as a line; empty without a cover.
+std::string cloud_line(const schema::Weather& weather) {
+  if (weather.cloud_cover() <= 0) return "";
+  const schema::CloudLayer& layer = weather.cloud();
+  return fmt::format(
+      "cloud: {}covers {:g} of the sky, {:g} to {:g} m above the surface{}, {:g} g/m2 of {} with "
+      "an "
+      "effective radius of {:g} um\n",
+      layer.type().empty() ? "" : layer.type() + " ", weather.cloud_cover(), layer.base_m(),
+      layer.top_m(), layer.base_from_weather() ? " (base at the level of condensation)" : "",
+      layer.water_path_g_m2(), layer.phase(), layer.effective_radius_um());
+}
+
 std::string title(const Explained& e) {
   const StoredSignature& s = e.signature();
   std::string out =
       fmt::format("row {} of {}: {} {}, {} ({:g} to {:g} um), aspect {:.2f},{:.2f} deg at {:g} m\n",
                   s.row, s.sweep, s.season, s.time_utc, s.band, s.lambda_min_um, s.lambda_max_um,
                   s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m);
+  out += cloud_line(e.weather);
   if (s.superseded) out += "of an earlier version of the sweep: it waits for its replacement\n";
   for (const schema::Slice& slice : e.slice) out += slice_text(slice) + "\n";
   if (!s.warning.empty())
@@ -340,6 +359,17 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   RETURN_IF_ERROR(write_array(
       "slices", {"source", "sweep_sha256", "source_rows", "source_digest", "filter", "rows"},
       slices, out));
+  out << ",\n";
+  std::vector<std::vector<Cell>> clouds;
+  if (const double cover = e.weather.cloud_cover(); cover > 0) {
+    const schema::CloudLayer& layer = e.weather.cloud();
+    clouds.push_back({cover, layer.type(), layer.phase(), layer.base_m(), layer.top_m(),
+                      layer.water_path_g_m2(), layer.effective_radius_um()});
+  }
+  RETURN_IF_ERROR(write_array(
+      "cloud",
+      {"cover", "type", "phase", "base_m", "top_m", "water_path_g_m2", "effective_radius_um"},
+      clouds, out));
   out << "}\n";
   return out.flush() ? absl::OkStatus() : absl::UnavailableError("cannot write the output");
 }

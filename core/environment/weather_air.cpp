@@ -1,0 +1,223 @@
+#include "core/environment/weather_air.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/atmosphere/cloud_light.h"
+#include "core/atmosphere/path_layers.h"
+#include "core/base/check.h"
+#include "core/base/constants.h"
+#include "core/base/status_macros.h"
+#include "core/environment/environment.h"
+#include "core/environment/thermal_surroundings.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kHighestM = 50e3;  // next to no scattering above
+
+absl::StatusOr<Atmosphere> overcast_atmosphere(const WeatherSpec& weather, ForwardPeak peak) {
+  AtmosphereSpec air = weather.air;
+  air.cloud = weather.cloud;
+  air.forward_peak = peak;
+  return Atmosphere::make(std::move(air));
+}
+
+double cos_to_sun(const LightPath& path, const SunPlace& sun) {
+  const double z = path.node.front().zenith_deg * kRadPerDeg, s = sun.zenith_deg * kRadPerDeg;
+  return std::clamp(std::sin(z) * std::sin(s) * std::cos(sun.azimuth_deg * kRadPerDeg) +
+                        std::cos(z) * std::cos(s),
+                    -1.0, 1.0);
+}
+
+AirSpectrum mixed(const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
+  AirSpectrum out(kAirBandCount);
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    out[b] = (1 - cover) * clear[b] + cover * overcast[b];
+  return out;
+}
+
+// Either sky may be there.
+AirSpectrum mixed_error(const AirSpectrum& clear_error, const AirSpectrum& overcast_error,
+                        const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
+  AirSpectrum out = mixed(clear_error, overcast_error, cover);
+  const double deviation = std::sqrt(cover * (1 - cover));
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    out[b] = std::hypot(out[b], deviation * (overcast[b] - clear[b]));
+  return out;
+}
+
+}  // namespace
+
+struct WeatherAir::Parts {
+  // A sky of cloud alone.
+  struct Overcast {
+    Atmosphere diffuse, beam;
+    BandChoice bands;
+    DirectionNodes rings;
+    std::unique_ptr<const ThermalSurroundings> light;
+
+    Overcast(Atmosphere of_sky, Atmosphere of_beam, const DirectionNodes& nodes)
+        : diffuse(std::move(of_sky)), beam(std::move(of_beam)), rings(nodes) {}
+    [[nodiscard]] PathRadiance radiance(Sight sight, const LightPath& path,
+                                        const std::optional<SunPlace>& sun,
+                                        const AirSpectrum& surroundings) const;
+    [[nodiscard]] AirSpectrum scattered_sun(Sight sight, const LightPath& path,
+                                            const PathLayers& layers, const SunPlace& sun) const;
+  };
+  WeatherSpec weather;
+  std::unique_ptr<const Environment> environment;  // of the clear sky
+  std::optional<Atmosphere> clear;
+  std::unique_ptr<const Overcast> overcast;  // null without a cover
+};
+
+AirSpectrum WeatherAir::Parts::Overcast::scattered_sun(Sight sight, const LightPath& path,
+                                                       const PathLayers& layers,
+                                                       const SunPlace& sun) const {
+  AirSpectrum out(kAirBandCount, 0.0);
+  const double observer_m = path.node.front().height_m;
+  double lowest_m = diffuse.cloud_levels_m().front();
+  for (const LightPath::Node& node : path.node) lowest_m = std::min(lowest_m, node.height_m);
+  const SunAmounts amounts(diffuse, lowest_m, sun.zenith_deg, bands);
+  if (!amounts.lit()) return out;
+  const CloudSunlight in_cloud(*light->cloud(), amounts, sun.zenith_deg);
+  ScatteredSun source = layers.scattered(amounts, nullptr, &in_cloud);
+  if (sight == Sight::kDiffuse && path.end == PathEnd::kSpace) {
+    // The beam's loss to the forward peak.
+    const auto through = [&](const Atmosphere& air) {
+      AbsorberAmounts sum;
+      return SunAmounts(air, lowest_m, sun.zenith_deg, bands).add_to(sum, observer_m)
+                 ? transmittance(sum)
+                 : AirSpectrum(kAirBandCount, 0.0);
+    };
+    const AirSpectrum both = through(diffuse), alone = through(beam);
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      source.peak[b] = std::max(0.0, both[b] - alone[b]);
+  }
+  const double cosine = cos_to_sun(path, sun);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    out[b] = source.per_sr(b, cosine) * solar_irradiance_w_m2_um(air_band_lambda_um(b)) /
+             (sun.distance_au * sun.distance_au);
+  }
+  return out;
+}
+
+PathRadiance WeatherAir::Parts::Overcast::radiance(Sight sight, const LightPath& path,
+                                                   const std::optional<SunPlace>& sun,
+                                                   const AirSpectrum& surroundings) const {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  PathRadiance out;
+  if (path.step_m.empty()) {
+    out.transmittance = AirSpectrum(kAirBandCount, 1.0);
+    out.thermal_w_m2_sr_um = out.scattered_w_m2_sr_um = out.total_w_m2_sr_um = dark;
+    out.model_error_transmittance = out.model_error_w_m2_sr_um = dark;
+    return out;
+  }
+  SkyRing ring{std::cos(path.node.front().zenith_deg * kRadPerDeg),
+               PathLayers(sight == Sight::kSharp ? beam : diffuse, path, bands, light->cloud()),
+               {}};
+  const PathLayers& layers = ring.layers;
+  const AbsorberAmounts amounts = beam.amounts(path);
+  out.transmittance = transmittance(amounts);
+  out.thermal_w_m2_sr_um = layers.thermal_w_m2_sr_um;
+  out.scattered_w_m2_sr_um = layers.surroundings_fraction;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) out.scattered_w_m2_sr_um[b] *= surroundings[b];
+  ModelError error = model_error(amounts, out.transmittance, out.scattered_w_m2_sr_um,
+                                 layers.warmest_k(), bands, &surroundings);
+  ring.total = dark;
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    ring.total[b] = out.thermal_w_m2_sr_um[b] + out.scattered_w_m2_sr_um[b];
+  out.model_error_transmittance = std::move(error.transmittance);
+  out.model_error_w_m2_sr_um =
+      sight == Sight::kDiffuse ? light->model_error_of(ring) : std::move(error.radiance_w_m2_sr_um);
+  if (sun) {
+    const AirSpectrum of_sun = scattered_sun(sight, path, layers, *sun);
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      out.scattered_w_m2_sr_um[b] += of_sun[b];
+      out.model_error_w_m2_sr_um[b] += kAerosolRelativeError * of_sun[b];
+    }
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    out.total_w_m2_sr_um.push_back(out.thermal_w_m2_sr_um[b] + out.scattered_w_m2_sr_um[b]);
+  return out;
+}
+
+WeatherAir::WeatherAir(std::unique_ptr<const Parts> parts) : parts_(std::move(parts)) {}
+WeatherAir::WeatherAir(WeatherAir&&) noexcept = default;
+WeatherAir& WeatherAir::operator=(WeatherAir&&) noexcept = default;
+WeatherAir::~WeatherAir() = default;
+
+absl::StatusOr<WeatherAir> WeatherAir::make(WeatherSpec weather, double height_m) {
+  auto parts = std::make_unique<Parts>();
+  weather.imported = nullptr;
+  weather.above_surface_m = 0;
+  parts->weather = std::move(weather);
+  const WeatherSpec& of = parts->weather;
+  IRSIG_CHECK((of.cloud_cover >= 0 && of.cloud_cover <= 1));
+  ASSIGN_OR_RETURN(Atmosphere clear, Atmosphere::make(of.air));
+  parts->clear.emplace(std::move(clear));
+  const double lowest_m = parts->clear->profile().level.front().height_m;
+  const double above_m = std::clamp(height_m - lowest_m, kLowestAirPointM, kHighestM);
+  std::vector<double> um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) um.push_back(air_band_lambda_um(b));
+  WeatherSpec without = of;
+  without.cloud_cover = 0;
+  ASSIGN_OR_RETURN(parts->environment, Environment::make({without}, {{0, false, {0, 0, -1}, 1}},
+                                                         above_m, std::move(um)));
+  if (of.cloud_cover > 0) {
+    IRSIG_CHECK(of.cloud.has_value());
+    ASSIGN_OR_RETURN(Atmosphere diffuse, overcast_atmosphere(of, ForwardPeak::kDiffuse));
+    ASSIGN_OR_RETURN(Atmosphere beam, overcast_atmosphere(of, ForwardPeak::kBeam));
+    auto overcast = std::make_unique<Parts::Overcast>(std::move(diffuse), std::move(beam),
+                                                      parts->environment->nodes(false));
+    overcast->light = std::make_unique<const ThermalSurroundings>(
+        of, overcast->diffuse, lowest_m + above_m, overcast->rings, overcast->bands, 0);
+    parts->overcast = std::move(overcast);
+  }
+  return WeatherAir(std::move(parts));
+}
+
+absl::StatusOr<PathRadiance> WeatherAir::radiance(
+    Sight sight, const Ray& ray, const std::optional<SunPlace>& sun,
+    const AirSpectrum* surroundings_w_m2_sr_um) const {
+  ASSIGN_OR_RETURN(const LightPath path, ray(parts_->clear->profile()));
+  PathLight light;
+  light.sun = sun;
+  light.surroundings_w_m2_sr_um = surroundings_w_m2_sr_um
+                                      ? *surroundings_w_m2_sr_um
+                                      : parts_->environment->surroundings_w_m2_sr_um(0);
+  PathRadiance clear = parts_->clear->radiance(path, light);
+  if (!parts_->overcast) return clear;
+  const Parts::Overcast& of = *parts_->overcast;
+  ASSIGN_OR_RETURN(const LightPath below, ray(of.diffuse.profile()));
+  AirSpectrum around = surroundings_w_m2_sr_um ? *surroundings_w_m2_sr_um : of.light->surroundings;
+  around.resize(kAirBandCount, 0.0);
+  const PathRadiance overcast = of.radiance(sight, below, sun, around);
+  const double cover = parts_->weather.cloud_cover;
+  PathRadiance out;
+  out.transmittance = mixed(clear.transmittance, overcast.transmittance, cover);
+  out.thermal_w_m2_sr_um = mixed(clear.thermal_w_m2_sr_um, overcast.thermal_w_m2_sr_um, cover);
+  out.scattered_w_m2_sr_um =
+      mixed(clear.scattered_w_m2_sr_um, overcast.scattered_w_m2_sr_um, cover);
+  out.total_w_m2_sr_um = mixed(clear.total_w_m2_sr_um, overcast.total_w_m2_sr_um, cover);
+  out.model_error_transmittance =
+      mixed_error(clear.model_error_transmittance, overcast.model_error_transmittance,
+                  clear.transmittance, overcast.transmittance, cover);
+  out.model_error_w_m2_sr_um =
+      mixed_error(clear.model_error_w_m2_sr_um, overcast.model_error_w_m2_sr_um,
+                  clear.total_w_m2_sr_um, overcast.total_w_m2_sr_um, cover);
+  out.scattering_optical_depth = clear.scattering_optical_depth;
+  return out;
+}
+
+AirSpectrum WeatherAir::sun_irradiance_w_m2_um(double height_m, const SunPlace& sun) const {
+  AirSpectrum clear = parts_->clear->sun_irradiance_w_m2_um(height_m, sun);
+  if (!parts_->overcast) return clear;
+  return mixed(clear, parts_->overcast->beam.sun_irradiance_w_m2_um(height_m, sun),
+               parts_->weather.cloud_cover);
+}
+
+}  // namespace irsig
