@@ -80,7 +80,13 @@ class Tracer {
         stop_at_surface_(stop_at_surface),
         longest_step_m_(longest_step_m),
         bottom_m_(air.level.front().height_m),
-        top_m_(air.level.back().height_m) {}
+        top_m_(air.level.back().height_m) {
+    double closest_m = top_m_ - bottom_m_;
+    for (std::size_t i = 0; i + 1 < air.level.size(); ++i)
+      closest_m = std::min(closest_m, air.level[i + 1].height_m - air.level[i].height_m);
+    // Levels of a cloud: its humidity ends within a metre.
+    if (closest_m < 2 * near_m_) near_m_ = std::max(1e-3 * closest_m, 1e-6);
+  }
 
   Trace run(double height_m, double zenith_deg, double range_m) {
     Ray ray = {height_m, zenith_deg * kRadPerDeg, 0};
@@ -158,14 +164,13 @@ class Tracer {
   // The first level of the profile that lies strictly between two heights, seen from the first; -1
   // if none. The surface counts only if the ray is to stop there.
   [[nodiscard]] double first_level_between(double from_m, double to_m) const {
-    constexpr double kNearM = 1;
     double found = -1;
     for (const AirLevel& l : air_.level) {
       const double h = l.height_m;
       const bool end = h == top_m_ || (h == bottom_m_ && stop_at_surface_);
       if (!end && (h > kLevelsMatterM || h == bottom_m_)) continue;
-      const bool crossed = to_m > from_m ? h > from_m + (end ? 0 : kNearM) && h < to_m
-                                         : h < from_m - (end ? 0 : kNearM) && h > to_m;
+      const bool crossed = to_m > from_m ? h > from_m + (end ? 0 : near_m_) && h < to_m
+                                         : h < from_m - (end ? 0 : near_m_) && h > to_m;
       // A ray that starts on the surface and sinks, or at the top and rises, stops where it is.
       const bool stuck =
           end && (h == bottom_m_ ? from_m <= h && to_m < h : from_m >= h && to_m > h);
@@ -221,6 +226,7 @@ class Tracer {
   const AirProfile& air_;
   bool refraction_, stop_at_surface_;
   double longest_step_m_, bottom_m_, top_m_;
+  double near_m_ = 1;  // levels so near to a ray are passed without a node
 };
 
 }  // namespace

@@ -56,6 +56,8 @@ ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvir
   out.transmittance = mix(clear.transmittance, overcast.transmittance);
   out.path_radiance = mix(clear.path_radiance, overcast.path_radiance);
   out.air = clear.air;
+  out.overcast_air = overcast.air;
+  out.overcast_fraction = cover;
   IRSIG_CHECK(clear.end.size() == overcast.end.size());
   for (std::size_t k = 0; k < clear.end.size(); ++k) {
     out.end.push_back(

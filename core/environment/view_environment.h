@@ -68,8 +68,10 @@ struct ViewEnvironment {
   Spectrum transmittance;  // band means: of what surfaces emit
   Spectrum path_radiance;  // emitted and scattered between target and sensor
   // Absorbers between target and sensor; null: the air is imported, or there is no embedded
-  // atmosphere.
-  std::shared_ptr<const AbsorberAmounts> air;
+  // atmosphere. Under broken cloud `air` is that of the clear sky, and overcast_air, which has the
+  // cloud's particles, counts by overcast_fraction; null: one air for all of the light.
+  std::shared_ptr<const AbsorberAmounts> air, overcast_air;
+  double overcast_fraction = 0;
   std::vector<AirPath> end;                        // [SensorLine::end] the same of the target's ends
   std::vector<IncidentRadiance::AirChange> end_change;  // [SensorLine::end] by how much they differ
   Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun

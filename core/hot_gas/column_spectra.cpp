@@ -151,6 +151,7 @@ HotColumn::BandLight HotColumn::light(const std::vector<GasPath>& path,
   if (path.empty()) return out;
   count_work(Work::kGasSpectra, 1);
   for (auto* v : {&out.emitted, &out.absorbed, &out.error}) v->assign(kGasBandCount, 0.0);
+  if (air != nullptr) out.air_transmittance.assign(kGasBandCount, 0.0);
   for (std::size_t r = 0; r < path.size(); ++r) {
     const auto put = [&](std::vector<double>& to, const std::vector<double>& values) {
       std::copy(values.begin(), values.end(),
@@ -164,6 +165,7 @@ HotColumn::BandLight HotColumn::light(const std::vector<GasPath>& path,
     const GasThroughAir through = path[r].through(air->range_[r]);
     put(out.emitted, through.spectrum.radiance_w_m2_sr_um);
     put(out.error, through.water_correlation_error_w_m2_sr_um);
+    put(out.air_transmittance, through.air_transmittance);
     const GasBands range = through.spectrum.bands;
     for (std::size_t i = 0; i < range.size(); ++i) {
       const double clear = through.air_transmittance[i];
@@ -183,8 +185,27 @@ ColumnLight HotColumn::light(const AirBeforeColumns* air) const {
     out.emitted_w_m2_sr_um.push_back(shape * (fine.emitted[band] + step));
     out.step_w_m2_sr_um.push_back(shape * step);
     out.absorbed.push_back(fine.absorbed[band]);
+    if (air != nullptr) out.air_transmittance.push_back(fine.air_transmittance[band]);
     out.model_error_w_m2_sr_um.push_back(
         shape * std::hypot(fine.error[band], relative_error_[band] * fine.emitted[band]));
+  }
+  return out;
+}
+
+ColumnLight mixed(const ColumnLight& a, const ColumnLight& b, double fraction) {
+  ColumnLight out = a;
+  const double one = 1 - fraction, spread = std::sqrt(fraction * one);
+  for (std::size_t i = 0; i < out.absorbed.size(); ++i) {
+    const double clear = one * a.air_transmittance[i], cloudy = fraction * b.air_transmittance[i];
+    out.emitted_w_m2_sr_um[i] = one * a.emitted_w_m2_sr_um[i] + fraction * b.emitted_w_m2_sr_um[i];
+    out.step_w_m2_sr_um[i] = one * a.step_w_m2_sr_um[i] + fraction * b.step_w_m2_sr_um[i];
+    out.air_transmittance[i] = clear + cloudy;
+    out.absorbed[i] = clear + cloudy > 0
+                          ? (clear * a.absorbed[i] + cloudy * b.absorbed[i]) / (clear + cloudy)
+                          : a.absorbed[i];
+    out.model_error_w_m2_sr_um[i] =
+        std::hypot(one * a.model_error_w_m2_sr_um[i] + fraction * b.model_error_w_m2_sr_um[i],
+                   spread * (a.emitted_w_m2_sr_um[i] - b.emitted_w_m2_sr_um[i]));
   }
   return out;
 }

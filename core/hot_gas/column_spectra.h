@@ -39,7 +39,13 @@ struct ColumnLight {
   // One sigma of the emission: of the bands (gas_model_error.h), and since lines of water are not
   // known where hot and cold gas share them.
   std::vector<double> model_error_w_m2_sr_um;
+  std::vector<double> air_transmittance;  // before the column; empty at its near end
 };
+
+// Returns a column behind two airs, of which the second counts by `fraction`: a broken sky's. What
+// is absorbed is that of light that is the same behind both; sqrt(fraction (1 - fraction)) times
+// the difference of the emissions is added to the model error.
+[[nodiscard]] ColumnLight mixed(const ColumnLight& a, const ColumnLight& b, double fraction);
 
 // Air between columns and sensor, on a sweep's wavelengths: made once, for all columns.
 class AirBeforeColumns {
@@ -74,7 +80,7 @@ class HotColumn {
  private:
   // Light in the gas's bands.
   struct BandLight {
-    std::vector<double> emitted, absorbed, error;
+    std::vector<double> emitted, absorbed, error, air_transmittance;
   };
   [[nodiscard]] static BandLight light(const std::vector<GasPath>& path,
                                        const AirBeforeColumns* air);

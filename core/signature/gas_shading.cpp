@@ -24,9 +24,12 @@ absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) cons
   if (environment.air == nullptr && request_.environment != nullptr)
     return absl::InvalidArgumentError(
         "hot gas behind imported air: its lines are not known, and band means do not multiply");
-  std::optional<AirBeforeColumns> air;
+  std::optional<AirBeforeColumns> air, overcast;
   if (environment.air != nullptr) {
     ASSIGN_OR_RETURN(air, AirBeforeColumns::make(*environment.air, wavelengths_));
+  }
+  if (environment.overcast_air != nullptr) {
+    ASSIGN_OR_RETURN(overcast, AirBeforeColumns::make(*environment.overcast_air, wavelengths_));
   }
   const auto at_sensor = [&](const std::vector<HotColumn>& columns,
                              const std::vector<ColumnLight>& here) {
@@ -34,6 +37,9 @@ absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) cons
     for (std::size_t m = 0; m < columns.size(); ++m) {
       if (air) {
         out.push_back(columns[m].behind(*air));
+        if (overcast)
+          out.back() =
+              mixed(out.back(), columns[m].behind(*overcast), environment.overcast_fraction);
         continue;
       }
       out.push_back(here[m]);  // no air, or a grey one

@@ -205,6 +205,31 @@ TEST(EnvironmentBounds, NothingExceedsThem) {
   }
 }
 
+// Opaque, thin and in shreds; the target below, inside and above the layer.
+TEST(EnvironmentBounds, NothingUnderACloudExceedsThem) {
+  struct Case {
+    const char* name;
+    CloudSpec cloud;
+    std::size_t weather;
+    double height_m;
+  };
+  for (const Case& c : {Case{"stratus", {CloudPhase::kWater, 330, 1000, 0.2, 7.9}, 0, 10},
+                        Case{"thin stratus", {CloudPhase::kWater, 330, 1000, 3e-3, 7.9}, 3, 10},
+                        Case{"large drops", {CloudPhase::kWater, 100, 3000, 0.01, 50}, 0, 2000},
+                        Case{"cirrus", {CloudPhase::kIce, 10000, 11000, 0.0067, 64}, 0, 10},
+                        Case{"small crystals", {CloudPhase::kIce, 1500, 2500, 0.004, 6.4}, 0, 12e3},
+                        Case{"on the ground", {CloudPhase::kWater, 0, 200, 0.02, 4}, 3, 10}}) {
+    Named w = weathers()[c.weather];
+    w.spec.cloud = c.cloud;
+    w.spec.cloud_cover = 1;
+    const auto e = environment(w.spec, c.height_m);
+    Tightness tight;
+    std::printf("-- %s, %s, from %g m: largest part of the bound\n", c.name, w.name, c.height_m);
+    for (const Environment::Line& l : lines())
+      expect_bounded(*e, l, std::string(c.name) + ", " + w.name, tight);
+  }
+}
+
 TEST(EnvironmentBounds, NothingOfAnImportedPathExceedsThem) {
   const double nan = std::nan("");
   for (const bool radiance : {true, false}) {

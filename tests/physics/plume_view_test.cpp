@@ -204,6 +204,54 @@ TEST(PlumeView, InAWorldOfOneTemperatureThereIsNoContrast) {
   }
 }
 
+// From above a broken deck gas is seen through its holes alone, as all other light is.
+TEST(PlumeView, UnderBrokenCloudGasIsTheMeanOfThatUnderBothSkies) {
+  SceneSpec scene =
+      scene_of(generated("disk", 1000, 0.3), grey(0.8), Band{"CO2", 4.3, 4.6, 0.1, {}});
+  scene.spectral_breaks_um = air_band_edges_um(3, 13);
+  scene.band.push_back({"water", 8.6, 9.2, 0.2, {}});
+  const auto simulator = simulator_of(scene);
+  constexpr double kCover = 0.3;
+  for (const double water_kg_m2 : {2e-3, 0.2}) {  // the deck dims, or hides
+    std::vector<ViewResult> seen;
+    for (const double cover : {0.0, kCover, 1.0}) {
+      ViewRequest r = request(*simulator, 0, 30, 5000, {320});
+      r.condition[0].gas = slab(10);
+      r.condition[0].surroundings.kind = SurroundingsKind::kSea;
+      r.accuracy.samples_per_replicate = 64;
+      WeatherSpec weather{
+          {afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kMaritime, 23000}},
+          true,
+          {SurfaceBoundary::Kind::kRoughSea, 290, 1, 6},
+          nullptr};
+      weather.cloud = CloudSpec{CloudPhase::kWater, 330, 1000, water_kg_m2, 7.9};
+      weather.cloud_cover = cover;
+      auto environment =
+          Environment::make({weather}, {{0, false, {0, 0, -1}, 1}}, 10, nodes_of(*simulator));
+      ASSERT_TRUE(environment.ok()) << environment.status();
+      r.environment = *std::move(environment);
+      auto view = simulator->simulate(r);
+      ASSERT_TRUE(view.ok()) << view.status();
+      seen.push_back(*std::move(view));
+    }
+    for (std::size_t b = 0; b < 2; ++b) {
+      const auto expect_mean = [&](auto&& of) {
+        const double clear = of(seen[0].row[b]), overcast = of(seen[2].row[b]);
+        const double mean = (1 - kCover) * clear + kCover * overcast;
+        EXPECT_NEAR(of(seen[1].row[b]), mean, 1e-3 * std::abs(mean)) << b << " " << water_kg_m2;
+      };
+      expect_mean([](const SignatureResult& row) { return row.apparent_plume_emitted_w_sr; });
+      expect_mean([](const SignatureResult& row) { return row.apparent_plume_w_sr.value; });
+      expect_mean([](const SignatureResult& row) { return row.contrast_plume_w_sr.value; });
+      // The hole or the deck: the model error has their difference.
+      const double clear = seen[0].row[b].apparent_plume_emitted_w_sr,
+                   overcast = seen[2].row[b].apparent_plume_emitted_w_sr;
+      EXPECT_GT(seen[1].row[b].apparent_model_error_w_sr,
+                0.9 * std::sqrt(kCover * (1 - kCover)) * (clear - overcast));
+    }
+  }
+}
+
 // A funnel's plume, at the target and behind 5 km of air, against rays whose spectra are computed
 // one by one.
 TEST(PlumeView, AFunnelsPlumeIsTheSumOfItsRays) {
