@@ -10,6 +10,7 @@
 namespace irsig {
 
 [[nodiscard]] std::vector<HardCase> atmosphere_cases();
+[[nodiscard]] std::vector<HardCase> cloud_cases();
 [[nodiscard]] std::vector<HardCase> determinism_cases();
 [[nodiscard]] std::vector<HardCase> geometry_cases();
 [[nodiscard]] std::vector<HardCase> heat_cases();
