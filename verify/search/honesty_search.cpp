@@ -201,6 +201,30 @@ absl::Status by_invariance(const RandomScene& scene, const Computed& program, In
   return absl::OkStatus();
 }
 
+// Rows under broken cloud against the mean of those under a clear and an overcast sky.
+absl::Status by_mixture(const RandomScene& scene, const Computed& program, SceneVerdict& verdict) {
+  RandomScene sky = scene;
+  sky.cloud.cover = 0;
+  ASSIGN_OR_RETURN(const Computed clear, compute(sky));
+  sky.cloud.cover = 1;
+  ASSIGN_OR_RETURN(const Computed overcast, compute(sky));
+  verdict.program_rays += clear.rays + overcast.rays;
+  const double cover = scene.cloud.cover;
+  for (std::size_t k = 0; k < program.row.size(); ++k) {
+    const auto here = quantities(program.row[k]), none = quantities(clear.row[k]),
+               all = quantities(overcast.row[k]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      JudgedValue v = judged(program.row[k], here[i], "mixture: ");
+      v.by_reference = false;
+      v.truth = (1 - cover) * none[i].value + cover * all[i].value;
+      v.truth_error = std::hypot((1 - cover) * none[i].error, cover * all[i].error,
+                                 kRounding * std::abs(v.value));
+      verdict.value.push_back(v);
+    }
+  }
+  return absl::OkStatus();
+}
+
 bool fails(const SceneVerdict& verdict, double bound) {
   if (!verdict.status.ok()) return true;
   const JudgedValue* worst = verdict.worst();
@@ -334,6 +358,8 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
         kInvariances);
     verdict.status = by_invariance(scene, *program, by, verdict);
   }
+  if (verdict.status.ok() && scene.cloud.cover > 0 && scene.cloud.cover < 1)
+    verdict.status = by_mixture(scene, *program, verdict);
   if (fails(verdict, failure_bound(options))) verdict.undecided = false;
   return verdict;
 }
@@ -390,6 +416,8 @@ RandomScene shrunk(const RandomScene& scene, const std::function<bool(const Rand
     without([](const RandomScene& s) { return !s.homogeneous_air; },
             [](RandomScene& s) { s.homogeneous_air = false; });
     without([](const RandomScene& s) { return !s.sun; }, [](RandomScene& s) { s.sun = false; });
+    without([](const RandomScene& s) { return s.cloud.cover <= 0; },
+            [](RandomScene& s) { s.cloud.cover = 0; });
     without([](const RandomScene& s) { return !s.sea; }, [](RandomScene& s) { s.sea = false; });
     without([](const RandomScene& s) { return s.all_effects; },
             [](RandomScene& s) { s.all_effects = true; });

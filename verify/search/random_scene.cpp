@@ -157,6 +157,20 @@ std::string any_material(Dice& dice, const std::vector<RandomBand>& bands) {
   }
 }
 
+// Of every other sky: from the ground to the stratosphere, from almost nothing to opaque.
+RandomCloud cloud_of(std::uint64_t seed) {
+  Dice dice(seed ^ 0xc10d5eedULL);
+  RandomCloud out;
+  if (!dice.chance(0.5)) return out;
+  out.cover = dice.chance(0.3) ? 1 : dice.chance(0.1) ? 1e-9 : dice.uniform(0.02, 0.98);
+  out.ice = dice.chance(0.3);
+  out.base_m = dice.chance(0.2) ? 0 : dice.log_uniform(1, out.ice ? 15e3 : 5e3);
+  out.thickness_m = dice.log_uniform(1, 3000);
+  out.water_path_g_m2 = dice.log_uniform(1e-3, 2000);
+  out.effective_radius_um = out.ice ? dice.log_uniform(7, 150) : dice.log_uniform(1.6, 49);
+  return out;
+}
+
 class Maker {
  public:
   Maker(std::uint64_t seed, const SceneGrammar& grammar) : dice_(seed), grammar_(grammar) {
@@ -204,6 +218,7 @@ class Maker {
         weather();
         break;
     }
+    if (s_.atmosphere) s_.cloud = cloud_of(s_.seed);
     lift();
     if (dice_.chance(0.15)) s_.max_reflections = static_cast<int>(dice_.below(4));
     return s_;

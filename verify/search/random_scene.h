@@ -54,6 +54,13 @@ struct RandomBody {
   bool split = false;  // two parts instead of one: an invariance
 };
 
+// A layer of cloud, as [[season.cloud]] has it; its type is its phase.
+struct RandomCloud {
+  double cover = 0;  // 0: no cloud
+  bool ice = false;
+  double base_m = 0, thickness_m = 0, water_path_g_m2 = 0, effective_radius_um = 0;
+};
+
 struct RandomBand {
   double lambda_min_um, lambda_max_um, step_um;
 };
@@ -71,6 +78,7 @@ struct RandomScene {
   // The embedded atmosphere over a rough sea in place of air and sky; judged by invariances alone.
   bool atmosphere = false;
   double visibility_m = 23000, wind_speed_m_s = 5;
+  RandomCloud cloud;  // drawn apart: without it the scene of a seed is the same
   std::string time = "12:00Z";
   double heading_deg = 0;
   double azimuth_deg = 0, elevation_deg = 0, range_m = 1000;

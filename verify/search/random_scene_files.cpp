@@ -186,6 +186,13 @@ std::string sweep_toml(const RandomScene& scene, const std::string& model_name) 
       scene.homogeneous_air
           ? absl::StrCat("air_temperature_k = ", number(scene.air_temperature_k), "\n")
           : "");
+  if (scene.cloud.cover > 0)
+    absl::StrAppend(&out, "\n[[season.cloud]]\nphase = ", scene.cloud.ice ? "\"ice\"" : "\"water\"",
+                    "\ncover = ", number(scene.cloud.cover),
+                    "\nbase_m = ", number(scene.cloud.base_m),
+                    "\ntop_m = ", number(scene.cloud.base_m + scene.cloud.thickness_m),
+                    "\nwater_path_g_m2 = ", number(scene.cloud.water_path_g_m2),
+                    "\neffective_radius_um = ", number(scene.cloud.effective_radius_um), "\n");
   for (const RandomBand& b : scene.band)
     absl::StrAppend(&out, "\n[[band]]\nname = \"", number(b.lambda_min_um), "_",
                     number(b.lambda_max_um), "\"\nlambda_min_um = ", number(b.lambda_min_um),
