@@ -85,7 +85,7 @@ class Tracer {
     for (std::size_t i = 0; i + 1 < air.level.size(); ++i)
       closest_m = std::min(closest_m, air.level[i + 1].height_m - air.level[i].height_m);
     // Levels of a cloud: its humidity ends within a metre.
-    if (closest_m < 2 * near_m_) near_m_ = std::max(1e-3 * closest_m, 1e-6);
+    if (closest_m < 2 * near_m_) near_m_ = std::max(1e-4 * closest_m, 1e-6);
   }
 
   Trace run(double height_m, double zenith_deg, double range_m) {

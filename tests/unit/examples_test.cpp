@@ -69,7 +69,8 @@ TEST(Examples, AllOfThemResolveAndExpand) {
               UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk", "primitives",
                                    "sphere", "box", "cylinder", "cone", "cavity", "cooling_tower",
                                    "painted_sphere", "houses", "frigate_day", "frigate_plume",
-                                   "plume_column", "drone", "camera", "training_images"));
+                                   "plume_column", "drone", "camera", "training_images",
+                                   "frigate_overcast"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.

@@ -140,7 +140,7 @@ std::string draw_false_color(const FalseColorPicture& picture) {
             png_of(picture, static_cast<std::uint32_t>(std::clamp(zoom, 1.0, kMostEnlarged))));
   for (const PictureLabel& label : picture.label)
     svg.text({corner.x + zoom * label.x_px, corner.y + zoom * label.y_px}, label.text,
-             {.size = 11});
+             {.size = 11, .halo = true});
   Bar bar(svg, {bar_x, kPictureTop}, bar_height, picture.range);
   bar.draw();
   bar.axis(picture.axis, 1);

@@ -115,6 +115,7 @@ void Svg::text(Point at, std::string_view text, const TextStyle& style) {
   constexpr std::array kAnchors{"start", "middle", "end"};
   std::string extra;
   if (style.bold) extra += " font-weight=\"bold\"";
+  if (style.halo) extra += " stroke=\"#ffffff\" stroke-width=\"2.5\" paint-order=\"stroke\"";
   if (style.rotate_deg != 0) {
     extra += fmt::format(" transform=\"rotate({:g} {} {})\"", style.rotate_deg, px(at.x), px(at.y));
   }

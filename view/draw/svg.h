@@ -27,6 +27,7 @@ struct TextStyle {
   std::string color = "#222222";
   bool bold = false;
   double rotate_deg = 0;  // clockwise, about the point
+  bool halo = false;      // white around the letters: readable on any colour
 };
 
 // A drawing on white, in the order of the calls. Text may hold Unicode; it is escaped. Coordinates
