@@ -138,7 +138,9 @@ void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep&
     run.mutable_weather()->clear_modtran_file_name();
     run.mutable_weather()->clear_cloud_cover();  // the course has it
     run.mutable_weather()->clear_cloud();
-    if (std::any_of(run.course().record().begin(), run.course().record().end(),
+    // A cover that is uncertain may be moved from 0.
+    if (sweep.uncertainty().has_cloud_cover() ||
+        std::any_of(run.course().record().begin(), run.course().record().end(),
                     [](const schema::WeatherRecord& r) { return r.cloud_cover() > 0; }))
       *run.mutable_weather()->mutable_cloud() = cloud_layer(season, run.weather());
     *run.mutable_part_temperature_k() = first.part_temperature_k();

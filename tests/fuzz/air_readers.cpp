@@ -70,7 +70,9 @@ bool accepts_weather(const std::string& text, const std::string& name) {
     const WeatherRecord now = weather_at(course->course, wanted.from_unix_s + 1000);
     EXPECT_GE(now.air_k, now.dew_point_k);
     if (periodic) continue;
-    const auto radiation = CourseRadiation::make(course->course, kBay, {0.2, 0.1, 0.3, 0.1});
+    const auto radiation = CourseRadiation::make(
+        course->course, kBay,
+        {0.2, 0.1, 0.3, 0.1, CloudAbove{{0, 3000}, {288, 270}, std::nullopt, 1, std::nullopt}});
     EXPECT_TRUE(radiation.ok()) << radiation.status();
     if (!radiation.ok()) continue;
     const Radiation r = radiation->at(wanted.from_unix_s + 15000);
