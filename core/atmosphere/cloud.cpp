@@ -13,19 +13,19 @@
 namespace irsig {
 namespace {
 
-// Positions of levels inside a cloud: light changes within some optical depths of its boundaries,
-// in thin clouds hardly at all.
+// Positions of levels inside a cloud: at some optical depths from its boundaries, within which
+// light changes, and in the middle. A level of a deeper cloud begins there, so that light has no
+// jump where there is one level more.
 std::vector<double> level_positions(double depth) {
-  constexpr double kThinDepth = 1, kThickDepth = 6, kOpaqueDepth = 20;
-  if (depth < kThinDepth) return {0, 0.5, 1};
-  if (depth < kThickDepth) return {0, 0.1, 0.3, 0.5, 0.7, 0.9, 1};
-  if (depth < kOpaqueDepth) return {0, 0.02, 0.07, 0.2, 0.5, 0.8, 0.93, 0.98, 1};
-  std::vector<double> out{0};
   constexpr std::array kDepths = {0.3, 1.0, 2.5, 5.0, 9.0};
-  for (const double d : kDepths) out.push_back(d / depth);
-  out.push_back(0.5);
-  for (auto d = kDepths.rbegin(); d != kDepths.rend(); ++d) out.push_back(1 - *d / depth);
-  out.push_back(1);
+  constexpr double kApart = 1e-3;
+  std::vector<double> out{0, 0.5, 1};
+  for (const double d : kDepths) {
+    if (d > (0.5 - kApart) * depth) break;
+    out.push_back(d / depth);
+    out.push_back(1 - d / depth);
+  }
+  std::sort(out.begin(), out.end());
   return out;
 }
 

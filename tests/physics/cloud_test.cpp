@@ -509,6 +509,30 @@ TEST(CloudSky, HardCasesStayFiniteAndPositive) {
   }
 }
 
+// A deeper cloud has more levels: where one is added nothing may jump.
+TEST(CloudSky, HasNoJumpWhereALevelIsAdded) {
+  for (const CloudPhase phase : {CloudPhase::kWater, CloudPhase::kIce}) {
+    const bool water = phase == CloudPhase::kWater;
+    const double radius_um = water ? 8 : 40;
+    for (const double depth : {0.6, 1.0, 2.0, 5.0, 6.0, 10.0, 18.0, 20.0}) {
+      std::vector<AirSpectrum> seen;
+      for (const double factor : {1 - 2e-6, 1 + 2e-6}) {
+        // Of particles much larger than the wavelength.
+        const double water_kg_m2 = factor * depth / 1.5 * 1e-3 * radius_um;
+        const CloudSpec cloud{phase, water ? 500.0 : 5000.0, water ? 900.0 : 7000.0, water_kg_m2,
+                              radius_um};
+        const Sky sky(AfglProfile::kSubarcticWinter, AerosolKind::kRural, &cloud);
+        seen.push_back(sky.radiance(0));
+        seen.push_back(sky.radiance(85));
+      }
+      for (std::size_t k = 0; k < 2; ++k)
+        for (std::size_t b = 0; b < kAirBandCount; ++b)
+          ASSERT_NEAR(seen[k][b], seen[k + 2][b], 1e-5 * seen[k][b])
+              << depth << " " << air_band_lambda_um(b);
+    }
+  }
+}
+
 TEST(CloudSky, OfAlmostNoWaterIsTheClearSky) {
   const CloudSpec none = {CloudPhase::kWater, 500, 800, 1e-9, 10};
   // The air inside is saturated in both.
