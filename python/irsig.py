@@ -441,12 +441,16 @@ class Rows:
         return [[name for (name,) in self._database._sql.execute("SELECT name FROM image_layer WHERE signature_id = ? ORDER BY name",
                                                                  (row,))] for row in self._ids()]
 
+    def _frame_of(self, signature):
+        """job_id, width, height and rays of a pixel of a row's image; None: it has none."""
+        return self._database._sql.execute("SELECT job_id, t.width_px, t.height_px, t.pixel_samples FROM signature s "
+                                           "JOIN silhouette t USING (job_id) WHERE s.signature_id = ?", (signature,)).fetchone()
+
     def silhouettes(self) -> list[dict | None]:
         """Of each row {part: array [row][column]}, the fraction of each pixel of its image that the part fills; None: it has no image."""
         out = []
         for at, signature in enumerate(self._ids()):
-            frame = self._database._sql.execute("SELECT job_id, t.width_px, t.height_px, t.pixel_samples FROM signature s "
-                                                "JOIN silhouette t USING (job_id) WHERE s.signature_id = ?", (signature,)).fetchone()
+            frame = self._frame_of(signature)
             if frame is None:
                 out.append(None)
                 continue
@@ -472,8 +476,7 @@ class Rows:
         """
         out = []
         for at, signature in enumerate(self._ids()):
-            frame = self._database._sql.execute("SELECT job_id, t.width_px, t.height_px, t.pixel_samples FROM signature s "
-                                                "JOIN silhouette t USING (job_id) WHERE s.signature_id = ?", (signature,)).fetchone()
+            frame = self._frame_of(signature)
             if frame is None:
                 out.append(None)
                 continue
