@@ -14,8 +14,8 @@ namespace irsig {
 // An atmosphere, as the command line describes it.
 struct ChosenAir {
   Atmosphere atmosphere;  // without a cloud
-  // The same with its cloud. Its surface is the season's with --sweep; else black ground as warm as
-  // the air above it.
+  // Air and cloud of the weather. Its surface is the season's with --sweep; else black ground as
+  // warm as the air above it.
   WeatherSpec weather;
   std::string title;  // for a plot
 
@@ -32,7 +32,7 @@ struct ChosenAir {
 class AirOptions {
  public:
   // kHotGas: --temperature-k is the command's own, the air's is --air-temperature-k alone, and
-  // there are no options for a cloud, because hot gas is seen through clear air.
+  // there are no options for a cloud, which `show gas` leaves out.
   enum class Use { kLight, kHotGas };
   explicit AirOptions(CLI::App& command, Use use = Use::kLight);
 

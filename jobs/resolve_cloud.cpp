@@ -30,9 +30,6 @@ constexpr std::array<CloudType, 6> kTypes = {{{"stratus", "water", 330, 670, 200
                                               {"cirrus", "ice", 10000, 1000, 6.7, 64}}};
 constexpr const CloudType& kDefaultType = kTypes[0];
 
-// Bases of low clouds; air that is nearly saturated at the surface would condense on the target.
-constexpr double kLowestDefaultBaseM = 300, kHighestDefaultBaseM = 2500;
-
 const CloudType* type_named(const std::string& name) {
   for (const CloudType& type : kTypes)
     if (name == type.name) return &type;
@@ -201,9 +198,7 @@ schema::CloudLayer cloud_layer(const schema::Season& season, const schema::Weath
     base_m = cloud.base_m();
   } else if (!stated) {
     out.set_base_from_weather(true);
-    base_m = std::clamp(
-        condensation_level_m(weather.air_temperature_k(), weather.relative_humidity_percent()),
-        kLowestDefaultBaseM, kHighestDefaultBaseM);
+    base_m = condensed_base_m(weather.air_temperature_k(), weather.relative_humidity_percent());
   }
   out.set_base_m(base_m);
   out.set_top_m(cloud.has_top_m() ? cloud.top_m() : base_m + type.thickness_m);
@@ -229,8 +224,8 @@ void resolve_cloud(const schema::Season& season, int season_index, bool always,
         absl::StrFormat("%s: a cloud of unknown type is taken as %s, %.0f m thick, based at the "
                         "level of condensation (%.0f to %.0f m); set cloud_type or "
                         "[[season.cloud]]",
-                        key, layer.type(), layer.top_m() - layer.base_m(), kLowestDefaultBaseM,
-                        kHighestDefaultBaseM)));
+                        key, layer.type(), layer.top_m() - layer.base_m(), kLowestCondensationM,
+                        kHighestCondensationM)));
   }
   if (season.cloud_size() > 0 && season.has_weather_file() && stated_cloud_cover(season))
     condition.add_warning(

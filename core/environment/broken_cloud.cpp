@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/check.h"
 
@@ -9,37 +10,6 @@ namespace irsig {
 namespace {
 
 using Spectrum = ViewEnvironment::Spectrum;
-
-struct Mixer {
-  double cover;
-  [[nodiscard]] double operator()(double clear, double overcast) const {
-    return (1 - cover) * clear + cover * overcast;
-  }
-  [[nodiscard]] Spectrum operator()(const Spectrum& clear, const Spectrum& overcast) const {
-    IRSIG_CHECK(clear.size() == overcast.size());
-    Spectrum out(clear.size());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (*this)(clear[i], overcast[i]);
-    return out;
-  }
-  [[nodiscard]] std::vector<Spectrum> operator()(const std::vector<Spectrum>& clear,
-                                                 const std::vector<Spectrum>& overcast) const {
-    IRSIG_CHECK(clear.size() == overcast.size());
-    std::vector<Spectrum> out;
-    for (std::size_t k = 0; k < clear.size(); ++k) out.push_back((*this)(clear[k], overcast[k]));
-    return out;
-  }
-  // Error of a mixture whose parts have errors of their own.
-  [[nodiscard]] Spectrum error(const Spectrum& clear_error, const Spectrum& overcast_error,
-                               const Spectrum& clear, const Spectrum& overcast) const {
-    Spectrum out = (*this)(clear_error, overcast_error);
-    for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = std::hypot(out[i], spread(clear[i], overcast[i]));
-    return out;
-  }
-  [[nodiscard]] double spread(double clear, double overcast) const {
-    return std::sqrt(cover * (1 - cover)) * std::abs(overcast - clear);
-  }
-};
 
 double sum_of(const Spectrum& s) {
   double sum = 0;
@@ -49,9 +19,47 @@ double sum_of(const Spectrum& s) {
 
 }  // namespace
 
+std::vector<double> CloudMixer::operator()(const std::vector<double>& clear,
+                                           const std::vector<double>& overcast) const {
+  IRSIG_CHECK(clear.size() == overcast.size());
+  std::vector<double> out(clear.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = (*this)(clear[i], overcast[i]);
+  return out;
+}
+
+std::vector<std::vector<double>> CloudMixer::operator()(
+    const std::vector<std::vector<double>>& clear,
+    const std::vector<std::vector<double>>& overcast) const {
+  IRSIG_CHECK(clear.size() == overcast.size());
+  std::vector<std::vector<double>> out;
+  for (std::size_t k = 0; k < clear.size(); ++k) out.push_back((*this)(clear[k], overcast[k]));
+  return out;
+}
+
+std::vector<double> CloudMixer::error(const std::vector<double>& clear_error,
+                                      const std::vector<double>& overcast_error,
+                                      const std::vector<double>& clear,
+                                      const std::vector<double>& overcast) const {
+  std::vector<double> out = (*this)(clear_error, overcast_error);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = std::hypot(out[i], spread(clear[i], overcast[i]));
+  return out;
+}
+
+double CloudMixer::spread(double clear, double overcast) const {
+  return std::sqrt(cover * (1 - cover)) * std::abs(overcast - clear);
+}
+
+absl::StatusOr<Atmosphere> overcast_atmosphere(const WeatherSpec& weather, ForwardPeak peak) {
+  AtmosphereSpec air = weather.air;
+  air.cloud = weather.cloud;
+  air.forward_peak = peak;
+  return Atmosphere::make(std::move(air));
+}
+
 ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvironment& overcast,
                                    double cover, double sky_relative) {
-  const Mixer mix{cover};
+  const CloudMixer mix{cover};
   ViewEnvironment out;
   out.transmittance = mix(clear.transmittance, overcast.transmittance);
   out.path_radiance = mix(clear.path_radiance, overcast.path_radiance);
@@ -100,7 +108,7 @@ ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvir
 
 LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& overcast,
                                double cover) {
-  const Mixer mix{cover};
+  const CloudMixer mix{cover};
   LightBounds out;
   for (Spectrum LightBounds::*of :
        {&LightBounds::transmittance, &LightBounds::path_radiance, &LightBounds::thermal,
@@ -112,7 +120,7 @@ LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& over
 }
 
 double broken_cloud_relative(const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
-  const Mixer mix{cover};
+  const CloudMixer mix{cover};
   double sum = 0, count = 0;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     const double mean = mix(clear[b], overcast[b]);

@@ -1,7 +1,12 @@
 #pragma once
 
+#include <vector>
+
+#include "absl/status/statusor.h"
 #include "core/atmosphere/absorber_amounts.h"
+#include "core/atmosphere/atmosphere.h"
 #include "core/environment/view_environment.h"
+#include "core/environment/weather_spec.h"
 
 namespace irsig {
 
@@ -9,7 +14,33 @@ namespace irsig {
 // overcast sky. Under any one of them a target has the one or the other; the standard deviation of
 // this choice, sqrt(cover (1 - cover)) times their difference, is added to the models' errors.
 // Private to core/environment, as all of this header.
-//   sky_relative  that of the sky's mean radiance, relative: broken_cloud_relative
+
+// Means of light under both skies, and their errors.
+struct CloudMixer {
+  double cover;
+
+  [[nodiscard]] double operator()(double clear, double overcast) const {
+    return (1 - cover) * clear + cover * overcast;
+  }
+  [[nodiscard]] std::vector<double> operator()(const std::vector<double>& clear,
+                                               const std::vector<double>& overcast) const;
+  [[nodiscard]] std::vector<std::vector<double>> operator()(
+      const std::vector<std::vector<double>>& clear,
+      const std::vector<std::vector<double>>& overcast) const;
+  // Returns the model error of a mean whose parts have errors of their own.
+  [[nodiscard]] std::vector<double> error(const std::vector<double>& clear_error,
+                                          const std::vector<double>& overcast_error,
+                                          const std::vector<double>& clear,
+                                          const std::vector<double>& overcast) const;
+  // Returns the standard deviation of the choice between both.
+  [[nodiscard]] double spread(double clear, double overcast) const;
+};
+
+// Returns the atmosphere under the weather's cloud. INVALID_ARGUMENT as Atmosphere::make.
+[[nodiscard]] absl::StatusOr<Atmosphere> overcast_atmosphere(const WeatherSpec& weather,
+                                                             ForwardPeak peak);
+
+//   sky_relative  spread of the sky's mean radiance, relative: broken_cloud_relative
 [[nodiscard]] ViewEnvironment under_broken_cloud(const ViewEnvironment& clear,
                                                  const ViewEnvironment& overcast, double cover,
                                                  double sky_relative);

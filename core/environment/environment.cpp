@@ -91,14 +91,6 @@ std::vector<float> limb_rings(const std::map<double, double>& dip) {
   return out;
 }
 
-absl::StatusOr<Atmosphere> atmosphere_of(const WeatherSpec& spec,
-                                         const std::optional<CloudSpec>& cloud, ForwardPeak peak) {
-  AtmosphereSpec air = spec.air;
-  air.cloud = cloud;
-  air.forward_peak = peak;
-  return Atmosphere::make(std::move(air));
-}
-
 // The rest of a unit vector where its z is another.
 Vec<Body> with_elevation(Vec<Body> v, double elevation_rad) {
   const double level = std::hypot(v.x, v.y), c = std::cos(elevation_rad);
@@ -372,7 +364,8 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     };
     if (const absl::Status s = check(weather[i]); !s.ok()) return named(s);
     WeatherSpec& spec = weather[i];
-    absl::StatusOr<Atmosphere> clear = atmosphere_of(spec, std::nullopt, {});
+    spec.air.cloud.reset();
+    absl::StatusOr<Atmosphere> clear = Atmosphere::make(spec.air);
     if (!clear.ok()) return named(clear.status());
     const AirProfile& profile = clear->profile();
     const double reference_m = spec.above_surface_m;
@@ -407,9 +400,9 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     };
     if (spec.cloud_cover < 1) add(1 - spec.cloud_cover).atmosphere.emplace(*std::move(clear));
     if (spec.cloud_cover > 0) {
-      absl::StatusOr<Atmosphere> diffuse = atmosphere_of(spec, spec.cloud, ForwardPeak::kDiffuse);
+      absl::StatusOr<Atmosphere> diffuse = overcast_atmosphere(spec, ForwardPeak::kDiffuse);
       if (!diffuse.ok()) return named(diffuse.status());
-      absl::StatusOr<Atmosphere> beam = atmosphere_of(spec, spec.cloud, ForwardPeak::kBeam);
+      absl::StatusOr<Atmosphere> beam = overcast_atmosphere(spec, ForwardPeak::kBeam);
       if (!beam.ok()) return named(beam.status());
       Parts::Weather& overcast = add(spec.cloud_cover);
       overcast.atmosphere.emplace(*std::move(diffuse));

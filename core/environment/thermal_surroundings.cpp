@@ -32,8 +32,6 @@ std::vector<SeaFacet> facets_of(const SurfaceBoundary& spec, Vec<Body> to_observ
 // One sigma of an overcast sky by two streams, as a temperature of its radiance
 // (docs/evidence/validation.md, "Clouds").  [K]
 constexpr double kCloudErrorK = 0.5;
-// Bases of low clouds.
-constexpr double kLowestBaseM = 300, kHighestBaseM = 2500;
 
 // Light from a hemisphere's cell: where on average it meets the facets.
 struct Gathered {
@@ -140,9 +138,9 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
 
   if (atmosphere_.spec().cloud)
     cloud_ = std::make_unique<const CloudLight>(atmosphere_, ground(), refraction_, bands_);
-  for (const double base_m : {kLowestBaseM, kHighestBaseM}) {
+  for (const double base_m : spec.cloud_base_range_m.value_or(std::array<double, 2>{})) {
     const double at_m = atmosphere_.profile().level.front().height_m + base_m;
-    if (!cloud_ || spec.cloud_base_known || at_m <= height_m_) continue;
+    if (!cloud_ || !spec.cloud_base_range_m || at_m <= height_m_) continue;
     planck_of(air_at(atmosphere_.profile(), at_m).temperature_k,
               other_base_.emplace_back(kAirBandCount, 0.0));
   }

@@ -10,6 +10,7 @@
 #include "core/base/check.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
+#include "core/environment/broken_cloud.h"
 #include "core/environment/environment.h"
 #include "core/environment/thermal_surroundings.h"
 #include "core/spectral/solar.h"
@@ -19,35 +20,11 @@ namespace {
 
 constexpr double kHighestM = 50e3;  // next to no scattering above
 
-absl::StatusOr<Atmosphere> overcast_atmosphere(const WeatherSpec& weather, ForwardPeak peak) {
-  AtmosphereSpec air = weather.air;
-  air.cloud = weather.cloud;
-  air.forward_peak = peak;
-  return Atmosphere::make(std::move(air));
-}
-
 double cos_to_sun(const LightPath& path, const SunPlace& sun) {
   const double z = path.node.front().zenith_deg * kRadPerDeg, s = sun.zenith_deg * kRadPerDeg;
   return std::clamp(std::sin(z) * std::sin(s) * std::cos(sun.azimuth_deg * kRadPerDeg) +
                         std::cos(z) * std::cos(s),
                     -1.0, 1.0);
-}
-
-AirSpectrum mixed(const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
-  AirSpectrum out(kAirBandCount);
-  for (std::size_t b = 0; b < kAirBandCount; ++b)
-    out[b] = (1 - cover) * clear[b] + cover * overcast[b];
-  return out;
-}
-
-// Either sky may be there.
-AirSpectrum mixed_error(const AirSpectrum& clear_error, const AirSpectrum& overcast_error,
-                        const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
-  AirSpectrum out = mixed(clear_error, overcast_error, cover);
-  const double deviation = std::sqrt(cover * (1 - cover));
-  for (std::size_t b = 0; b < kAirBandCount; ++b)
-    out[b] = std::hypot(out[b], deviation * (overcast[b] - clear[b]));
-  return out;
 }
 
 }  // namespace
@@ -196,19 +173,18 @@ absl::StatusOr<PathRadiance> WeatherAir::radiance(
   AirSpectrum around = surroundings_w_m2_sr_um ? *surroundings_w_m2_sr_um : of.light->surroundings;
   around.resize(kAirBandCount, 0.0);
   const PathRadiance overcast = of.radiance(sight, below, sun, around);
-  const double cover = parts_->weather.cloud_cover;
+  const CloudMixer mix{parts_->weather.cloud_cover};
   PathRadiance out;
-  out.transmittance = mixed(clear.transmittance, overcast.transmittance, cover);
-  out.thermal_w_m2_sr_um = mixed(clear.thermal_w_m2_sr_um, overcast.thermal_w_m2_sr_um, cover);
-  out.scattered_w_m2_sr_um =
-      mixed(clear.scattered_w_m2_sr_um, overcast.scattered_w_m2_sr_um, cover);
-  out.total_w_m2_sr_um = mixed(clear.total_w_m2_sr_um, overcast.total_w_m2_sr_um, cover);
+  out.transmittance = mix(clear.transmittance, overcast.transmittance);
+  out.thermal_w_m2_sr_um = mix(clear.thermal_w_m2_sr_um, overcast.thermal_w_m2_sr_um);
+  out.scattered_w_m2_sr_um = mix(clear.scattered_w_m2_sr_um, overcast.scattered_w_m2_sr_um);
+  out.total_w_m2_sr_um = mix(clear.total_w_m2_sr_um, overcast.total_w_m2_sr_um);
   out.model_error_transmittance =
-      mixed_error(clear.model_error_transmittance, overcast.model_error_transmittance,
-                  clear.transmittance, overcast.transmittance, cover);
+      mix.error(clear.model_error_transmittance, overcast.model_error_transmittance,
+                clear.transmittance, overcast.transmittance);
   out.model_error_w_m2_sr_um =
-      mixed_error(clear.model_error_w_m2_sr_um, overcast.model_error_w_m2_sr_um,
-                  clear.total_w_m2_sr_um, overcast.total_w_m2_sr_um, cover);
+      mix.error(clear.model_error_w_m2_sr_um, overcast.model_error_w_m2_sr_um,
+                clear.total_w_m2_sr_um, overcast.total_w_m2_sr_um);
   out.scattering_optical_depth = clear.scattering_optical_depth;
   return out;
 }
@@ -216,8 +192,8 @@ absl::StatusOr<PathRadiance> WeatherAir::radiance(
 AirSpectrum WeatherAir::sun_irradiance_w_m2_um(double height_m, const SunPlace& sun) const {
   AirSpectrum clear = parts_->clear->sun_irradiance_w_m2_um(height_m, sun);
   if (!parts_->overcast) return clear;
-  return mixed(clear, parts_->overcast->beam.sun_irradiance_w_m2_um(height_m, sun),
-               parts_->weather.cloud_cover);
+  return CloudMixer{parts_->weather.cloud_cover}(
+      clear, parts_->overcast->beam.sun_irradiance_w_m2_um(height_m, sun));
 }
 
 }  // namespace irsig

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -40,7 +41,9 @@ struct WeatherSpec {
   // an overcast sky with these weights; which of both a target has is part of the models' errors.
   double cloud_cover = 0;
   std::optional<CloudSpec> cloud = std::nullopt;  // required if anything is covered
-  bool cloud_base_known = true;  // else any low cloud's may be true, by the models' errors
+  // Lowest and highest base that the cloud may have, where its own is not known: part of the
+  // models' errors. [m above the surface]
+  std::optional<std::array<double, 2>> cloud_base_range_m = std::nullopt;
 };
 
 // The air, sky and sea of one condition of a sweep.

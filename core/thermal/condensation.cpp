@@ -21,4 +21,9 @@ double condensation_level_m(double air_k, double relative_humidity_percent) {
          kDryAdiabatKPerM;
 }
 
+double condensed_base_m(double air_k, double relative_humidity_percent) {
+  return std::clamp(condensation_level_m(air_k, relative_humidity_percent), kLowestCondensationM,
+                    kHighestCondensationM);
+}
+
 }  // namespace irsig

@@ -222,9 +222,8 @@ SunPosition CourseRadiation::sun_at(double unix_s) const {
 
 double base_height_m(const CloudAbove& cloud, const WeatherRecord& now) {
   if (cloud.base_m) return *cloud.base_m;
-  constexpr double kLowestM = 300, kHighestM = 2500;
   const double percent = 100 * vapour_pressure_pa(now.dew_point_k) / vapour_pressure_pa(now.air_k);
-  return std::clamp(condensation_level_m(now.air_k, percent), kLowestM, kHighestM);
+  return condensed_base_m(now.air_k, percent);
 }
 
 double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now) {

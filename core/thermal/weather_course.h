@@ -86,7 +86,7 @@ struct SkyAerosol {
   double depth_380, depth_500;  // vertical aerosol optical depths at 380 and 500 nm
   double ozone_cm;
   double albedo;  // of sea or ground, to sunlight: [0, 1]
-  // Of the cover that a course has; required if any record has one.
+  // Layer of the cover that a course has; required if any record has one.
   std::optional<CloudAbove> cloud = {};
 };
 

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
+#include "core/thermal/condensation.h"
 #include "messages/environment/named.h"
 
 namespace irsig {
@@ -139,7 +140,8 @@ absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
   spec.cloud_cover = weather.cloud_cover();
   if (weather.cloud_cover() > 0) {
     ASSIGN_OR_RETURN(spec.cloud, cloud_from_message(weather.cloud()));
-    spec.cloud_base_known = !weather.cloud().base_from_weather();
+    if (weather.cloud().base_from_weather())
+      spec.cloud_base_range_m = {kLowestCondensationM, kHighestCondensationM};
   }
   ASSIGN_OR_RETURN(auto lower, lower_from_message(surroundings, weather.wind_speed_m_s()));
   spec.lower = lower;
