@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -92,6 +93,17 @@ void check_layer_table(const schema::Cloud& cloud, const std::string& path, bool
   if (!cloud.has_type()) check_without_type(path, check, findings);
   (void)check.one_of("type", type_names());
   (void)check.one_of("phase", {"water", "ice"});
+  // A type's radius is that of droplets or of crystals.
+  const CloudType* type = type_named(cloud.type());
+  if (type != nullptr && cloud.has_phase() && !cloud.has_effective_radius_um() &&
+      (cloud.phase() == "water" || cloud.phase() == "ice") && cloud.phase() != type->phase)
+    check.error("phase",
+                absl::StrFormat("= \"%s\" contradicts type \"%s\", whose %s have an "
+                                "effective radius of %g um: expected effective_radius_um "
+                                "beside it, or phase = \"%s\"",
+                                cloud.phase(), type->name,
+                                type->phase == std::string_view("water") ? "droplets" : "crystals",
+                                type->effective_radius_um, type->phase));
 }
 
 void check_beside_table(const schema::Season& season, const std::string& of, Findings& findings) {

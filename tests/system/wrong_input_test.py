@@ -117,6 +117,10 @@ SWEEPS = [
          r"cloud\[0\]\.top_m: the layer's top, 200 m, is below its base, 900 m; expected top_m of at least 901 m"),
         ('type = "altostratus"\ncover = 1\ntop_m = 900', r'is below its base, 2400 m \(of type "altostratus"\)'),
         ('type = "cirrus"\ncover = 1\nbase_m = 24500', r"cloud\[0\]\.base_m: the layer's top, 25500 m .*is above 25000 m"),
+        ('type = "stratus"\ncover = 1\nphase = "ice"',
+         r':\d+:1: .*cloud\[0\]\.phase = "ice" contradicts type "stratus", whose droplets have .* 7.9 um: '
+         r'expected effective_radius_um beside it, or phase = "water"'),
+        ('type = "cirrus"\ncover = 1\nphase = "water"', r'cloud\[0\]\.phase = "water" contradicts type "cirrus", whose crystals'),
         ('type = "stratos"\ncover = 1', r'cloud\[0\]\.type = "stratos": did you mean "stratus"\?'),
         ('type = "fog"\ncover = 1', r'cloud\[0\]\.type = "fog": expected one of "stratus", "stratocumulus"'),
         ('type = "cirrus"\ncover = 1\neffective_radius_um = 5',
