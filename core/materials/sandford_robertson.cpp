@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <numbers>
 #include <numeric>
 
@@ -35,6 +39,12 @@ class GrazingFall {
   double b2_, mean_;
 };
 
+// e^2 h / (4 pi)
+double sandford_lobe_per_sr(const ReflectionGeometry& g, double e) {
+  const double q = e * e * g.cos_h * g.cos_h + g.sin2_h;
+  return e * e / (4 * std::numbers::pi * q * q);
+}
+
 // s(theta) = base(theta) x a cubic through values at equal steps of asinh(cos / e): steps of cos
 // below e, of ln cos above it, where the lobe's width in cos is e.
 class AngleGrid {
@@ -66,6 +76,54 @@ class AngleGrid {
   double e_, last_;
 };
 
+// The lobe's integral over w_i at one w_o, spread over the grid points between which s(i) is
+// interpolated. It depends on the lobe's width alone, and takes most of the time in which a
+// material is prepared: scenes with other emissivities, and other wavelengths, ask for the same.
+// Any number of threads may ask.
+class LobeMoments {
+ public:
+  explicit LobeMoments(double width)
+      : width_(width), grid_(width), quadrature_({SlopeLaw::kEllipsoid, width}) {}
+
+  // Returns the integrals of a width; those of the widths last asked for are kept.
+  static std::shared_ptr<LobeMoments> of(double width) {
+    constexpr std::size_t kWidths = 4;
+    static std::mutex mutex;
+    static std::deque<std::shared_ptr<LobeMoments>> known;
+    const std::lock_guard lock(mutex);
+    for (const auto& moments : known)
+      if (moments->width_ == width) return moments;
+    known.push_back(std::make_shared<LobeMoments>(width));
+    if (known.size() > kWidths) known.pop_front();
+    return known.back();
+  }
+
+  [[nodiscard]] std::vector<double> at(double cos_o) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto row = known_.find(cos_o); row != known_.end()) return row->second;
+    }
+    std::vector<double> out(AngleGrid::kPoints, 0.0);
+    quadrature_.visit(cos_o, [&](const ReflectionGeometry& g, double, double solid_angle_weight) {
+      const double w =
+          solid_angle_weight * sandford_lobe_per_sr(g, width_) * g.cos_i * grid_.base(g.cos_i);
+      const AngleGrid::Stencil s = grid_.stencil(g.cos_i);
+      for (std::size_t j = 0; j < 4; ++j) out[s.first + j] += w * s.weight[j];
+    });
+    constexpr std::size_t kRows = 1024;  // grid and table of directional reflectance have 420
+    const std::lock_guard lock(mutex_);
+    if (known_.size() < kRows) known_.emplace(cos_o, out);
+    return out;
+  }
+
+ private:
+  const double width_;
+  const AngleGrid grid_;
+  const LobeQuadrature quadrature_;
+  std::mutex mutex_;
+  std::map<double, std::vector<double>> known_;  // [cos_o]
+};
+
 class SandfordRobertsonModel final : public LobeModel {
  public:
   SandfordRobertsonModel(const SandfordRobertson& spec, std::size_t spectra,
@@ -74,7 +132,7 @@ class SandfordRobertsonModel final : public LobeModel {
         fall_(spec.grazing),
         e_(spec.lobe_width),
         grid_(spec.lobe_width),
-        quadrature_({SlopeLaw::kEllipsoid, spec.lobe_width}) {
+        moments_(LobeMoments::of(spec.lobe_width)) {
     for (std::size_t i = 0; i < spectra; ++i) {
       diffuse_.push_back(spectrum_at(spec.diffuse, node_um[i]));
       not_specular_.push_back(diffuse_.back() + spectrum_at(spec.emissivity, node_um[i]));
@@ -93,14 +151,14 @@ class SandfordRobertsonModel final : public LobeModel {
 
   void brdf_per_sr(const ReflectionGeometry& g, float* out) const override {
     const AngleGrid::Stencil i = grid_.stencil(g.cos_i), o = grid_.stencil(g.cos_o);
-    const double lobe = lobe_per_sr(g) * grid_.base(g.cos_i) * grid_.base(g.cos_o);
+    const double lobe = sandford_lobe_per_sr(g, e_) * grid_.base(g.cos_i) * grid_.base(g.cos_o);
     const double diffuse = fall_(g.cos_i) * fall_(g.cos_o) / std::numbers::pi;
     for (std::size_t k = 0; k < spectra(); ++k)
       out[k] = static_cast<float>(diffuse_[k] * diffuse + lobe * scale(k, i) * scale(k, o));
   }
 
   void dhr(double cos_o, std::span<double> out) const override {
-    const std::vector<double> row = moments(cos_o);
+    const std::vector<double> row = moments_->at(cos_o);
     const AngleGrid::Stencil o = grid_.stencil(cos_o);
     const double base = grid_.base(cos_o), fall = fall_(cos_o);
     for (std::size_t k = 0; k < spectra(); ++k) {
@@ -122,23 +180,6 @@ class SandfordRobertsonModel final : public LobeModel {
   [[nodiscard]] double roulette_slope2() const override { return 0; }  // the lobe's tail is heavy
 
  private:
-  // e^2 h / (4 pi)
-  [[nodiscard]] double lobe_per_sr(const ReflectionGeometry& g) const {
-    const double q = e_ * e_ * g.cos_h * g.cos_h + g.sin2_h;
-    return e_ * e_ / (4 * std::numbers::pi * q * q);
-  }
-
-  // The lobe's integral over w_i, spread over the grid points between which s(i) is interpolated.
-  [[nodiscard]] std::vector<double> moments(double cos_o) const {
-    std::vector<double> out(AngleGrid::kPoints, 0.0);
-    quadrature_.visit(cos_o, [&](const ReflectionGeometry& g, double, double solid_angle_weight) {
-      const double w = solid_angle_weight * lobe_per_sr(g) * g.cos_i * grid_.base(g.cos_i);
-      const AngleGrid::Stencil s = grid_.stencil(g.cos_i);
-      for (std::size_t j = 0; j < 4; ++j) out[s.first + j] += w * s.weight[j];
-    });
-    return out;
-  }
-
   static std::ptrdiff_t offset(std::size_t spectrum) {
     return static_cast<std::ptrdiff_t>(spectrum * AngleGrid::kPoints);
   }
@@ -179,7 +220,7 @@ class SandfordRobertsonModel final : public LobeModel {
     std::vector<double> base, fall;
     for (std::size_t o = 0; o < kN; ++o) {
       const double c = std::max(grid_.cos_of(o), 1e-8);
-      kernel.push_back(moments(c));
+      kernel.push_back(moments_->at(c));
       base.push_back(grid_.base(c));
       fall.push_back(fall_(c));
     }
@@ -206,7 +247,7 @@ class SandfordRobertsonModel final : public LobeModel {
   GrazingFall fall_;
   double e_;
   AngleGrid grid_;
-  LobeQuadrature quadrature_;
+  std::shared_ptr<LobeMoments> moments_;
   std::vector<double> diffuse_, not_specular_;     // rho_D, rho_D + epsilon
   std::vector<double> most_of_light_, most_seen_;  // [grid point]
   std::vector<double> scale_;                      // s / base [spectrum][grid point]
