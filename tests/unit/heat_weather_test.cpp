@@ -197,6 +197,12 @@ TEST(HeatWeather, NoonIsBrightAndCloudsAreNot) {
   const auto [covered, cloudy] = brightest("\ncloud_cover = 1");
   EXPECT_EQ(covered, 0);
   EXPECT_GT(cloudy, diffuse);
+  // A layer of known water: 6.4 g/m2 of crystals of 64 um have the optical depth 0.15, and the sun
+  // stands 68.4 deg high.
+  const auto [thin, hazy] =
+      brightest("\ncloud_cover = 1\ncloud_type = \"cirrus\"\ncloud_water_path_g_m2 = 6.4");
+  EXPECT_NEAR(thin / direct, std::exp(-0.15 / std::sin(68.4 * M_PI / 180)), 0.002);
+  EXPECT_GT(hazy, diffuse);
 }
 
 }  // namespace

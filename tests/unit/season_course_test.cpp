@@ -4,8 +4,12 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
+#include <optional>
+
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "messages/environment/weather_from_message.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {
@@ -288,6 +292,51 @@ TEST(SeasonCourse, WhatIsWrongWithAFile) {
   p.season += "cloud_cover = 0.5\n";
   EXPECT_THAT(course_error_of(p),
               HasSubstr("season[0].cloud_cover does not apply: the weather file has it"));
+}
+
+// The layer that a season states is that of its rows and of its walls, whatever the file has.
+TEST(SeasonCourse, AStatedLayerWinsOverTheFilesCover) {
+  CoursePieces p;
+  p.season += "cloud = [{ type = \"altostratus\", cover = 0.25 }]\n";
+  const auto sweep = resolve_course(p);
+  ASSERT_TRUE(sweep.ok()) << sweep.status();
+  for (const schema::Condition& condition : sweep->condition()) {
+    EXPECT_EQ(condition.weather().cloud_cover(), 0.25);
+    EXPECT_EQ(condition.weather().cloud().type(), "altostratus");
+    EXPECT_THAT(condition.warning(),
+                ::testing::Contains(HasSubstr("cover is used in place of the weather file's")));
+  }
+  for (const schema::WeatherRecord& record : sweep->heat(0).course().record())
+    EXPECT_EQ(record.cloud_cover(), 0.25);
+}
+
+// A cover that is uncertain may be moved from 0: rows and walls need the layer that then appears.
+TEST(SeasonCourse, AnUncertainCoverHasALayerWhereNothingIsCovered) {
+  for (const bool uncertain : {false, true}) {
+    CoursePieces p;
+    p.season = kConstant + "cloud_cover = 0\ncloud_type = \"stratocumulus\"\n";
+    if (uncertain) p.more = "[uncertainty]\ncloud_cover = 0.2\n";
+    const auto sweep = resolve_course(p);
+    ASSERT_TRUE(sweep.ok()) << sweep.status();
+    EXPECT_EQ(sweep->condition(0).weather().cloud_cover(), 0);
+    EXPECT_EQ(sweep->condition(0).weather().cloud().type(), uncertain ? "stratocumulus" : "");
+    EXPECT_EQ(sweep->heat(0).weather().has_cloud(), uncertain);
+  }
+}
+
+TEST(SeasonCourse, AnUnknownBaseIsUncertain) {
+  CoursePieces p;
+  const auto bases = [&](const std::string& cloud) {
+    p.season = kConstant + cloud;
+    const auto sweep = resolve_course(p);
+    EXPECT_TRUE(sweep.ok()) << sweep.status();
+    const auto weather =
+        weather_from_message(sweep->condition(0).weather(), sweep->condition(0).surroundings());
+    EXPECT_TRUE(weather.ok()) << weather.status();
+    return weather->cloud_base_range_m;
+  };
+  EXPECT_EQ(bases("cloud_cover = 0.5\n"), (std::array{300.0, 2500.0}));
+  EXPECT_EQ(bases("cloud_cover = 0.5\ncloud_type = \"stratus\"\n"), std::nullopt);
 }
 
 TEST(SeasonCourse, AnHourOfAnotherDayIsSaid) {
