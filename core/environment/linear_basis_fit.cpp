@@ -117,4 +117,17 @@ void fit_to_hats(std::vector<AirSpectrum>& node, const std::vector<double>& sine
   node = std::move(whole);
 }
 
+void keep_positive(std::vector<AirSpectrum>& node, const std::vector<AirSpectrum>& mean) {
+  constexpr double kLeast = 0.25;
+  AirSpectrum part(kAirBandCount, 0.0);  // of the means
+  for (std::size_t n = 0; n < node.size(); ++n)
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      const double lacks = kLeast * mean[n][b] - node[n][b];
+      if (lacks > 0) part[b] = std::max(part[b], lacks / (mean[n][b] - node[n][b]));
+    }
+  for (std::size_t n = 0; n < node.size(); ++n)
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      node[n][b] += part[b] * (mean[n][b] - node[n][b]);
+}
+
 }  // namespace irsig

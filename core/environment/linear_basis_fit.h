@@ -13,6 +13,12 @@ namespace irsig {
 void fit_to_hats(std::vector<AirSpectrum>& node, const std::vector<double>& sine,
                  std::uint32_t azimuths);
 
+// Replaces fitted values that light cannot have by less of the fit: in each band so much of the
+// means over hats that no node falls below a quarter of its own. Sums over directions stay, as both
+// have them. Narrow peaks need it, whose fit is negative beside them.
+//   mean  over the hats, >= 0
+void keep_positive(std::vector<AirSpectrum>& node, const std::vector<AirSpectrum>& mean);
+
 // The most that a node's value can be if what is fitted is between 0 and 1.
 [[nodiscard]] double fit_overshoot(const std::vector<double>& sine, std::uint32_t azimuths);
 

@@ -185,7 +185,10 @@ SunLight::Sky SunLight::make_sky() const {
       multiply(out.node.back(), outside);
     }
   }
+  std::vector<AirSpectrum> of_hat;
+  if (cloud_) of_hat = out.node;
   fit_to_hats(out.node, sine, azimuths_);
+  if (cloud_) keep_positive(out.node, of_hat);
   find_errors(out);
 
   AirSpectrum mean = weather_.sky_mean, error = weather_.sky_model_error;

@@ -8,13 +8,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 #include <random>
 
 #include "core/atmosphere/cloud_light.h"
 #include "core/atmosphere/two_stream.h"
 #include "core/environment/environment.h"
 #include "core/environment/thermal_surroundings.h"
+#include "core/environment/weather_air.h"
 #include "core/spectral/planck.h"
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/weather_course.h"
@@ -159,6 +162,7 @@ const std::vector<NamedCloud> kClouds = {
 // A sky from the ground, as an environment is made of it.
 struct Sky {
   WeatherSpec weather;
+  BandChoice bands;
   std::unique_ptr<const Environment> environment;
   std::unique_ptr<const Atmosphere> air;
   std::unique_ptr<const ThermalSurroundings> light;
@@ -175,7 +179,7 @@ struct Sky {
     if (cloud) weather.air.cloud = *cloud;
     air = std::make_unique<const Atmosphere>(*Atmosphere::make(weather.air));
     light = std::make_unique<const ThermalSurroundings>(weather, *air, 2, environment->nodes(),
-                                                        BandChoice(), 0);
+                                                        bands, 0);
   }
   [[nodiscard]] AirSpectrum radiance(double zenith_deg) const {
     const double sine = std::cos(zenith_deg * M_PI / 180);
@@ -470,6 +474,195 @@ TEST(CloudSky, LetsLittleSunlightThroughWater) {
                                           : 0)[i]);
     EXPECT_GT(diffuse, 0);
     EXPECT_LT(diffuse, 0.01 * none.view.sun[i] * std::cos(45 * M_PI / 180));
+  }
+}
+
+// Each mean is that of one of both skies: its error has the choice between them.
+TEST(BrokenCloud, ErrorsOfPathAndBackgroundHaveTheChoiceOfSkies) {
+  constexpr double kCover = 0.3;
+  // A sensor above the deck.
+  const ViewEnvironment none = seen_under(weather(0, kStratus), 45, 30e3, 20).view,
+                        some = seen_under(weather(kCover, kStratus), 45, 30e3, 20).view,
+                        all = seen_under(weather(1, kStratus), 45, 30e3, 20).view;
+  using Spectrum = std::vector<double>;
+  const auto expect = [&](const Spectrum& error, const Spectrum& clear_error,
+                          const Spectrum& overcast_error, const Spectrum& clear,
+                          const Spectrum& overcast) {
+    for (std::size_t i = 0; i < kUm.size(); ++i) {
+      const double apart = std::sqrt(kCover * (1 - kCover)) * (overcast[i] - clear[i]);
+      const double own = (1 - kCover) * clear_error[i] + kCover * overcast_error[i];
+      EXPECT_NEAR(error[i], std::sqrt(own * own + apart * apart), 1e-9 * error[i]) << kUm[i];
+    }
+  };
+  expect(some.model_error_transmittance, none.model_error_transmittance,
+         all.model_error_transmittance, none.transmittance, all.transmittance);
+  expect(some.model_error_path_radiance, none.model_error_path_radiance,
+         all.model_error_path_radiance, none.path_radiance, all.path_radiance);
+  ASSERT_EQ(some.background_model_error.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k)
+    expect(some.background_model_error[k], none.background_model_error[k],
+           all.background_model_error[k], none.background_apparent[k], all.background_apparent[k]);
+}
+
+// ---- errors of an overcast sky
+
+// Expected in the window, below an opaque cloud: 0.5 K of two streams, and the bases of 300 and
+// 2500 m as the ends of an even distribution.
+TEST(CloudSky, StatesTheErrorOfItsLightAndOfAnUnknownBase) {
+  Sky sky(AfglProfile::kMidlatitudeSummer, AerosolKind::kRural, &kStratus);
+  const std::size_t window = *air_band(1e4 / 955.0);
+  const SkyRing& zenith = sky.light->sky.back();
+  const double light = zenith.total[window], um = air_band_lambda_um(window);
+  const auto planck = [&](double kelvin) { return planck_radiance_w_m2_sr_um(um, kelvin); };
+  const double kelvin = air_at(sky.air->profile(), 330).temperature_k;
+  const double known = sky.light->model_error_of(zenith)[window];
+  EXPECT_GT(known, 0.95 * (planck(kelvin + 0.5) - planck(kelvin)));
+  EXPECT_LT(known, 2 * (planck(kelvin + 0.5) - planck(kelvin)));
+  WeatherSpec anywhere = sky.weather;
+  anywhere.cloud_base_range_m = {300, 2500};
+  const ThermalSurroundings of(anywhere, *sky.air, 2, sky.environment->nodes(), sky.bands, 0);
+  const double base =
+      (light - planck(air_at(sky.air->profile(), 2500).temperature_k)) / std::sqrt(3);
+  EXPECT_NEAR(of.model_error_of(of.sky.back())[window], std::hypot(known, base), 1e-6 * base);
+}
+
+// ---- what the particles do
+
+TEST(CloudProfile, AirInsideIsSaturatedAndElsewhereAsItWas) {
+  const AirProfile air = afgl_profile(AfglProfile::kSubarcticWinter),
+                   cloudy = with_cloud(air, kStratus);
+  int inside = 0;
+  for (const AirLevel& level : cloudy.level) {
+    if (level.height_m >= kStratus.base_m && level.height_m <= kStratus.top_m) {
+      EXPECT_NEAR(relative_humidity_percent(level), 100, 1e-6) << level.height_m;
+      ++inside;
+    } else {
+      EXPECT_NEAR(level.gas.h2o_ppmv, air_at(air, level.height_m).gas.h2o_ppmv,
+                  1e-9 * level.gas.h2o_ppmv);
+    }
+  }
+  EXPECT_GE(inside, 3);
+}
+
+// Droplets are of water and crystals of ice. Source: LOWTRAN7's stratus and cumulus of Shettle and
+// Fenn (absorption over extinction, asymmetry); ice is darkest near 11 um and hardly scatters
+// there.
+TEST(CloudOptics, OfDropletsAreLowtrans) {
+  struct Row {
+    double um, radius_um, co_albedo, asymmetry;
+  };
+  for (const Row& row :
+       {Row{3.75, 7.9, 0.09457 / 1.16990, 0.7823}, Row{8.2, 7.9, 0.29057 / 1.25190, 0.8810},
+        Row{10.591, 7.9, 0.32789 / 0.74497, 0.9069}, Row{11.0, 7.9, 0.37961 / 0.68246, 0.9060},
+        Row{10.591, 11.5, 0.40498 / 0.98693, 0.9342}, Row{11.0, 11.5, 0.44993 / 0.88130, 0.9367}}) {
+    const std::size_t b = *air_band(row.um);
+    const auto co_albedo = [&](const CloudOptics& o) {
+      return o.absorption[b] / (o.absorption[b] + o.scattering[b]);
+    };
+    const CloudOptics water =
+        cloud_optics({CloudPhase::kWater, 0, 100, 0.1, row.radius_um}, ForwardPeak::kBeam);
+    EXPECT_NEAR(co_albedo(water), row.co_albedo, 0.03) << row.um;
+    EXPECT_NEAR(water.asymmetry[b], row.asymmetry, 0.03) << row.um;
+    const CloudOptics ice =
+        cloud_optics({CloudPhase::kIce, 0, 100, 0.1, row.radius_um}, ForwardPeak::kBeam);
+    EXPECT_GT(co_albedo(ice), row.co_albedo + 0.045) << row.um;
+  }
+}
+
+// A sun near the horizon lights a cloud's top by the cosine of its zenith angle, down to 1 deg.
+// Expected: the streams of one layer of the cloud alone, in a window.
+TEST(CloudSunlight, FollowsALowSun) {
+  const CloudSpec cirrus = {CloudPhase::kIce, 8000, 9000, 0.05, 40};
+  const Sky sky(AfglProfile::kMidlatitudeSummer, AerosolKind::kRural, &cirrus);
+  const std::size_t band = *air_band(1e4 / 2605.0);
+  const CloudOptics optics = cloud_optics(cirrus, ForwardPeak::kDiffuse);
+  const double depth = optics.absorption[band] + optics.scattering[band];
+  const auto ratio_to_streams = [&](double zenith_deg) {
+    const SunAmounts sun(*sky.air, 2, zenith_deg, BandChoice());
+    AbsorberAmounts to_top;
+    EXPECT_TRUE(sun.add_to(to_top, cirrus.top_m));
+    const double ours =
+        CloudSunlight(*sky.light->cloud(), sun, zenith_deg).mean_per_sr(cirrus.top_m)[band];
+    const std::vector<StreamLayer> layer = {
+        {depth, optics.scattering[band] / depth, optics.asymmetry[band], 0, 0}};
+    return ours / mean_diffuse_radiance(layer, {.sun_irradiance = transmittance(to_top)[band],
+                                                .sun_cosine = std::cos(zenith_deg * M_PI / 180)})
+                      .front();
+  };
+  for (const double zenith_deg : {50.0, 80.0, 85.0, 88.0})
+    EXPECT_NEAR(ratio_to_streams(zenith_deg), 1, 0.05) << zenith_deg;
+}
+
+// Single rays of the air (irsig show sky, its picture) and the skies of rows are the same.
+TEST(WeatherAir, HasTheSkyOfRowsAndTheSharpBeamsTransmittance) {
+  const CloudSpec cirrus{CloudPhase::kIce, 8000, 9000, 0.02, 40};
+  WeatherSpec w = weather(1, cirrus);
+  const WeatherAir air = *WeatherAir::make(w, 2);
+  const auto up = [](const AirProfile& profile) -> absl::StatusOr<LightPath> {
+    return look(profile, 2, 0, std::numeric_limits<double>::infinity(), true);
+  };
+  const PathRadiance ray = *air.radiance(WeatherAir::Sight::kDiffuse, up, std::nullopt);
+  w.air.cloud = cirrus;
+  const Atmosphere diffuse = *Atmosphere::make(w.air);
+  const auto environment = Environment::make({w}, {ConditionEnvironment{}}, 2, all_bands_um());
+  const BandChoice bands;
+  const ThermalSurroundings sky(w, diffuse, 2, (*environment)->nodes(), bands, 0);
+  w.air.forward_peak = ForwardPeak::kBeam;
+  const Atmosphere beam = *Atmosphere::make(w.air);
+  const AirSpectrum through = transmittance(
+      beam.amounts(look(beam.profile(), 2, 0, std::numeric_limits<double>::infinity(), true)));
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    EXPECT_NEAR(ray.total_w_m2_sr_um[b], sky.sky.back().total[b], 1e-9 * sky.sky.back().total[b]);
+    EXPECT_NEAR(ray.transmittance[b], through[b], 1e-9 * through[b]);
+  }
+}
+
+// Rationale: of the sun's light a thin cloud moves most by some degrees, out of the beam and into a
+// peak around it that nodes of the sky have to carry. Expected: no node is darker than none, and
+// what falls on the ground, beam and sky together, is that of two streams through the layer.
+TEST(CloudSky, KeepsTheSunlightOfThinIceAroundTheSun) {
+  for (const double zenith_deg : {20.0, 45.0, 70.0}) {
+    const WeatherSpec cloudy = weather(1, kThin);
+    const Seen day = seen_under(cloudy, zenith_deg, 100, 20),
+               clear = seen_under(weather(0, kThin), zenith_deg, 100, 20);
+    const double cosine = std::cos(zenith_deg * M_PI / 180);
+    const DirectionNodes& nodes = day.environment->nodes();
+    const std::uint32_t azimuths = nodes.azimuths();
+    const auto night = *Environment::make({cloudy}, {ConditionEnvironment{}}, 10, kUm);
+    const std::uint32_t first = 0;
+    const ViewEnvironment dark =
+        (*night->view({100, 20, body_from_aspect(30, 20), {}}, {&first, 1})).front();
+    std::vector<double> diffuse(3, 0.0);
+    for (std::uint32_t n = 0; n < nodes.sky(); ++n) {
+      const double sine = nodes.sin_elevation(n);
+      const double low = n >= azimuths ? nodes.sin_elevation(n - azimuths) : sine;
+      const double high = n + azimuths < nodes.sky() ? nodes.sin_elevation(n + azimuths) : sine;
+      const std::vector<double> sunlit = day.view.around.radiance(n),
+                                thermal = dark.around.radiance(n / azimuths);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double light = sunlit[i] - thermal[i];
+        EXPECT_GE(light, -1e-7 * day.view.sun[i]) << zenith_deg << " " << kUm[i] << " " << n;
+        // Linear between the nodes, times the sine.
+        const double of_hat =
+            ((high - sine) * (2 * sine + high) + (sine - low) * (2 * sine + low)) / 6;
+        diffuse[i] += light * of_hat * 2 * M_PI / azimuths;
+      }
+    }
+    const CloudOptics optics = cloud_optics(kThin, ForwardPeak::kDiffuse);
+    for (std::size_t i = 0; i < 2; ++i) {  // windows: 3.6 and 3.9 um
+      const std::size_t b = *air_band(kUm[i]);
+      const double depth = optics.absorption[b] + optics.scattering[b];
+      const double passed =
+          std::exp(-depth / cosine) +
+          2 * M_PI / cosine *
+              mean_diffuse_radiance(std::vector<StreamLayer>{{depth, optics.scattering[b] / depth,
+                                                              optics.asymmetry[b], 0, 0}},
+                                    {.sun_irradiance = 1, .sun_cosine = cosine})
+                  .back();
+      EXPECT_NEAR((day.view.sun[i] * cosine + diffuse[i]) / (clear.view.sun[i] * cosine), passed,
+                  0.06)
+          << zenith_deg << " " << kUm[i];
+    }
   }
 }
 
