@@ -12,10 +12,10 @@ namespace irsig {
 namespace {
 
 // Measured as tests/system/memory_test.py does: a worker with the quickstart; the mesh with its ray
-// tracer (5000 and 200 000 triangles); a weather's air and sky; what allocation and small tables
-// add to the large ones.
+// tracer (5000 and 200 000 triangles); a weather's air and skies, clear and overcast; what
+// allocation and small tables add to the large ones.
 constexpr double kProgramBytes = 45e6;
-constexpr double kBytesPerFacet = 300, kBytesPerWeather = 30e6;
+constexpr double kBytesPerFacet = 300, kBytesPerWeather = 20e6;
 constexpr double kAllocation = 1.2;
 // A field's file and its rows while they are read, in sizes of the file; numbers of weights that an
 // emitter has in a replicate, seen and reflected, with what pages leave empty.

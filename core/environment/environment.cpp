@@ -159,7 +159,8 @@ struct Environment::Parts {
     GrazingRay ray;
     Lazy<std::unique_ptr<const ThermalSurroundings>> light;
     Lazy<std::unique_ptr<const WeatherBounds>> bounds;
-    int suns = 0;  // conditions under which the sun is up
+    int suns = 0;                    // conditions under which the sun is up
+    const Weather* clear = nullptr;  // the same without its cloud, where that covers a part
   };
   struct Condition {
     ConditionEnvironment spec;
@@ -191,7 +192,8 @@ struct Environment::Parts {
   [[nodiscard]] const ThermalSurroundings& light_of(const Weather& w) const {
     return *w.light.get([&] {
       return std::make_unique<ThermalSurroundings>(w.spec, *w.atmosphere, w.height_m, nodes,
-                                                   wavelengths.bands, w.suns);
+                                                   wavelengths.bands, w.suns,
+                                                   w.clear ? &light_of(*w.clear) : nullptr);
     });
   }
   [[nodiscard]] const CloudLight* cloud_of(const Weather& w) const {
@@ -404,7 +406,9 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       if (!diffuse.ok()) return named(diffuse.status());
       absl::StatusOr<Atmosphere> beam = overcast_atmosphere(spec, ForwardPeak::kBeam);
       if (!beam.ok()) return named(beam.status());
+      const Parts::Weather* of_holes = spec.cloud_cover < 1 ? &parts->weather.back() : nullptr;
       Parts::Weather& overcast = add(spec.cloud_cover);
+      overcast.clear = of_holes;
       overcast.atmosphere.emplace(*std::move(diffuse));
       overcast.beam_of_cloud.emplace(*std::move(beam));
     }

@@ -22,14 +22,21 @@ Stencil cubic(const std::vector<double>& at, double x) {
   return s;
 }
 
-RingRatios::RingRatios(std::size_t rings, Exact exact) : rings_(rings), compute_(std::move(exact)) {
+std::vector<std::size_t> RingRatios::exact_rings(std::size_t rings) {
   constexpr std::size_t kExact = 8;
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < kExact; ++i) {
     const std::size_t r = (i * (rings - 1) + (kExact - 1) / 2) / (kExact - 1);
-    if (exact_ring_.empty() || r > exact_ring_.back()) exact_ring_.push_back(r);
+    if (out.empty() || r > out.back()) out.push_back(r);
   }
-  known_.resize(exact_ring_.size());
+  return out;
 }
+
+RingRatios::RingRatios(std::size_t rings, Exact exact)
+    : rings_(rings),
+      compute_(std::move(exact)),
+      exact_ring_(exact_rings(rings)),
+      known_(exact_ring_.size()) {}
 
 const AirSpectrum& RingRatios::exact(std::size_t which) {
   if (!known_[which]) known_[which] = compute_(exact_ring_[which]);

@@ -26,6 +26,9 @@ class RingRatios {
   using Exact = std::function<AirSpectrum(std::size_t ring)>;
   RingRatios(std::size_t rings, Exact exact);
 
+  // The rings of so many that are computed exactly, increasing.
+  [[nodiscard]] static std::vector<std::size_t> exact_rings(std::size_t rings);
+
   // Returns the ratio of a ring; it does not depend on the rings asked for before.
   [[nodiscard]] AirSpectrum at(std::size_t ring);
   // Linear between the first, a middle and the last of the exact rings.

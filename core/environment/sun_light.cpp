@@ -127,11 +127,11 @@ const SunLight::Around& SunLight::around() const {
 }
 const ScatteredSun& SunLight::sky_source(std::size_t ring) const {
   return sky_source_[ring].get(
-      [this, ring] { return scattered_in_sky(weather_.sky[ring].layers); });
+      [this, ring] { return scattered_in_sky(*weather_.sky[ring].layers); });
 }
 const ScatteredSun& SunLight::limb_source(std::size_t ring) const {
   return limb_source_[ring].get(
-      [this, ring] { return scattered_in_sky(weather_.limb()[ring].layers); });
+      [this, ring] { return scattered_in_sky(*weather_.limb()[ring].layers); });
 }
 ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAmounts* near) const {
   ScatteredSun out = path.scattered(*sun_, near, cloud());
@@ -145,7 +145,7 @@ ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAm
   return out;
 }
 const AirSpectrum& SunLight::far(std::size_t ring) const {
-  return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers.amounts()); });
+  return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers->amounts()); });
 }
 
 SunLight::Around SunLight::make_around() const {
@@ -208,7 +208,8 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const BandRows<double>& sky)
   Lower out;
   const std::vector<double> sine = sines_of(weather_.lower);
   const LowerRing& ring = weather_.lower[r];
-  const ScatteredSun air = ring.layers.scattered(*sun_, nullptr, cloud());
+  const ScatteredSun air =
+      ring.layers->scattered(*sun_, nullptr, ring.below_cloud ? nullptr : cloud());
   const AirSpectrum through = quotient(far(r), near_);
   const double diffuse = ring.limb ? 0 : diffuse_per_sr();
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
@@ -439,7 +440,7 @@ void SunLight::find_errors(Sky& out) const {
 
 SunLight::LowerRatio SunLight::lower_ratio(std::size_t ring, const AbsorberAmounts& near,
                                            const AirSpectrum& near_end) const {
-  const AirSpectrum far_end = joined(weather_.lower[ring].layers.amounts() + near);
+  const AirSpectrum far_end = joined(weather_.lower[ring].layers->amounts() + near);
   AirSpectrum air(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     air[b] = ratio_of(mean_of_sunlight(near_end[b], far_end[b], 0),
@@ -449,7 +450,7 @@ SunLight::LowerRatio SunLight::lower_ratio(std::size_t ring, const AbsorberAmoun
 }
 
 AirSpectrum SunLight::sky_ratio(std::size_t ring, const AbsorberAmounts& near) const {
-  return ratio_of_scattered(scattered_in_sky(weather_.sky[ring].layers, &near), sky_source(ring));
+  return ratio_of_scattered(scattered_in_sky(*weather_.sky[ring].layers, &near), sky_source(ring));
 }
 
 AirSpectrum SunLight::limb_towards(Vec<Body> direction, std::size_t ring) const {
@@ -460,7 +461,7 @@ AirSpectrum SunLight::limb_towards(Vec<Body> direction, std::size_t ring) const 
 }
 
 AirSpectrum SunLight::limb_ratio(std::size_t ring, const AbsorberAmounts& near) const {
-  return ratio_of_scattered(scattered_in_sky(weather_.limb()[ring].layers, &near),
+  return ratio_of_scattered(scattered_in_sky(*weather_.limb()[ring].layers, &near),
                             limb_source(ring));
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/check.h"
 #include "core/base/constants.h"
 #include "core/environment/interpolation_error.h"
+#include "core/environment/ring_ratios.h"
 #include "core/environment/sea_surface.h"
 #include "core/spectral/planck.h"
 
@@ -109,7 +110,8 @@ double sin_of_dip(const AirProfile& air, double height_m, bool refraction) {
 
 ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphere& atmosphere,
                                          double height_m, const DirectionNodes& nodes,
-                                         const BandChoice& bands, int suns)
+                                         const BandChoice& bands, int suns,
+                                         const ThermalSurroundings* clear)
     : spec_(spec.lower),
       atmosphere_(atmosphere),
       height_m_(height_m),
@@ -153,6 +155,9 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
     return s;
   };
   const std::vector<double> up = sines(0, nodes.sky()), down = sines(nodes.sky(), nodes.count());
+  // The cloud's levels begin so close below its base.
+  constexpr double kEdgeM = 2;
+  const bool below_cloud = clear && cloud_ && height_m_ + kEdgeM < cloud_->level().front().height_m;
   // Half way between the rings, for the error of interpolating.
   std::vector<SkyRing> sky_between;
   std::vector<LowerRing> lower_between;
@@ -161,7 +166,8 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
     if (i + 1 < up.size()) sky_between.push_back(make_sky(0.5 * (up[i] + up[i + 1])));
   }
   for (std::size_t i = 0; i < down.size(); ++i) {
-    lower.push_back(make_lower(down[i]));
+    lower.push_back(make_lower(
+        down[i], below_cloud && !clear->lower[i].limb ? clear->lower[i].layers : nullptr));
     if (i + 1 < down.size()) lower_between.push_back(make_lower(0.5 * (down[i] + down[i + 1])));
   }
   solve_surroundings();
@@ -193,7 +199,8 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
   sky_mean = sky_model_error = AirSpectrum(kAirBandCount, 0.0);
   const std::vector<double> weight = ring_weights(up);
   for (std::size_t i = 0; i < sky.size(); ++i) {
-    const AirSpectrum error = model_error_of(sky[i]);
+    sky[i].model_error = model_error_of(sky[i]);
+    const AirSpectrum& error = sky[i].model_error;
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       sky_model_error[b] += weight[i] * error[b];
       sky_mean[b] += weight[i] * sky[i].total[b];
@@ -203,11 +210,23 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
   lower_model_relative = spec_.kind == SurfaceBoundary::Kind::kRoughSea
                              ? 0.02 + held_slopes_relative(spec_.wind_speed_m_s, 0.2)
                              : surface_model_relative(spec_, 1);
+  for (LowerRing& r : lower) r.from_ring = {};
+  if (suns_to_come_ == 0) drop_layers();
+}
+
+void ThermalSurroundings::drop_layers() const {
+  std::vector<bool> kept(sky.size(), false);
+  for (const std::size_t r : RingRatios::exact_rings(sky.size())) kept[r] = true;
+  for (const std::size_t r : RingRatios::exact_rings(lower.size()))
+    kept[lower[r].mirrored_ring] = true;
+  for (std::size_t r = 0; r < sky.size(); ++r)
+    if (!kept[r]) sky[r].layers = nullptr;
 }
 
 void ThermalSurroundings::sun_is_made() const {
   if (--suns_to_come_ != 0) return;
   for (const LowerRing& ring : lower) ring.cell = {};
+  drop_layers();
 }
 
 double ThermalSurroundings::surface_relative(double sine) const {
@@ -215,7 +234,7 @@ double ThermalSurroundings::surface_relative(double sine) const {
 }
 
 AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
-  const PathLayers& path = ring.layers;
+  const PathLayers& path = *ring.layers;
   AirSpectrum scattered = path.surroundings_fraction;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
   if (!cloud_) {
@@ -273,6 +292,7 @@ const std::vector<SkyRing>& ThermalSurroundings::limb() const {
       rings.push_back(make_sky(-std::sin(fall)));
       rings.back().sin_elevation = -std::sin(share * dip);
       finish(rings.back());
+      rings.back().model_error = model_error_of(rings.back());
     }
     return rings;
   });
@@ -281,16 +301,19 @@ const std::vector<SkyRing>& ThermalSurroundings::limb() const {
 SkyRing ThermalSurroundings::make_sky(double sin_elevation) const {
   const LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation),
                               std::numeric_limits<double>::infinity(), refraction_);
-  return {sin_elevation, PathLayers(atmosphere_, path, bands_, cloud_.get()), {}};
+  return {sin_elevation,
+          std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get()),
+          {}};
 }
 
-LowerRing ThermalSurroundings::make_lower(double sin_elevation) const {
+LowerRing ThermalSurroundings::make_lower(double sin_elevation,
+                                          std::shared_ptr<const PathLayers> air) const {
   LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(-sin_elevation),
                         std::numeric_limits<double>::infinity(), refraction_);
   if (in_the_air_ && path.end != PathEnd::kSurface) {
     const AirSpectrum dark(kAirBandCount, 0.0);
     return {sin_elevation,
-            PathLayers(atmosphere_, path, bands_, cloud_.get()),
+            std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get()),
             {},
             std::vector<AirSpectrum>(nodes_.sky() / nodes_.azimuths(), dark),
             dark,
@@ -311,9 +334,9 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation) const {
       path.node.empty()
           ? sin_elevation
           : std::clamp(-std::cos(path.node.back().zenith_deg * kRadPerDeg), 1e-6, 1.0);
-  LowerRing ring{
-      sin_elevation, PathLayers(atmosphere_, path, bands_, cloud_.get()), {}, {}, {}, 0, {}, {}, {},
-      false};
+  const bool shared = air != nullptr;
+  if (!shared) air = std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get());
+  LowerRing ring{sin_elevation, std::move(air), {}, {}, {}, 0, {}, {}, {}, false, shared};
   ring.emission = AirSpectrum(kAirBandCount, 0.0);
   ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));
   if (spec_.kind == SurfaceBoundary::Kind::kGreySea ||
@@ -422,8 +445,8 @@ void ThermalSurroundings::solve_surroundings() {
     if (!chosen(bands_, b)) continue;
     double thermal = 0, share = 0, emitted = 0;
     for (std::size_t r = 0; r < sky.size(); ++r) {
-      thermal += up[r] * sky[r].layers.thermal_w_m2_sr_um[b];
-      share += up[r] * sky[r].layers.surroundings_fraction[b];
+      thermal += up[r] * sky[r].layers->thermal_w_m2_sr_um[b];
+      share += up[r] * sky[r].layers->surroundings_fraction[b];
     }
     for (std::size_t r = 0; r < lower.size(); ++r) emitted += down[r] * lower[r].emission[b];
     const double sky_part =
@@ -433,15 +456,15 @@ void ThermalSurroundings::solve_surroundings() {
 }
 
 void ThermalSurroundings::finish(SkyRing& ring) const {
-  ring.total = ring.layers.thermal_w_m2_sr_um;
+  ring.total = ring.layers->thermal_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    ring.total[b] += ring.layers.surroundings_fraction[b] * surroundings[b];
+    ring.total[b] += ring.layers->surroundings_fraction[b] * surroundings[b];
   }
 }
 
 AirSpectrum ThermalSurroundings::ratio_behind(const SkyRing& ring, const AbsorberAmounts& near,
                                               const AirSpectrum& through_near) const {
-  const PathLayers::Behind seen = ring.layers.behind(near, through_near);
+  const PathLayers::Behind seen = ring.layers->behind(near, through_near);
   AirSpectrum ratio(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (ring.total[b] <= 0) continue;
@@ -459,11 +482,11 @@ void ThermalSurroundings::finish(LowerRing& ring) const {
     }
   }
   ring.reflected_ratio =
-      sky_ratio(ring.mirrored_ring, ring.layers.amounts(), ring.layers.transmittance);
-  ring.total = ring.layers.thermal_w_m2_sr_um;
+      sky_ratio(ring.mirrored_ring, ring.layers->amounts(), ring.layers->transmittance);
+  ring.total = ring.layers->thermal_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    ring.total[b] += ring.layers.surroundings_fraction[b] * surroundings[b] +
-                     ring.layers.transmittance[b] * ring.emission[b] +
+    ring.total[b] += ring.layers->surroundings_fraction[b] * surroundings[b] +
+                     ring.layers->transmittance[b] * ring.emission[b] +
                      ring.reflected_ratio[b] * ring.reflected[b];
   }
 }

@@ -22,8 +22,10 @@ namespace irsig {
 
 struct SkyRing {
   double sin_elevation;
-  PathLayers layers;
-  AirSpectrum total;  // [W m^-2 sr^-1 um^-1]
+  // Null once nothing asks for them any more: ThermalSurroundings::sun_is_made.
+  mutable std::shared_ptr<const PathLayers> layers;
+  AirSpectrum total;             // [W m^-2 sr^-1 um^-1]
+  AirSpectrum model_error = {};  // ThermalSurroundings::model_error_of
 };
 
 // The surface below the horizon as seen in one direction, azimuth 0.
@@ -33,10 +35,10 @@ struct LowerRing {
     std::uint32_t ring, turn;         // of the sky; steps of azimuth from the direction of sight
     std::vector<double> weight = {};  // share x reflectance; [band that is wanted]
   };
-  double sin_elevation;                // > 0: below the horizontal by so much
-  PathLayers layers;                   // of the air in front of the surface
-  mutable std::vector<Cell> cell;      // until the last sun is made
-  std::vector<AirSpectrum> from_ring;  // the cells' weights, all azimuths together
+  double sin_elevation;                      // > 0: below the horizontal by so much
+  std::shared_ptr<const PathLayers> layers;  // of the air in front of the surface
+  mutable std::vector<Cell> cell;            // until the last sun is made
+  std::vector<AirSpectrum> from_ring;  // the cells' weights, all azimuths together; until `total`
   AirSpectrum emission;                // of the surface, with what it reflects of itself
   std::uint32_t mirrored_ring;         // of the sky, where most of the reflection comes from
   AirSpectrum reflected;               // thermal sky, at the surface
@@ -44,15 +46,20 @@ struct LowerRing {
   AirSpectrum total;                   // at the target
   // Seen by a target in the air: the ray misses the surface, and ends in space. No cells.
   bool limb = false;
+  // The air in front of the surface is that of the clear sky, without a cloud's spectra.
+  bool below_cloud = false;
 };
 
 class ThermalSurroundings {
  public:
-  // suns: of how many conditions the sunlight will be asked for: LowerRing::cell, most of all that
-  // is kept, goes with the last of them (sun_is_made), and is not made without any.
+  // suns: of how many conditions the sunlight will be asked for: LowerRing::cell and most of
+  // SkyRing::layers, most of all that is kept, go with the last of them (sun_is_made).
   //   atmosphere  clear, or with a cloud that covers all of the sky
+  //   clear       the same without the cloud, whose air in front of the surface is used where the
+  //               cloud lies above it; null: none is known
   ThermalSurroundings(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-                      const DirectionNodes& nodes, const BandChoice& bands, int suns);
+                      const DirectionNodes& nodes, const BandChoice& bands, int suns,
+                      const ThermalSurroundings* clear = nullptr);
 
   std::vector<SkyRing> sky;  // rings of the nodes
   std::vector<LowerRing> lower;
@@ -98,7 +105,11 @@ class ThermalSurroundings {
 
  private:
   [[nodiscard]] SkyRing make_sky(double sin_elevation) const;
-  [[nodiscard]] LowerRing make_lower(double sin_elevation) const;
+  //   air  in front of the surface; null: to be computed
+  [[nodiscard]] LowerRing make_lower(double sin_elevation,
+                                     std::shared_ptr<const PathLayers> air = nullptr) const;
+  // Drops the layers of the sky that neither ViewLight nor the sun's light asks for.
+  void drop_layers() const;
   // Computes the reflectance of water in the wanted bands.
   void reflect(AirSpectrum& out, double cos_incidence) const;
   void reflect_from_facets(LowerRing& ring, double cos_zenith) const;

@@ -89,7 +89,7 @@ ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
                       [this](std::size_t r) {
                         const LowerRing& ring = light_.lower[r];
                         AirSpectrum both = light_.sky_ratio(
-                            ring.mirrored_ring, ring.layers.amounts() + leg_.layers.amounts(),
+                            ring.mirrored_ring, ring.layers->amounts() + leg_.layers.amounts(),
                             behind(r).transmittance);
                         for (std::size_t b = 0; b < kAirBandCount; ++b) {
                           const double alone = ring.reflected_ratio[b];
@@ -136,7 +136,7 @@ const AirSpectrum& ViewLight::lower(std::size_t ring) {
 const PathLayers::Behind& ViewLight::behind(std::size_t ring) {
   if (!behind_[ring]) {
     behind_[ring] =
-        light_.lower[ring].layers.behind(leg_.layers.amounts(), leg_.layers.transmittance);
+        light_.lower[ring].layers->behind(leg_.layers.amounts(), leg_.layers.transmittance);
   }
   return *behind_[ring];
 }
@@ -409,7 +409,7 @@ ViewLight::Behind ViewLight::sky_at(const BehindSight& sight, const SunLight* su
     const std::size_t ring = skipped + at.first + k;
     const SkyRing& of = ring < kLimb.size() ? light_.limb()[ring] : light_.sky[ring - kLimb.size()];
     if (!sky_error_[ring]) {
-      AirSpectrum error = light_.model_error_of(of);
+      AirSpectrum error = of.model_error;
       const AirSpectrum& seen = sky_from_horizon(ring);
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         error[b] *= of.total[b] > 0 ? seen[b] / of.total[b] : 0;

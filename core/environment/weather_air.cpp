@@ -94,9 +94,10 @@ PathRadiance WeatherAir::Parts::Overcast::radiance(Sight sight, const LightPath&
     return out;
   }
   SkyRing ring{std::cos(path.node.front().zenith_deg * kRadPerDeg),
-               PathLayers(sight == Sight::kSharp ? beam : diffuse, path, bands, light->cloud()),
+               std::make_shared<const PathLayers>(sight == Sight::kSharp ? beam : diffuse, path,
+                                                  bands, light->cloud()),
                {}};
-  const PathLayers& layers = ring.layers;
+  const PathLayers& layers = *ring.layers;
   const AbsorberAmounts amounts = beam.amounts(path);
   out.transmittance = transmittance(amounts);
   out.thermal_w_m2_sr_um = layers.thermal_w_m2_sr_um;

@@ -7,6 +7,7 @@
 // photons followed one by one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -664,6 +665,38 @@ TEST(CloudSky, KeepsTheSunlightOfThinIceAroundTheSun) {
           << zenith_deg << " " << kUm[i];
     }
   }
+}
+
+// ---- memory
+
+// A worker holds two skies of each weather: most of a ray's layers go once nothing asks for them,
+// and below the cloud both skies have the same air in front of the surface.
+TEST(ThermalSurroundings, OfHoleAndDeckShareTheirAirAndKeepFewLayers) {
+  const Sky sky(AfglProfile::kMidlatitudeSummer, AerosolKind::kRural, nullptr);
+  WeatherSpec cloudy = sky.weather;
+  cloudy.air.cloud = kStratus;
+  const Atmosphere air = *Atmosphere::make(cloudy.air);
+  const DirectionNodes& nodes = sky.environment->nodes();
+  const ThermalSurroundings alone(cloudy, air, 2, nodes, sky.bands, 0),
+      beside(cloudy, air, 2, nodes, sky.bands, 1, sky.light.get());
+  ASSERT_EQ(beside.lower.size(), sky.light->lower.size());
+  for (std::size_t r = 0; r < beside.lower.size(); ++r) {
+    EXPECT_EQ(beside.lower[r].layers, sky.light->lower[r].layers);
+    EXPECT_TRUE(beside.lower[r].from_ring.empty());
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      ASSERT_NEAR(beside.lower[r].total[b], alone.lower[r].total[b],
+                  1e-9 * alone.lower[r].total[b]);
+  }
+  const auto kept = [](const ThermalSurroundings& of) {
+    return std::count_if(of.sky.begin(), of.sky.end(), [](const SkyRing& r) { return r.layers; });
+  };
+  EXPECT_EQ(kept(beside), 29);
+  beside.sun_is_made();
+  EXPECT_LE(kept(beside), 16);
+  EXPECT_EQ(kept(alone), kept(beside));
+  // A target above the base has the cloud in front of the surface.
+  const ThermalSurroundings inside(cloudy, air, 329, nodes, sky.bands, 0, sky.light.get());
+  EXPECT_NE(inside.lower.back().layers, sky.light->lower.back().layers);
 }
 
 // ---- hard cases
