@@ -146,13 +146,9 @@ void check_layer(const schema::CloudLayer& layer, const schema::Cloud& cloud, co
   if (!(radius_um >= low && radius_um <= high))
     findings.add(
         keys.radius,
-        absl::StrFormat("%s %g um is outside the table of %s, expected %g to %g um, or phase = "
+        absl::StrFormat("%s = %g um is outside the table of %s, expected %g to %g um, or phase = "
                         "\"%s\"",
-                        cloud.has_effective_radius_um()
-                            ? keys.radius + " ="
-                            : absl::StrFormat("%s: the effective radius of type \"%s\",",
-                                              keys.radius, layer.type()),
-                        radius_um, water ? "droplets" : "ice crystals", low, high,
+                        keys.radius, radius_um, water ? "droplets" : "ice crystals", low, high,
                         water ? "ice" : "water"));
 }
 

@@ -125,7 +125,6 @@ SWEEPS = [
         ('type = "fog"\ncover = 1', r'cloud\[0\]\.type = "fog": expected one of "stratus", "stratocumulus"'),
         ('type = "cirrus"\ncover = 1\neffective_radius_um = 5',
          r'effective_radius_um = 5 um is outside the table of ice crystals, expected 6.4 to 153.3 um, or phase = "water"'),
-        ('type = "cirrus"\ncover = 1\nphase = "water"', r'the effective radius of type "cirrus", 64 um is outside the table of droplets'),
         ('type = "stratus"', r"cloud\[0\]\.cover is missing, expected the covered fraction of the sky"),
         ("cover = 1", r'cloud\[0\]\.type is missing, expected a type \("stratus", .*also season\[0\]\.cloud\[0\]\.base_m'),
         ('type = "stratus"\ncover = 1\n[[season.cloud]]\ntype = "cirrus"\ncover = 0.5',
