@@ -451,6 +451,30 @@ TEST(CloudSky, OfIsothermalAirHasItsTemperature) {
   }
 }
 
+// Expected: the streams between a grey ground and an opaque cloud have its temperature too, with
+// the cloud on the ground and with air below.
+TEST(CloudLight, OfIsothermalAirAndGroundHasTheirTemperature) {
+  constexpr double kKelvin = 285;
+  for (const double base_m : {0.0, 330.0}) {
+    WeatherSpec w = weather(1, {CloudPhase::kWater, base_m, base_m + 670, 50, 7.9});
+    for (AirLevel& level : w.air.profile.level) {
+      level.temperature_k = kKelvin;
+      level.gas.h2o_ppmv = std::min(level.gas.h2o_ppmv, 100.0);
+    }
+    w.air.cloud = w.cloud;
+    const Atmosphere air = *Atmosphere::make(w.air);
+    AirSpectrum planck;
+    for (const double um : all_bands_um())
+      planck.push_back(planck_radiance_w_m2_sr_um(um, kKelvin));
+    const BandChoice bands;
+    const CloudLight light(air, {planck, AirSpectrum(kAirBandCount, 0.5)}, true, bands);
+    const AirSpectrum at_base = light.thermal(w.air.profile.level.front().height_m + base_m);
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      EXPECT_NEAR(at_base[b], planck[b], 0.005 * planck[b])
+          << base_m << " " << air_band_lambda_um(b);
+  }
+}
+
 TEST(CloudSky, LetsLittleSunlightThroughWater) {
   const Seen none = seen_under(weather(0, kStratus), 45, 100, 20),
              all = seen_under(weather(1, kStratus), 45, 100, 20);
