@@ -99,7 +99,8 @@ absl::StatusOr<CloudAbove> cloud_above(const schema::CloudLayer& layer, const Ai
       -std::expm1(-kDiffusivity * cloud_optics(spec, ForwardPeak::kDiffuse).absorption[window]);
   // Particles much larger than the wavelength take twice their cross section out of the beam.
   constexpr double kWaterKgM3 = 1000;
-  if (layer.water_path_stated())
+  // [kasten1980] is the mean of all covers: it takes thin ice for thick water.
+  if (layer.water_path_stated() || spec.phase == CloudPhase::kIce)
     out.solar_depth = 1.5 * spec.water_path_kg_m2 / (kWaterKgM3 * 1e-6 * spec.effective_radius_um);
   return out;
 }

@@ -203,6 +203,10 @@ TEST(HeatWeather, NoonIsBrightAndCloudsAreNot) {
       brightest("\ncloud_cover = 1\ncloud_type = \"cirrus\"\ncloud_water_path_g_m2 = 6.4");
   EXPECT_NEAR(thin / direct, std::exp(-0.15 / std::sin(68.4 * M_PI / 180)), 0.002);
   EXPECT_GT(hazy, diffuse);
+  // [kasten1980] is of covers of water: thin ice lets the same sun through to walls as to rows.
+  const auto [of_type, haze] = brightest("\ncloud_cover = 1\ncloud_type = \"cirrus\"");
+  EXPECT_NEAR(of_type / direct, std::exp(-0.157 / std::sin(68.4 * M_PI / 180)), 0.002);
+  EXPECT_GT(haze, diffuse);
 }
 
 }  // namespace
