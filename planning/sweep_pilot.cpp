@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-// Of more conditions than twice so many the pilot does these, and a few of them once more: the
+// Of more conditions than half as many again the pilot does these, and a few of them once more: the
 // difference is what a condition costs.
 constexpr int kConditions = 24, kFewConditions = 6;
 
@@ -108,7 +108,7 @@ class Planner {
     pilot_.views = shard_size(loaded.resolved);
     pilot_.jobs_per_view = jobs_per_view(loaded.resolved);
     int conditions = loaded.resolved.condition_size();
-    if (conditions > 2 * kConditions) {
+    if (2 * conditions > 3 * kConditions) {
       condition_ = chosen_conditions(loaded.resolved);
       left_out_ = std::exchange(conditions, kConditions) - kConditions;
     }

@@ -27,7 +27,7 @@ struct SweepPilot {
 
 // Runs a few viewpoints of the sweep with few samples on a farm of one worker, into a database that
 // is thrown away: 5 viewpoints spread over the set, more (up to 15) while their predicted times
-// scatter by more than a tenth of the mean's. Of more than 48 conditions it does 24, the extremes
+// scatter by more than a tenth of the mean's. Of more than 36 conditions it does 24, the extremes
 // of light and temperature first, and 6 once more, from which the others' time follows.
 // FAILED_PRECONDITION: the sweep has a time budget that no pilot has turned into samples yet.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded);

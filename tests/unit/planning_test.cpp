@@ -121,35 +121,37 @@ TEST(SweepPilot, LooksAtMoreViewsWhereTheyDiffer) {
   EXPECT_GE(farm.azimuths.size(), 15U);
 }
 
-// 300 conditions, of which the pilot does few: the brightest and the hottest among them, and the
-// time of all from what further ones take.
+// Two days by the hour, and 300 conditions, of which the pilot does few: the brightest and the
+// hottest among them, and the time of all from what further ones take.
 TEST(SweepPilot, OfManyConditionsAFewTell) {
-  StatedFarm farm;
-  farm.condition_s = 2e-3;
-  LoadedSweep loaded = quickstart(0.01);
-  schema::ResolvedSweep& sweep = loaded.resolved;
-  const schema::Condition first = sweep.condition(0);
-  const schema::Season season = sweep.sweep().season(0);
-  sweep.clear_condition();
-  sweep.mutable_sweep()->clear_season();
-  sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e18);
-  for (int i = 0; i < 300; ++i) {
-    *sweep.mutable_sweep()->add_season() = season;
-    schema::Condition& c = *sweep.add_condition();
-    c = first;
-    c.set_season_index(static_cast<std::uint32_t>(i));
-    c.set_sun_irradiance_w_m2(i == 137 ? 1200 : 900);
-    c.set_part_temperature_k(0, i == 211 ? 350 : 300);
+  for (const int conditions : {48, 300}) {
+    StatedFarm farm;
+    farm.condition_s = 2e-3;
+    LoadedSweep loaded = quickstart(0.01);
+    schema::ResolvedSweep& sweep = loaded.resolved;
+    const schema::Condition first = sweep.condition(0);
+    const schema::Season season = sweep.sweep().season(0);
+    sweep.clear_condition();
+    sweep.mutable_sweep()->clear_season();
+    sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e18);
+    for (int i = 0; i < conditions; ++i) {
+      *sweep.mutable_sweep()->add_season() = season;
+      schema::Condition& c = *sweep.add_condition();
+      c = first;
+      c.set_season_index(static_cast<std::uint32_t>(i));
+      c.set_sun_irradiance_w_m2(i == conditions / 3 + 1 ? 1200 : 900);
+      c.set_part_temperature_k(0, i == 2 * conditions / 3 + 1 ? 350 : 300);
+    }
+    const auto pilot = pilot_sweep(loaded, farm);
+    ASSERT_TRUE(pilot.ok()) << pilot.status();
+    EXPECT_EQ(farm.conditions, 24);
+    EXPECT_EQ(farm.brightest_w_m2, 1200);
+    EXPECT_EQ(farm.hottest_k, 350);
+    const StoredPrediction p = prediction_of(*pilot, sweep, 1);
+    const double samples = 128 * std::pow(0.02 / (0.8 * 0.01), 1 / 0.6);
+    EXPECT_NEAR(p.job_cpu_median_s, 0.02 + 1e-4 * samples + 2e-3 * conditions, 0.03);
+    EXPECT_NEAR(pilot->database_bytes_per_view, 2 * conditions * 5000, 1);
   }
-  const auto pilot = pilot_sweep(loaded, farm);
-  ASSERT_TRUE(pilot.ok()) << pilot.status();
-  EXPECT_EQ(farm.conditions, 24);
-  EXPECT_EQ(farm.brightest_w_m2, 1200);
-  EXPECT_EQ(farm.hottest_k, 350);
-  const StoredPrediction p = prediction_of(*pilot, sweep, 1);
-  const double samples = 128 * std::pow(0.02 / (0.8 * 0.01), 1 / 0.6);
-  EXPECT_NEAR(p.job_cpu_median_s, 0.02 + 1e-4 * samples + 2e-3 * 300, 0.03);
-  EXPECT_NEAR(pilot->database_bytes_per_view, 600 * 5000, 1);
 }
 
 TEST(SweepPilot, PassesOnWhatTheFarmSays) {
@@ -166,9 +168,10 @@ TEST(Machine, SaysHowManyConditionsFit) {
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(
       std::string(refused.message()),
-      HasSubstr("about 9.8 GB with 1 worker, 19.5 GB with 2 (16 MB for each of 600 conditions), and 3 "
-                "GB of memory are free: 83 conditions would fit with 2 workers, 175 with "
-                "--workers 1"));
+      HasSubstr(
+          "about 9.8 GB with 1 worker, 19.5 GB with 2 (16 MB for each of 600 conditions), and 3 "
+          "GB of memory are free: 83 conditions would fit with 2 workers, 175 with "
+          "--workers 1"));
   EXPECT_THAT(std::string(check_memory(memory, 1, 1, 1e8).message()),
               HasSubstr("not even one condition would fit"));
   // 80 MB once, and 120 MB and the conditions of each.
