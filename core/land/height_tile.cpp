@@ -1,0 +1,84 @@
+#include "core/land/height_tile.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace irsig {
+namespace {
+
+constexpr HeightRange kEmptyRange{std::numeric_limits<float>::infinity(),
+                                  -std::numeric_limits<float>::infinity()};
+
+void include(HeightRange& range, HeightRange other) {
+  range.lowest = std::min(range.lowest, other.lowest);
+  range.highest = std::max(range.highest, other.highest);
+}
+
+int blocks_along(int cells) { return (cells + (1 << HeightTile::kBits) - 1) >> HeightTile::kBits; }
+
+// The heights of vertices [west, east] x [south, north].
+HeightRange range_of(const HeightGrid& grid, int west, int east, int south, int north) {
+  HeightRange out = kEmptyRange;
+  for (int row = south; row <= north; ++row) {
+    const float* z =
+        grid.z_m.data() + static_cast<std::size_t>(row) * (grid.columns + std::size_t{1});
+    for (int column = west; column <= east; ++column) include(out, {z[column], z[column]});
+  }
+  return out;
+}
+
+}  // namespace
+
+HeightTile::HeightTile(HeightGrid grid) : grid_(std::move(grid)) {
+  const auto add_level = [this](int below_columns, int below_rows) {
+    const int columns = blocks_along(below_columns), rows = blocks_along(below_rows);
+    level_.push_back(
+        {columns, rows,
+         std::vector<HeightRange>(
+             static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), kEmptyRange)});
+  };
+  add_level(columns(), rows());
+  auto range = level_[0].range.begin();
+  for (int row = 0; row < rows(); row += 1 << kBits)
+    for (int column = 0; column < columns(); column += 1 << kBits)
+      *range++ = range_of(grid_, column, std::min(columns(), column + (1 << kBits)), row,
+                          std::min(rows(), row + (1 << kBits)));
+  while (level_.back().range.size() > 1) {
+    add_level(level_.back().columns, level_.back().rows);
+    const Level& below = level_[level_.size() - 2];
+    Level& here = level_.back();
+    for (int row = 0; row < below.rows; ++row)
+      for (int column = 0; column < below.columns; ++column)
+        include(
+            here.range[static_cast<std::size_t>((row >> kBits) * here.columns + (column >> kBits))],
+            below.range[static_cast<std::size_t>(row) * static_cast<std::size_t>(below.columns) +
+                        static_cast<std::size_t>(column)]);
+  }
+}
+
+void HeightTile::widen(int column, int row, HeightRange by) {
+  for (int level = 1; level <= top(); ++level) {
+    Level& of = level_[static_cast<std::size_t>(level - 1)];
+    include(of.range[static_cast<std::size_t>(row >> (kBits * level)) *
+                         static_cast<std::size_t>(of.columns) +
+                     static_cast<std::size_t>(column >> (kBits * level))],
+            by);
+  }
+}
+
+void HeightTile::cover(const CellBlock& cells, const HeightGrid& finer, int fineness) {
+  for (int row = cells.south; row < cells.north; ++row)
+    for (int column = cells.west; column < cells.east; ++column) {
+      const int west = (column - cells.west) * fineness, south = (row - cells.south) * fineness;
+      widen(column, row, range_of(finer, west, west + fineness, south, south + fineness));
+    }
+}
+
+std::size_t HeightTile::memory_bytes() const {
+  std::size_t bytes = grid_.z_m.capacity() * sizeof(float);
+  for (const Level& level : level_) bytes += level.range.capacity() * sizeof(HeightRange);
+  return bytes;
+}
+
+}  // namespace irsig
