@@ -17,7 +17,7 @@ constexpr double kMostDistance = 1e9;
 constexpr double kMostCoordinateM = 1e7;
 constexpr double kDepartureM = 1e-6;  // rounding of a hit 1e5 m from the origin: 1e-10 m
 
-absl::Status check(const HeightGrid& grid) {
+absl::Status check_grid(const HeightGrid& grid) {
   if (grid.columns == 0 || grid.rows == 0)
     return absl::InvalidArgumentError("a grid of heights needs at least 2 x 2 vertices");
   const std::uint64_t vertices = (grid.columns + std::uint64_t{1}) * (grid.rows + std::uint64_t{1});
@@ -125,10 +125,10 @@ HeightField& HeightField::operator=(HeightField&&) noexcept = default;
 HeightField::~HeightField() = default;
 
 absl::StatusOr<HeightField> HeightField::create(HeightGrid outer, std::optional<HeightGrid> inset) {
-  RETURN_IF_ERROR(check(outer));
+  RETURN_IF_ERROR(check_grid(outer));
   auto tiles = std::make_unique<Tiles>(HeightTile(std::move(outer)));
   if (inset) {
-    RETURN_IF_ERROR(check(*inset));
+    RETURN_IF_ERROR(check_grid(*inset));
     ASSIGN_OR_RETURN(const Seam seam, align(tiles->outer.grid(), *inset));
     join(tiles->outer, seam, *inset);
     tiles->outer.cover(seam.cells, *inset, seam.fineness);
