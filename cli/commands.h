@@ -19,6 +19,7 @@ void add_model(CLI::App& app, int& exit_code);
 void add_model_particles(CLI::App& model, int& exit_code);  // irsig model particles
 void add_model_check(CLI::App& model, int& exit_code);      // irsig model check
 void add_model_plume(CLI::App& model, int& exit_code);      // irsig model plume
+void add_model_terrain(CLI::App& model, int& exit_code);    // irsig model terrain
 void add_material(CLI::App& app, int& exit_code);
 void add_goniometer(CLI::App& app, int& exit_code);
 void add_init(CLI::App& app, int& exit_code);

@@ -61,7 +61,7 @@ void add_model(CLI::App& app, int& exit_code) {
             const std::vector<std::string> known = generator_kinds();
             if (std::find(known.begin(), known.end(), kind) != known.end()) return "";
             return "model \"" + kind + "\", expected one of " + absl::StrJoin(known, ", ") +
-                   "; or a command, particles, plume or check";
+                   "; or a command, particles, plume, terrain or check";
           }),
       command->add_option("--triangles", options->what.triangles, "About how many triangles")
           ->type_name("N"),
@@ -86,6 +86,7 @@ void add_model(CLI::App& app, int& exit_code) {
   add_model_particles(*command, exit_code);
   add_model_check(*command, exit_code);
   add_model_plume(*command, exit_code);
+  add_model_terrain(*command, exit_code);
   command->callback([options, required, command, &exit_code] {
     if (!command->get_subcommands().empty()) return;
     for (const CLI::Option* option : required)

@@ -240,17 +240,27 @@ absl::StatusOr<HeightRaster> read_asc(std::string_view text, std::string_view fi
 
 std::string write_asc(const HeightRaster& raster) {
   constexpr float kNoData = -99999;
-  std::string out =
-      absl::StrCat("ncols ", raster.columns, "\nnrows ", raster.rows, "\nxllcenter ", raster.x0,
-                   "\nyllcenter ", raster.y0 + (raster.rows - 1) * raster.y_step, "\ncellsize ",
-                   raster.x_step, "\nnodata_value ", kNoData, "\n");
-  std::array<char, 32> digits{};
+  std::string out;
+  const auto append = [&](auto number) {  // as many digits as reading it back takes
+    std::array<char, 32> digits{};
+    out.append(digits.data(),
+               std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr);
+  };
+  const auto line = [&](const char* key, auto number) {
+    out += key;
+    append(number);
+    out += '\n';
+  };
+  line("ncols ", raster.columns);
+  line("nrows ", raster.rows);
+  line("xllcenter ", raster.x0);
+  line("yllcenter ", raster.y0 + (raster.rows - 1) * raster.y_step);
+  line("cellsize ", raster.x_step);
+  line("nodata_value ", kNoData);
   for (std::size_t at = 0; at < raster.height_m.size(); ++at) {
     const float height = raster.height_m[at];
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(),
-                                   std::isnan(height) ? kNoData : height);
-    out.append(digits.data(), end.ptr);
-    out.push_back((at + 1) % raster.columns == 0 ? '\n' : ' ');
+    append(std::isnan(height) ? kNoData : height);
+    out += (at + 1) % raster.columns == 0 ? '\n' : ' ';
   }
   return out;
 }

@@ -44,7 +44,7 @@ struct HeightRaster {
 [[nodiscard]] absl::StatusOr<HeightRaster> read_asc(std::string_view text, std::string_view file,
                                                     const MapSystem& system);
 
-// Writes such a grid, with 9 digits a height; for square cells in local metres.
+// Returns such a grid, whose numbers are read back as they were. Requires y_step = -x_step.
 [[nodiscard]] std::string write_asc(const HeightRaster& raster);
 
 }  // namespace irsig

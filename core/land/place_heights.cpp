@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMostOffsetM = 4e5;
 constexpr double kMostLatitudeDeg = 89;
-// Between nodes z deviates from a line by s^2 / (8 R): 1.2 mm.
+// Between four nodes z deviates from the bilinear surface by s^2 / (4 R): 2.5 mm.
 constexpr double kNodeDistanceM = 250;
 
 // The place of a point of the map on the raster, and its z.

@@ -68,6 +68,13 @@ TEST(Asc, HasItsSamplesAtCellCentres) {
   EXPECT_EQ(raster->y_step, -10);
   EXPECT_EQ(raster->height_m[2], 3.5F);
   EXPECT_TRUE(std::isnan(raster->height_m[3]));
+  HeightRaster precise = *raster;
+  precise.x0 = -199999.9512345678;
+  precise.height_m[0] = 1234.5678F;
+  const auto far = read_asc(write_asc(precise), "c.asc", LocalMetres{});
+  ASSERT_TRUE(far.ok()) << far.status();
+  EXPECT_EQ(far->x0, precise.x0);
+  EXPECT_EQ(far->height_m[0], precise.height_m[0]);
   const auto again = read_asc(write_asc(*raster), "b.asc", LocalMetres{});
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(again->x0, raster->x0);
