@@ -14,6 +14,7 @@
 namespace irsig {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 template <typename T>
@@ -230,7 +231,7 @@ TEST(GeoTiff, HostileSizesEndInTheirOwnProcess) {
   large.longs(257, {16384});
   large.longs(278, {16384});
   EXPECT_THAT(std::string(read_heights(large.bytes(), "a.tif").status().message()),
-              HasSubstr("a.tif: importing its 316 bytes takes more than 1073 MB of memory"));
+              AllOf(HasSubstr("a.tif: "), HasSubstr("the file is damaged")));
   large.tag.erase(278);
   large.longs(256, {200});
   large.longs(257, {200});

@@ -33,10 +33,26 @@ std::vector<double> over_range(const MaterialSpec& spec, std::size_t count) {
 TEST(MaterialLibrary, HasTheEntriesThatTheDocumentsName) {
   std::vector<std::string> names;
   for (const LibraryEntry& entry : material_library()) names.push_back(entry.spec.name);
-  EXPECT_THAT(names,
-              ::testing::IsSupersetOf({"aluminium", "blackbody", "generic_black_paint",
-                                       "generic_grey_paint", "generic_white_paint", "haematite",
-                                       "iron", "magnetite", "oxidised_steel", "sea_water"}));
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"asphalt",
+                                              "bare_soil_dry",
+                                              "bare_soil_wet",
+                                              "brick",
+                                              "concrete",
+                                              "grass",
+                                              "leaves",
+                                              "sand",
+                                              "snow",
+                                              "wheat",
+                                              "aluminium",
+                                              "blackbody",
+                                              "generic_black_paint",
+                                              "generic_grey_paint",
+                                              "generic_white_paint",
+                                              "haematite",
+                                              "iron",
+                                              "magnetite",
+                                              "oxidised_steel",
+                                              "sea_water"}));
   EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
 }
 
@@ -99,6 +115,28 @@ TEST(MaterialLibrary, WaterAndMetalsEmitWhatTheirConstantsSay) {
   EXPECT_GT(emissivity("oxidised_steel", 10), 0.75);
   EXPECT_GT(emissivity("generic_white_paint", 0.55), 0.1);
   EXPECT_LT(emissivity("generic_white_paint", 0.55), 0.3);
+}
+
+// Expected: means from 8 to 14 um of 0.89 to 0.92 for sand and 0.97 to 0.99 for grass. Source:
+// R. A. Sutherland, J. Atmos. Oceanic Technol. 3 (1986) 199. Wet soil absorbs more than dry soil at
+// every wavelength, as all wet ground does.
+TEST(MaterialLibrary, LandEmitsWhatIsKnownOfIt) {
+  const auto emissivity = [](const char* name, double um) {
+    const auto entry = library_entry(name);
+    EXPECT_TRUE(entry.ok()) << name;
+    return angular_table(entry->spec, {um}, {0})->value.at(0).emissivity;
+  };
+  const auto mean = [&](const char* name) {
+    double sum = 0;
+    for (int i = 0; i < 60; ++i) sum += emissivity(name, 8.05 + 0.1 * i) / 60;
+    return sum;
+  };
+  EXPECT_GE(mean("sand"), 0.89);
+  EXPECT_LE(mean("sand"), 0.92);
+  EXPECT_GE(mean("grass"), 0.97);
+  EXPECT_LE(mean("grass"), 0.99);
+  for (double um = 0.3; um < 50; um *= 1.03)
+    EXPECT_GT(emissivity("bare_soil_wet", um), emissivity("bare_soil_dry", um)) << um;
 }
 
 TEST(LibraryEntryFile, SaysWhereItIsWrong) {
