@@ -140,7 +140,7 @@ COMMANDS = [
     (["runn", "ship.toml"], r'unknown command "runn", did you mean "run"\?'),
     (["nosuch", "--help"], r'unknown command "nosuch"'),
     (["--help", "nosuch"], r'unknown command "nosuch"'),
-    (["model", "chek", "ship.obj"], r'"chek", expected one of disk,.*; or a command, particles, plume or check'),
+    (["model", "chek", "ship.obj"], r'"chek", expected one of disk,.*; or a command, particles, plume, terrain or check'),
     (["run", "ship.toml"], r"--db is required"),
     (["run", "few.sigdb", "--db", "x.sigdb"], r"few.sigdb: this is a database, expected a sweep file"),
     (["plan", "ship.toml", "--relative-error", "1%"], r"--relative-error = 1%, expected a number without a unit \(1 % is 0.01\)"),
