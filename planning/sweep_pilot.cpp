@@ -22,8 +22,8 @@ namespace {
 
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-// Of more conditions than half as many again the pilot does these, and a few of them once more: the
-// difference is what a condition costs.
+// Of more than one and a half times so many conditions the pilot does these, and a few of them once
+// more: the difference is what a condition costs.
 constexpr int kConditions = 24, kFewConditions = 6;
 
 // So many conditions, in their order: those with the most and the least light and the highest and
