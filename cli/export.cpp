@@ -8,6 +8,7 @@
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
+#include "cli/positive_number.h"
 #include "cli/target_extent.h"
 #include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
@@ -84,7 +85,8 @@ struct ExportCommand {
       return absl::InvalidArgumentError("--bits: cubes of --image-format envi are float32");
     if (bits != 0) asked.bits = bits;
     if (!scale.empty() && (cubes || bits == 32))
-      return absl::InvalidArgumentError("--thumbnail-scale: float32 pictures have no black and white");
+      return absl::InvalidArgumentError(
+          "--thumbnail-scale: float32 pictures have no black and white");
     asked.exr = exr;
     asked.background = background;
     asked.layer = layer;
@@ -198,6 +200,7 @@ void add_export(CLI::App& app, int& exit_code) {
       ->type_name("FRACTION");
   of_thumbnails(command->add_option("--split-seed", options->split_seed,
                                     "Chooses the viewpoints of --validation"))
+      ->check(seed_number())
       ->type_name("N");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }

@@ -5,6 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "cli/positive_number.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
 #include "core/scene/generate/generate_particles.h"
@@ -85,7 +86,9 @@ void add_model_particles(CLI::App& model, int& exit_code) {
                       "How much an irregular grain's radius varies (default 0.2)");
   command->add_option("--subdivisions", options->bed.subdivisions,
                       "Of an icosahedron: 0 to 3 are 20, 80 (default), 320, 1280 triangles");
-  command->add_option("--seed", options->bed.seed, "Default 0")->type_name("N");
+  command->add_option("--seed", options->bed.seed, "Default 0")
+      ->check(seed_number())
+      ->type_name("N");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

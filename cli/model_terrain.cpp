@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "cli/positive_number.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
 #include "core/land/generate_terrain.h"
@@ -51,7 +52,9 @@ void add_model_terrain(CLI::App& model, int& exit_code) {
       ->check(
           CLI::IsMember(std::vector<std::string>(terrain_layers().begin(), terrain_layers().end())))
       ->type_name("NAME");
-  command->add_option("--seed", options->terrain.seed, "Default 0")->type_name("N");
+  command->add_option("--seed", options->terrain.seed, "Default 0")
+      ->check(seed_number())
+      ->type_name("N");
   command->add_option("--width-m", options->terrain.width_m, "Of the square map (default 10000)")
       ->type_name("M");
   command->add_option("--spacing-m", options->terrain.spacing_m, "Of samples (default 30)")

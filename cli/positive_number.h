@@ -17,4 +17,14 @@ inline CLI::Validator positive_number() {
           "POSITIVE"};
 }
 
+// Returns a check of a seed: digits alone. CLI11 takes -1 for the largest number.
+inline CLI::Validator seed_number() {
+  return {[](const std::string& text) {
+            const bool digits =
+                !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+            return digits ? std::string() : text + " is not a whole number of at least 0";
+          },
+          ""};
+}
+
 }  // namespace irsig

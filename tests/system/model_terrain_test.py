@@ -48,6 +48,9 @@ class ModelTerrain(unittest.TestCase):
     def test_values_beyond_their_ranges_are_named(self):
         self.assertIn("relief_m is -3; expected 0 to 5000", self.terrain("--relief-m", -3, "--out", "a.asc", exit_code=2).stderr)
         self.assertIn("limit", self.terrain("--width-m", 4e5, "--spacing-m", 1, "--out", "a.asc", exit_code=2).stderr)
+        for seed in ("-1", "1.5", "one"):
+            done = self.terrain(f"--seed={seed}", "--out", "a.asc", exit_code=2)
+            self.assertIn(f"{seed} is not a whole number of at least 0", done.stderr)
         self.terrain("--layer", "lava", "--out", "a.asc", exit_code=2)
         self.assertFalse((self.path / "a.asc").exists())
 
