@@ -18,6 +18,12 @@ enum class AerosolKind {
   kRadiationFog
 };
 
+// Fog is as dense up to the lower height as on the ground, and is gone at the upper one.
+inline constexpr double kFogDenseTopM = 1000, kFogTopM = 2000;
+[[nodiscard]] inline bool is_fog(AerosolKind kind) {
+  return kind == AerosolKind::kAdvectionFog || kind == AerosolKind::kRadiationFog;
+}
+
 // The particles of the lowest 2 km; from 3 to 10 km always those of the tropospheric model, from 11
 // to 30 km the background stratosphere's, from 35 km meteoric dust. Between two of them both are
 // there, each the less the nearer the other.                        [shettle1979, gathman1983]

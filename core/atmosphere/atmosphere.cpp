@@ -14,6 +14,53 @@
 
 namespace irsig {
 
+namespace {
+
+constexpr double kSameLevelM = 1e-3;
+
+std::vector<double> joined_levels(std::vector<double> a, const std::vector<double>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  std::sort(a.begin(), a.end());
+  a.erase(std::unique(a.begin(), a.end(),
+                      [](double low, double high) { return high - low < kSameLevelM; }),
+          a.end());
+  return a;
+}
+
+// Returns the profile with levels at these heights, between whose neighbours they lie.
+AirProfile with_levels(AirProfile profile, const std::vector<double>& height_m) {
+  AirProfile out = profile;
+  for (const double at_m : height_m) {
+    const bool known = std::any_of(
+        profile.level.begin(), profile.level.end(),
+        [&](const AirLevel& level) { return std::abs(level.height_m - at_m) < kSameLevelM; });
+    if (known) continue;
+    out.level.push_back(air_at(profile, at_m));
+    out.level.back().height_m = at_m;
+  }
+  std::sort(out.level.begin(), out.level.end(),
+            [](const AirLevel& a, const AirLevel& b) { return a.height_m < b.height_m; });
+  return out;
+}
+
+// Light in fog changes within some optical depths of the ground, and where the fog thins out.
+std::vector<double> fog_levels_m(const AirProfile& profile, const AerosolSpec& spec) {
+  const double ground_m = profile.level.front().height_m;
+  std::vector<double> out;
+  if (ground_m >= kFogTopM - kSameLevelM) return out;
+  const double per_m = 3.912 / spec.visibility_m;
+  for (const double depth : {0.0, 0.3, 1.0, 2.5, 5.0, 9.0}) {
+    const double at_m = ground_m + depth / per_m;
+    if (at_m < kFogDenseTopM) out.push_back(at_m);
+  }
+  for (double at_m = std::max(ground_m, kFogDenseTopM); at_m < kFogTopM; at_m += 100)
+    out.push_back(at_m);
+  out.push_back(kFogTopM);
+  return joined_levels(std::move(out), {});
+}
+
+}  // namespace
+
 Atmosphere::Atmosphere(AtmosphereSpec spec)
     : spec_(std::move(spec)),
       surface_humidity_percent_(relative_humidity_percent(spec_.profile.level.front())) {}
@@ -31,14 +78,33 @@ absl::StatusOr<Atmosphere> Atmosphere::make(AtmosphereSpec spec) {
     }
   }
   for (AirLevel& level : spec.profile.level) level.gas.co2_ppmv = spec.co2_ppmv;
-  if (!spec.cloud) return Atmosphere(std::move(spec));
-  RETURN_IF_ERROR(check_cloud(*spec.cloud));
-  AirProfile clear = std::move(spec.profile);
-  spec.profile = with_cloud(clear, *spec.cloud);
+  const double humidity_percent = irsig::relative_humidity_percent(spec.profile.level.front());
+  CloudOptics cloud;
+  std::vector<double> cloud_levels_m;
+  if (spec.cloud) {
+    RETURN_IF_ERROR(check_cloud(*spec.cloud));
+    cloud = cloud_optics(*spec.cloud, spec.forward_peak);
+    cloud_levels_m = irsig::cloud_levels_m(spec.profile, *spec.cloud);
+    spec.profile = with_cloud(spec.profile, *spec.cloud);
+  }
+  std::vector<double> turbid_levels_m = cloud_levels_m;
+  if (is_fog(spec.aerosol.kind)) {
+    const std::vector<double> fog = fog_levels_m(spec.profile, spec.aerosol);
+    spec.profile = with_levels(std::move(spec.profile), fog);
+    turbid_levels_m = joined_levels(turbid_levels_m, fog);
+    // And the air between fog and cloud.
+    std::vector<double> between;
+    for (const AirLevel& level : spec.profile.level) {
+      if (!fog.empty() && level.height_m > fog.back() && level.height_m < turbid_levels_m.back())
+        between.push_back(level.height_m);
+    }
+    turbid_levels_m = joined_levels(std::move(turbid_levels_m), between);
+  }
   Atmosphere out(std::move(spec));
-  out.surface_humidity_percent_ = irsig::relative_humidity_percent(clear.level.front());
-  out.cloud_ = cloud_optics(*out.spec_.cloud, out.spec_.forward_peak);
-  out.cloud_levels_m_ = irsig::cloud_levels_m(clear, *out.spec_.cloud);
+  out.surface_humidity_percent_ = humidity_percent;
+  out.cloud_ = std::move(cloud);
+  out.cloud_levels_m_ = std::move(cloud_levels_m);
+  out.turbid_levels_m_ = std::move(turbid_levels_m);
   return out;
 }
 
@@ -48,6 +114,17 @@ double grey_depth(const AbsorberAmounts& amounts, std::size_t band) {
   double sum = 0;
   for (const AirSpectrum& depth : amounts.optical_depth) sum += depth[band];
   return sum;
+}
+
+// Takes the forward peak of scattered light into the beam, as cloud_optics() does.
+void take_forward_peak(AerosolOptics& optics, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t band = r.first; band < r.last; ++band) {
+      double& g = optics.asymmetry[band];
+      optics.scattering_per_m[band] *= 1 - g * g;
+      g /= 1 + g;
+    }
+  }
 }
 
 void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
@@ -68,19 +145,24 @@ void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const Atmosph
       out.optical_depth[static_cast<std::size_t>(GreyAbsorber::kAerosolScattering)];
   for (int i = 0; i < (level ? 1 : 2); ++i) {
     const double height_m = a.height_m + (0.5 + (2 * i - 1) * offset) * rise_m;
-    const AerosolOptics optics =
+    const bool fog = is_fog(spec.aerosol.kind) && height_m < kFogTopM;
+    AerosolOptics optics =
         aerosol_optics(spec.aerosol, height_m, relative_humidity_percent(air_at(profile, height_m)),
                        surface_humidity_percent, bands);
+    if (fog && spec.forward_peak == ForwardPeak::kDiffuse) take_forward_peak(optics, bands);
     const double share_m = level ? length_m : 0.5 * length_m;
     for (const BandChoice::Range& r : bands.ranges()) {
       for (std::size_t band = r.first; band < r.last; ++band) {
         absorption[band] += share_m * optics.absorption_per_m[band];
         const double depth = share_m * optics.scattering_per_m[band];
         scatter[band] += depth;
-        if (scattering && depth > 0) {
-          const double sum = scattering->aerosol_depth[band] += depth;
-          scattering->asymmetry[band] +=
-              (optics.asymmetry[band] - scattering->asymmetry[band]) * depth / sum;
+        if (!scattering) continue;
+        if (fog) {
+          add_scattering(scattering->cloud_depth[band], scattering->cloud_asymmetry[band], depth,
+                         optics.asymmetry[band]);
+        } else {
+          add_scattering(scattering->aerosol_depth[band], scattering->asymmetry[band], depth,
+                         optics.asymmetry[band]);
         }
       }
     }
@@ -108,10 +190,6 @@ void add_cloud(AbsorberAmounts& out, StepScattering* scattering, const Atmospher
   if (atmosphere.cloud_levels_m().empty()) return;
   const double share = cloud_share(atmosphere, path, step);
   const CloudOptics& cloud = atmosphere.cloud();
-  if (scattering) {
-    scattering->cloud_depth.assign(kAirBandCount, 0.0);
-    scattering->cloud_asymmetry = cloud.asymmetry;
-  }
   if (share <= 0) return;
   AirSpectrum& absorption =
       out.optical_depth[static_cast<std::size_t>(GreyAbsorber::kAerosolAbsorption)];
@@ -121,7 +199,10 @@ void add_cloud(AbsorberAmounts& out, StepScattering* scattering, const Atmospher
     for (std::size_t band = r.first; band < r.last; ++band) {
       absorption[band] += share * cloud.absorption[band];
       scatter[band] += share * cloud.scattering[band];
-      if (scattering) scattering->cloud_depth[band] = share * cloud.scattering[band];
+      if (scattering) {
+        add_scattering(scattering->cloud_depth[band], scattering->cloud_asymmetry[band],
+                       share * cloud.scattering[band], cloud.asymmetry[band]);
+      }
     }
   }
 }
@@ -135,6 +216,10 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
   const double length_m = path.step_m[step];
   const AirProfile& profile = spec.profile;
   const AirSpectrum& molecular = out.grey(GreyAbsorber::kMolecularScattering);
+  if (scattering && !atmosphere.turbid_levels_m().empty()) {
+    scattering->cloud_depth.assign(kAirBandCount, 0.0);
+    scattering->cloud_asymmetry.assign(kAirBandCount, 0.0);
+  }
   // What there was before is taken from what there is afterwards.
   for (const BandChoice::Range& r : bands.ranges()) {
     for (std::size_t band = r.first; scattering && band < r.last; ++band) {

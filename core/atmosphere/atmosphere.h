@@ -20,7 +20,7 @@ struct AtmosphereSpec {
   double cfc11_ppmv = 0.000216, cfc12_ppmv = 0.000485;
   // A layer that covers all of the sky; the air inside is saturated.
   std::optional<CloudSpec> cloud = std::nullopt;
-  ForwardPeak forward_peak = ForwardPeak::kDiffuse;  // of the cloud
+  ForwardPeak forward_peak = ForwardPeak::kBeam;  // of cloud and fog
 };
 
 // The sun as seen from the surface below a path's first node.
@@ -60,12 +60,15 @@ class Atmosphere {
   [[nodiscard]] static absl::StatusOr<Atmosphere> make(AtmosphereSpec spec);
 
   [[nodiscard]] const AtmosphereSpec& spec() const { return spec_; }
-  // With the cloud's levels.
+  // With the levels of cloud and fog.
   [[nodiscard]] const AirProfile& profile() const { return spec_.profile; }
   [[nodiscard]] double surface_humidity_percent() const { return surface_humidity_percent_; }
   // Optical depths of the cloud, and the heights of its levels; empty without one.
   [[nodiscard]] const CloudOptics& cloud() const { return cloud_; }
   [[nodiscard]] const std::vector<double>& cloud_levels_m() const { return cloud_levels_m_; }
+  // Heights of the levels of the air that scatters light more than once, increasing: that of the
+  // cloud, of fog, or of both and what lies between them. Empty in clear air.
+  [[nodiscard]] const std::vector<double>& turbid_levels_m() const { return turbid_levels_m_; }
 
   // Returns the absorbers in the path, 0 in bands that are not wanted. Amounts of pieces add up to
   // the amounts of the whole, to 2e-4 of transmittance.
@@ -108,7 +111,7 @@ class Atmosphere {
   AtmosphereSpec spec_;
   double surface_humidity_percent_;
   CloudOptics cloud_;
-  std::vector<double> cloud_levels_m_;
+  std::vector<double> cloud_levels_m_, turbid_levels_m_;
 };
 
 }  // namespace irsig

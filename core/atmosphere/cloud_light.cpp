@@ -18,13 +18,30 @@ constexpr double kDiffuseZenithDeg = 53.13010235415598;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-AirSpectrum between(const std::vector<double>& height_m, const std::vector<const AirSpectrum*>& of,
-                    double at_m) {
+ScatteredRadiance between(const std::vector<double>& height_m,
+                          const std::vector<const ScatteredRadiance*>& of, double at_m) {
   const TablePosition at = locate(height_m, std::clamp(at_m, height_m.front(), height_m.back()));
-  AirSpectrum out(kAirBandCount);
-  const AirSpectrum &low = *of[at.index], &high = *of[at.index + 1];
-  for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] = std::lerp(low[b], high[b], at.fraction);
+  const ScatteredRadiance &low = *of[at.index], &high = *of[at.index + 1];
+  ScatteredRadiance out = low;
+  for (AirSpectrum ScatteredRadiance::*part :
+       {&ScatteredRadiance::mean, &ScatteredRadiance::slope, &ScatteredRadiance::asymmetry}) {
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      (out.*part)[b] = std::lerp((low.*part)[b], (high.*part)[b], at.fraction);
+  }
   return out;
+}
+
+// Two streams' light at a level, from the lowest up, scattered there.
+void set_scattered(ScatteredRadiance& out, const AirSpectrum& asymmetry, std::size_t band,
+                   const StreamLight& light) {
+  out.mean[band] = light.mean;
+  out.slope[band] = asymmetry[band] * light.slope;
+  out.asymmetry[band] = asymmetry[band];
+}
+
+ScatteredRadiance no_light() {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  return {dark, dark, dark};
 }
 
 // The layers of one band from the top down.
@@ -36,7 +53,7 @@ std::vector<StreamLayer> column(const CloudLight& cloud, const std::vector<AirSp
     const double depth = level[l + 1].depth[band] - level[l].depth[band];
     const double scattering = level[l + 1].scattering[band] - level[l].scattering[band];
     out.push_back({depth, depth > 0 ? std::min(1.0, scattering / depth) : 0,
-                   cloud.asymmetry()[band], planck.empty() ? 0 : planck[l + 1][band],
+                   level[l + 1].asymmetry[band], planck.empty() ? 0 : planck[l + 1][band],
                    planck.empty() ? 0 : planck[l][band]});
   }
   return out;
@@ -44,46 +61,69 @@ std::vector<StreamLayer> column(const CloudLight& cloud, const std::vector<AirSp
 
 }  // namespace
 
-CloudLight::CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, bool refraction,
-                       const BandChoice& bands)
-    : bands_(bands), asymmetry_(atmosphere.cloud().asymmetry) {
-  const std::vector<double>& height_m = atmosphere.cloud_levels_m();
+void CloudLight::set_levels(const Atmosphere& atmosphere) {
+  const std::vector<double>& height_m = atmosphere.turbid_levels_m();
   IRSIG_CHECK(height_m.size() >= 2);
-  const AirProfile& profile = atmosphere.profile();
   const AirSpectrum dark(kAirBandCount, 0.0);
-
-  // From the base up: depth and Planck's function.
-  std::vector<AirSpectrum> planck;
-  const double base_m = height_m.front(), thick_m = height_m.back() - base_m;
-  for (const double at_m : height_m) {
-    const double inside = (at_m - base_m) / thick_m;
-    Level level{at_m, dark, dark, dark};
-    if (at_m > base_m) {
-      const AirSpectrum t = transmittance(
-          atmosphere.amounts(look(profile, base_m, 0, at_m - base_m, false), bands), bands);
-      for (std::size_t b = 0; b < kAirBandCount; ++b) {
-        if (!chosen(bands, b)) continue;
-        const double cloud =
-            inside * (atmosphere.cloud().scattering[b] + atmosphere.cloud().absorption[b]);
-        // What underflows is opaque by the cloud alone, too.
-        const double depth = t[b] > 0 ? -std::log(t[b]) : 0;
-        level.depth[b] = std::max({cloud, depth, level_.back().depth[b]});
-        level.scattering[b] = inside * atmosphere.cloud().scattering[b];
-      }
+  AbsorberAmounts sum;
+  AirSpectrum grey = dark;
+  level_.push_back({height_m.front(), dark, dark, dark, no_light()});
+  for (std::size_t l = 1; l < height_m.size(); ++l) {
+    const double low_m = height_m[l - 1];
+    const LightPath up = look(atmosphere.profile(), low_m, 0, height_m[l] - low_m, false);
+    StepScattering step, layer;
+    layer.cloud_depth = layer.cloud_asymmetry = dark;
+    for (std::size_t i = 0; i < up.step_m.size(); ++i) {
+      add_step(sum, &step, atmosphere, up, i, bands_);
+      merge(layer, step, bands_);
+    }
+    const AirSpectrum t = transmittance(sum, bands_);
+    Level level{height_m[l], dark, dark, layer.cloud_asymmetry, no_light()};
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      if (!chosen(bands_, b)) continue;
+      grey[b] += layer.grey_depth[b];
+      // What underflows is opaque by its grey absorbers alone, too.
+      const double depth = t[b] > 0 ? -std::log(t[b]) : 0;
+      level.depth[b] = std::max({grey[b], depth, level_.back().depth[b]});
+      level.scattering[b] = level_.back().scattering[b] + layer.cloud_depth[b];
     }
     level_.push_back(std::move(level));
-    planck.push_back(dark);
-    planck_spectrum(planck.back(), air_at(profile, at_m).temperature_k, bands);
+  }
+  level_.front().asymmetry = level_[1].asymmetry;
+}
+
+AirSpectrum ScatteredRadiance::towards(double cosine, ForwardPeak peak) const {
+  AirSpectrum out = mean;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    // g' = g / (1 + g): the whole phase function has the slope of g.
+    const double whole = peak == ForwardPeak::kBeam ? 1 / (1 - asymmetry[b]) : 1;
+    out[b] = std::max(0.0, out[b] + whole * slope[b] * cosine);
+  }
+  return out;
+}
+
+CloudLight::CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, bool refraction,
+                       const BandChoice& bands)
+    : bands_(bands) {
+  IRSIG_CHECK(atmosphere.spec().forward_peak == ForwardPeak::kDiffuse);
+  set_levels(atmosphere);
+  const AirProfile& profile = atmosphere.profile();
+  const double base_m = level_.front().height_m, top_m = level_.back().height_m;
+  std::vector<AirSpectrum> planck;
+  for (const Level& level : level_) {
+    planck.emplace_back(kAirBandCount, 0.0);
+    planck_spectrum(planck.back(), air_at(profile, level.height_m).temperature_k, bands);
   }
 
   // Boundaries: the light of clear air, along a ray that stands for all directions.
   AtmosphereSpec without = atmosphere.spec();
   without.cloud.reset();
+  // Above fog all aerosol is the same.
+  if (is_fog(without.aerosol.kind)) without.aerosol.kind = AerosolKind::kRural;
   const absl::StatusOr<Atmosphere> clear = Atmosphere::make(std::move(without));
   IRSIG_CHECK(clear.ok());
   const AirSpectrum above =
-      PathLayers(*clear, look(profile, height_m.back(), kDiffuseZenithDeg, kInfinity, refraction),
-                 bands)
+      PathLayers(*clear, look(profile, top_m, kDiffuseZenithDeg, kInfinity, refraction), bands)
           .thermal_w_m2_sr_um;
   AirSpectrum rising = ground.planck;
   albedo_below_ = ground.reflectance;
@@ -105,17 +145,17 @@ CloudLight::CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, 
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (!chosen(bands, b)) continue;
-    const std::vector<double> mean = mean_diffuse_radiance(
+    const std::vector<StreamLight> light = diffuse_light(
         column(*this, planck, b),
         {.down_radiance = above[b], .up_radiance = rising[b], .surface_albedo = albedo_below_[b]});
     for (std::size_t l = 0; l < level_.size(); ++l)
-      level_[l].thermal[b] = mean[level_.size() - 1 - l];
+      set_scattered(level_[l].thermal, level_[l].asymmetry, b, light[level_.size() - 1 - l]);
   }
 }
 
-AirSpectrum CloudLight::thermal(double height_m) const {
+ScatteredRadiance CloudLight::thermal(double height_m) const {
   std::vector<double> at;
-  std::vector<const AirSpectrum*> of;
+  std::vector<const ScatteredRadiance*> of;
   for (const Level& l : level_) {
     at.push_back(l.height_m);
     of.push_back(&l.thermal);
@@ -133,21 +173,22 @@ CloudSunlight::CloudSunlight(const CloudLight& cloud, const SunAmounts& sun, dou
   const double cosine = std::max(kLeastCosine, std::cos(zenith_deg * kRadPerDeg));
   for (const CloudLight::Level& l : level) {
     height_m_.push_back(l.height_m);
-    mean_per_sr_.emplace_back(kAirBandCount, 0.0);
+    scattered_.push_back(no_light());
   }
   for (std::size_t b = 0; lit && b < kAirBandCount; ++b) {
     if (!chosen(cloud.bands(), b)) continue;
-    const std::vector<double> mean =
-        mean_diffuse_radiance(column(cloud, {}, b), {.surface_albedo = cloud.albedo_below()[b],
-                                                     .sun_irradiance = beam[b],
-                                                     .sun_cosine = cosine});
-    for (std::size_t l = 0; l < level.size(); ++l) mean_per_sr_[l][b] = mean[level.size() - 1 - l];
+    const std::vector<StreamLight> light =
+        diffuse_light(column(cloud, {}, b), {.surface_albedo = cloud.albedo_below()[b],
+                                             .sun_irradiance = beam[b],
+                                             .sun_cosine = cosine});
+    for (std::size_t l = 0; l < level.size(); ++l)
+      set_scattered(scattered_[l], level[l].asymmetry, b, light[level.size() - 1 - l]);
   }
 }
 
-AirSpectrum CloudSunlight::mean_per_sr(double height_m) const {
-  std::vector<const AirSpectrum*> of;
-  for (const AirSpectrum& s : mean_per_sr_) of.push_back(&s);
+ScatteredRadiance CloudSunlight::scattered(double height_m) const {
+  std::vector<const ScatteredRadiance*> of;
+  for (const ScatteredRadiance& s : scattered_) of.push_back(&s);
   return between(height_m_, of, height_m);
 }
 

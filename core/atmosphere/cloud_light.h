@@ -7,59 +7,75 @@
 
 namespace irsig {
 
-// Surface below an atmosphere's cloud, for diffuse light.
+// Surface below cloud or fog, for diffuse light.
 struct GroundBelow {
   AirSpectrum planck;       // of its temperature  [W m^-2 sr^-1 um^-1]
   AirSpectrum reflectance;  // diffuse, [0, 1]
 };
 
-// Thermal light inside the cloud of one atmosphere: the mean over all directions of the radiance
-// that its particles scatter, from two streams (core/atmosphere/two_stream.h) between the clear air
-// above the cloud and the surface behind the air below it. Immutable.
+// Light that particles scatter, per unit of their scattering depth: mean + slope x cosine, of the
+// zenith angle of the direction in which the light then travels.
+struct ScatteredRadiance {
+  AirSpectrum mean, slope;  // slope: of particles without their forward peak
+  AirSpectrum asymmetry;    // of these
+
+  // Never negative.
+  //   peak  of the particles in the ray: with all that they scatter the slope is that of the whole
+  //         phase function
+  [[nodiscard]] AirSpectrum towards(double cosine, ForwardPeak peak) const;
+};
+
+// Thermal light that the particles of an atmosphere's cloud or fog scatter, from two streams
+// (core/atmosphere/two_stream.h) between the clear air above and the surface behind the air below.
+// Immutable.
 //
-// The air's lines inside the cloud are grey in a band, as strong as in a vertical path from the
-// cloud's base on. Light of other boundaries has the air of a ray 53 deg from the vertical.
+// The air's lines inside are grey in a band, as strong as in a vertical path from the lowest level
+// on. Light of other boundaries has the air of a ray 53 deg from the vertical.
 class CloudLight {
  public:
-  //   atmosphere  with a cloud whose forward peak stays in the beam; outlives the object
+  //   atmosphere  with cloud or fog whose forward peak stays in the beam; outlives the object
   CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, bool refraction,
              const BandChoice& bands);
 
-  // Mean radiance at a height; outside the cloud that of the nearest boundary.
-  [[nodiscard]] AirSpectrum thermal(double height_m) const;
+  // At a height; outside the levels that of the nearest boundary.
+  [[nodiscard]] ScatteredRadiance thermal(double height_m) const;
 
   // Optical properties of the column, for the sun of a condition.
   struct Level {
     double height_m;
-    AirSpectrum depth;       // optical, from the cloud's base up to here, all absorbers
-    AirSpectrum scattering;  // the cloud's part of it
-    AirSpectrum thermal;
+    AirSpectrum depth;       // optical, from the lowest level up to here, all absorbers
+    AirSpectrum scattering;  // the part of it by cloud and fog
+    AirSpectrum asymmetry;   // of that in the layer below; of the lowest in the one above
+    ScatteredRadiance thermal;
   };
   [[nodiscard]] const std::vector<Level>& level() const { return level_; }
-  // Diffuse reflectance of what lies below the cloud, seen from its base.
+  // Diffuse reflectance of what lies below, seen from the lowest level.
   [[nodiscard]] const AirSpectrum& albedo_below() const { return albedo_below_; }
-  [[nodiscard]] const AirSpectrum& asymmetry() const { return asymmetry_; }
   [[nodiscard]] const BandChoice& bands() const { return bands_; }
 
  private:
   BandChoice bands_;
-  std::vector<Level> level_;  // from the base up
-  AirSpectrum albedo_below_, asymmetry_;
+  // Sets the levels' depths, scattering and asymmetry.
+  void set_levels(const Atmosphere& atmosphere);
+
+  std::vector<Level> level_;  // from the lowest up
+  AirSpectrum albedo_below_;
 };
 
-// Sunlight inside the cloud, without the beam: the mean over all directions of its radiance, for
-// one sun outside the air of irradiance 1 normal to the beam.
+// Sunlight that cloud or fog scatter, without that of the beam, for one sun outside the air of
+// irradiance 1 normal to the beam.
 class CloudSunlight {
  public:
-  //   sun         amounts of the sun's paths, with the cloud
-  //   zenith_deg  of the sun, above the cloud
+  //   sun         amounts of the sun's paths, with cloud and fog
+  //   zenith_deg  of the sun, above them
   CloudSunlight(const CloudLight& cloud, const SunAmounts& sun, double zenith_deg);
 
-  [[nodiscard]] AirSpectrum mean_per_sr(double height_m) const;
+  // Per sr, at a height.
+  [[nodiscard]] ScatteredRadiance scattered(double height_m) const;
 
  private:
   std::vector<double> height_m_;
-  std::vector<AirSpectrum> mean_per_sr_;
+  std::vector<ScatteredRadiance> scattered_;
 };
 
 }  // namespace irsig

@@ -39,8 +39,8 @@ std::vector<std::size_t> layer_ends(const Atmosphere& atmosphere, const LightPat
         std::lower_bound(air.begin(), air.end(), share * air.back()) - air.begin());
     if (at > 0 && at < steps && (end.empty() || at > end.back())) end.push_back(at);
   }
-  // Each step in a cloud is a layer: its light changes within a few of its depths.
-  if (const std::vector<double>& level = atmosphere.cloud_levels_m(); !level.empty()) {
+  // Each step in cloud or fog is a layer: its light changes within a few of its depths.
+  if (const std::vector<double>& level = atmosphere.turbid_levels_m(); !level.empty()) {
     constexpr double kMarginM = 1e-3;
     for (std::size_t i = 1; i < steps; ++i) {
       const double height_m = path.node[i].height_m;
@@ -88,11 +88,12 @@ SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zen
   const double top_m = atmosphere.profile().level.back().height_m;
   std::vector<double> at;
   for (const double above_m : kSunHeightsM) at.push_back(height_m + above_m);
-  at.insert(at.end(), atmosphere.cloud_levels_m().begin(), atmosphere.cloud_levels_m().end());
+  const std::vector<double>& turbid = atmosphere.turbid_levels_m();
+  at.insert(at.end(), turbid.begin(), turbid.end());
   std::sort(at.begin(), at.end());
-  if (!atmosphere.cloud_levels_m().empty()) {
-    cloud_base_m_ = atmosphere.cloud_levels_m().front();
-    cloud_top_m_ = atmosphere.cloud_levels_m().back();
+  if (!turbid.empty()) {
+    turbid_base_m_ = turbid.front();
+    turbid_top_m_ = turbid.back();
   }
   for (const double at_m : at) {
     if (at_m >= top_m && at_m > height_m) break;
@@ -116,8 +117,8 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
   // As if all thinned out over 3 km: water does over 2, dry air over 8, and over the short way
   // between the heights the difference does not matter.
   constexpr double kScaleM = 3000;
-  const bool in_cloud = a.height_m >= cloud_base_m_ && b.height_m <= cloud_top_m_;
-  const double f = in_cloud
+  const bool turbid = a.height_m >= turbid_base_m_ && b.height_m <= turbid_top_m_;
+  const double f = turbid
                        ? std::clamp((height_m - a.height_m) / (b.height_m - a.height_m), 0.0, 1.0)
                        : std::clamp(std::expm1((a.height_m - height_m) / kScaleM) /
                                         std::expm1((a.height_m - b.height_m) / kScaleM),
@@ -128,18 +129,19 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
 
 PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
                        const CloudLight* cloud)
-    : bands_(bands), cloudy_(!atmosphere.cloud_levels_m().empty()) {
+    : bands_(bands), cloudy_(!atmosphere.turbid_levels_m().empty()) {
   IRSIG_CHECK((!cloudy_ || cloud != nullptr));
   const AirProfile& profile = atmosphere.profile();
   thermal_w_m2_sr_um = surroundings_fraction = AirSpectrum(kAirBandCount, 0.0);
   AbsorberAmounts sum;
   transmittance = irsig::transmittance(sum, bands_);
-  const auto add_node = [&](double height_m) {
-    node_.push_back({height_m, PackedAmounts(sum, bands_), {}});
+  const auto add_node = [&](double height_m, double zenith_deg) {
+    const double cosine = std::cos(zenith_deg * kRadPerDeg);
+    node_.push_back({height_m, cosine, PackedAmounts(sum, bands_), {}});
     pack(node_.back().transmittance, transmittance, bands_);
   };
   if (path.node.empty()) {
-    add_node(0);
+    add_node(0, 0);
     return;
   }
   const auto temperature_at = [&](std::size_t node) {
@@ -151,11 +153,12 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
   const std::vector<std::size_t> ends = layer_ends(atmosphere, path);
   AirSpectrum planck_near = dark, planck_far = dark;
   planck_spectrum(planck_near, temperature_at(0), bands_);
-  add_node(path.node[0].height_m);
+  add_node(path.node[0].height_m, path.node[0].zenith_deg);
   StepScattering step;
   const Layer nothing = empty_layer();
   Layer merged = nothing;
   AirSpectrum source_near = dark, source_far = dark;
+  peak_ = atmosphere.spec().forward_peak;
   for (std::size_t i = 0, next = 0; i < path.step_m.size(); ++i) {
     add_step(sum, &step, atmosphere, path, i, bands_);
     AirSpectrum t_far = irsig::transmittance(sum, bands_);
@@ -163,9 +166,12 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     if (cloudy_) {
       source_near = planck_near;
       source_far = planck_far;
-      add_cloud_source(source_near, source_far, step, transmittance, t_far,
-                       cloud->thermal(path.node[i].height_m),
-                       cloud->thermal(path.node[i + 1].height_m), bands_);
+      const auto scattered = [&](const LightPath::Node& node) {
+        return cloud->thermal(node.height_m)
+            .towards(-std::cos(node.zenith_deg * kRadPerDeg), peak_);
+      };
+      add_cloud_source(source_near, source_far, step, transmittance, t_far, scattered(path.node[i]),
+                       scattered(path.node[i + 1]), bands_);
     }
     add_emission(merged.emission.thermal_w_m2_sr_um, step, transmittance, t_far,
                  cloudy_ ? source_near : planck_near, cloudy_ ? source_far : planck_far, bands_);
@@ -176,7 +182,7 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     const bool last = cloudy_ && opaque(transmittance);
     if (i + 1 != ends[next] && !last) continue;
     ++next;
-    add_node(path.node[i + 1].height_m);
+    add_node(path.node[i + 1].height_m, path.node[i + 1].zenith_deg);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       thermal_w_m2_sr_um[b] += merged.emission.thermal_w_m2_sr_um[b];
       surroundings_fraction[b] += merged.emission.surroundings_fraction[b];
@@ -278,15 +284,16 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
         out.asymmetry[b] += (step.asymmetry[b] - out.asymmetry[b]) * aerosol / out.aerosol[b];
       }
       for (std::size_t b = r.first; cloudy_ && b < r.last; ++b) {
-        out.cloud[b] += light[b] * step.cloud_depth[b];
-        out.cloud_asymmetry[b] = std::max(out.cloud_asymmetry[b], step.cloud_asymmetry[b]);
+        add_scattering(out.cloud[b], out.cloud_asymmetry[b], light[b] * step.cloud_depth[b],
+                       step.cloud_asymmetry[b]);
       }
     }
     if (cloud) {
       seen_far = seen_at(node_[l + 1]);
       mean_of_decay(seen, seen_near, seen_far, step.grey_depth, bands_);
       const AirSpectrum mean =
-          cloud->mean_per_sr(0.5 * (node_[l].height_m + node_[l + 1].height_m));
+          cloud->scattered(0.5 * (node_[l].height_m + node_[l + 1].height_m))
+              .towards(-0.5 * (node_[l].cos_zenith + node_[l + 1].cos_zenith), peak_);
       for (std::size_t b = 0; b < kAirBandCount; ++b)
         out.diffuse_per_sr[b] += seen[b] * step.cloud_depth[b] * mean[b];
       seen_near = std::move(seen_far);

@@ -19,7 +19,7 @@ struct StepScattering {
   // Depth of all grey extinction, scattering included. It bounds an optical depth whose
   // transmittance has underflowed.
   AirSpectrum grey_depth = AirSpectrum(kAirBandCount, 0.0);
-  // Depth and asymmetry of scattering by the cloud; empty where the air has none.
+  // Depth and asymmetry of scattering by cloud and fog; empty where the air has neither.
   AirSpectrum cloud_depth, cloud_asymmetry;
 };
 
@@ -40,7 +40,7 @@ void mean_of_sunlight(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum&
 // sun.
 class SunAmounts {
  public:
-  // Computes the amounts from `height_m`, and from a cloud below it, to the top of the air.
+  // Computes the amounts from `height_m`, and from cloud or fog below it, to the top of the air.
   SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg,
              const BandChoice& bands = BandChoice());
 
@@ -56,7 +56,7 @@ class SunAmounts {
     AbsorberAmounts amounts;
   };
   BandChoice bands_;
-  double cloud_base_m_ = 0, cloud_top_m_ = 0;  // equal without a cloud
+  double turbid_base_m_ = 0, turbid_top_m_ = 0;  // equal in clear air
   bool lit_ = false;
   std::vector<Point> point_;
 };
@@ -126,8 +126,9 @@ struct ScatteredSun {
   AirSpectrum aerosol = AirSpectrum(kAirBandCount, 0.0);
   AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);
   AirSpectrum molecular = AirSpectrum(kAirBandCount, 0.0);
-  // Light of a cloud, empty without one: scattered once, with its asymmetry; scattered more often,
-  // the same in all directions, per sr; and the forward peak around the sun (kPeakAsymmetry).
+  // Light of cloud and fog, empty without them: scattered once, with its asymmetry; scattered more
+  // often, the same in all directions, per sr; and the forward peak around the sun
+  // (kPeakAsymmetry).
   AirSpectrum cloud, cloud_asymmetry, diffuse_per_sr, peak;
 
   [[nodiscard]] AirSpectrum per_sr(const PhaseMean& phase) const;
@@ -143,7 +144,7 @@ struct ScatteredSun {
 // near air and sun: tests/physics/environment_nodes_test.cpp.
 class PathLayers {
  public:
-  //   cloud  light that the atmosphere's cloud scatters; null: the atmosphere has no cloud
+  //   cloud  light that cloud and fog scatter; null: the atmosphere has neither
   PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
              const CloudLight* cloud = nullptr);
 
@@ -172,6 +173,7 @@ class PathLayers {
  private:
   struct Node {
     double height_m;
+    double cos_zenith;                  // of the ray, away from the observer
     PackedAmounts amounts;              // from the observer
     std::vector<double> transmittance;  // [band that is wanted]
   };
@@ -185,7 +187,8 @@ class PathLayers {
   [[nodiscard]] Layer empty_layer() const;
 
   BandChoice bands_;
-  bool cloudy_ = false;  // layers have a cloud's spectra
+  bool cloudy_ = false;  // layers have the spectra of cloud or fog
+  ForwardPeak peak_ = ForwardPeak::kBeam;
   std::vector<Node> node_;
   std::vector<std::vector<double>> layer_;  // Layer's spectra one after the other, as Node has them
   double warmest_k_ = 0;

@@ -136,20 +136,27 @@ void add_cloud_source(AirSpectrum& planck_near, AirSpectrum& planck_far,
   }
 }
 
+void add_scattering(double& sum, double& mean_asymmetry, double depth, double asymmetry) {
+  if (depth <= 0) return;
+  sum += depth;
+  mean_asymmetry += (asymmetry - mean_asymmetry) * depth / sum;
+}
+
 void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands) {
   if (!step.cloud_depth.empty()) {
-    if (sum.cloud_depth.empty()) sum.cloud_depth.assign(kAirBandCount, 0.0);
-    sum.cloud_asymmetry = step.cloud_asymmetry;
+    if (sum.cloud_depth.empty())
+      sum.cloud_depth = sum.cloud_asymmetry = AirSpectrum(kAirBandCount, 0.0);
   }
   for (const BandChoice::Range& r : bands.ranges()) {
     for (std::size_t i = r.first; i < r.last; ++i) {
       sum.molecular_depth[i] += step.molecular_depth[i];
       sum.grey_depth[i] += step.grey_depth[i];
-      if (!step.cloud_depth.empty()) sum.cloud_depth[i] += step.cloud_depth[i];
-      if (step.aerosol_depth[i] <= 0) continue;
-      sum.aerosol_depth[i] += step.aerosol_depth[i];
-      sum.asymmetry[i] +=
-          (step.asymmetry[i] - sum.asymmetry[i]) * step.aerosol_depth[i] / sum.aerosol_depth[i];
+      if (!step.cloud_depth.empty()) {
+        add_scattering(sum.cloud_depth[i], sum.cloud_asymmetry[i], step.cloud_depth[i],
+                       step.cloud_asymmetry[i]);
+      }
+      add_scattering(sum.aerosol_depth[i], sum.asymmetry[i], step.aerosol_depth[i],
+                     step.asymmetry[i]);
     }
   }
 }
@@ -239,6 +246,18 @@ void PathSums::add_scattered(std::size_t step, const AirSpectrum& source_near,
   }
 }
 
+namespace {
+
+// One order of scattering knows no other particles.
+void take_turbid_as_aerosol(StepScattering& step) {
+  for (std::size_t b = 0; b < step.cloud_depth.size(); ++b) {
+    add_scattering(step.aerosol_depth[b], step.asymmetry[b], step.cloud_depth[b],
+                   step.cloud_asymmetry[b]);
+  }
+}
+
+}  // namespace
+
 PathRadiance PathSums::result() {
   const std::size_t steps = path_.step_m.size();
   scattering_.resize(steps);
@@ -251,6 +270,7 @@ PathRadiance PathSums::result() {
   if (!sun_node_.empty()) sun_near = sunlight_by(0, behind);
   for (std::size_t i = 0; i < steps; ++i) {
     add_step(behind, &scattering_[i], atmosphere_, path_, i);
+    take_turbid_as_aerosol(scattering_[i]);
     AirSpectrum t_far = transmittance(behind);
     planck_at(planck_far, i + 1);
     add_emission(out_.thermal_w_m2_sr_um, scattering_[i], t_near, t_far, planck_near, planck_far,

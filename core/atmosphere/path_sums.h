@@ -36,6 +36,8 @@ void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const 
 // mean_of_decay of all bands; mean_of_sunlight likewise.
 void mean_of_decay(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
                    const AirSpectrum& grey_depth, const BandChoice& bands);
+// Adds a depth to a sum of depths, and its asymmetry to their mean.
+void add_scattering(double& sum, double& mean_asymmetry, double depth, double asymmetry);
 // Adds a step to the sum of the steps in front of it.
 void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands);
 

@@ -69,12 +69,12 @@ Response solar_response(const StreamLayer& l, double irradiance, double cosine) 
   return out;
 }
 
-// Fluxes from the mean radiance at the boundaries between layers, from the top down.
-std::vector<double> joined(std::span<const Response> layer, double down_flux, double up_flux,
-                           double surface_albedo) {
+std::vector<StreamLight> joined(std::span<const Response> layer, double down_flux, double up_flux,
+                                double surface_albedo) {
   // Below each boundary: albedo, and the flux that rises without light from above.
   const std::size_t n = layer.size();
-  std::vector<double> albedo(n + 1), rising(n + 1), out(n + 1);
+  std::vector<double> albedo(n + 1), rising(n + 1);
+  std::vector<StreamLight> out(n + 1);
   albedo[n] = surface_albedo;
   rising[n] = up_flux;
   for (std::size_t l = n; l-- > 0;) {
@@ -87,7 +87,8 @@ std::vector<double> joined(std::span<const Response> layer, double down_flux, do
   double down = down_flux;
   for (std::size_t l = 0; l <= n; ++l) {
     const double up = albedo[l] * down + rising[l];
-    out[l] = std::max(0.0, (up + down) / (2 * std::numbers::pi));
+    out[l] = {std::max(0.0, (up + down) / (2 * std::numbers::pi)),
+              3 * (up - down) / (4 * std::numbers::pi)};
     if (l == n) break;
     const Response& r = layer[l];
     down = (r.transmittance * down + r.reflectance * rising[l + 1] + r.down) /
@@ -98,8 +99,8 @@ std::vector<double> joined(std::span<const Response> layer, double down_flux, do
 
 }  // namespace
 
-std::vector<double> mean_diffuse_radiance(std::span<const StreamLayer> layers,
-                                          const StreamBoundaries& b) {
+std::vector<StreamLight> diffuse_light(std::span<const StreamLayer> layers,
+                                       const StreamBoundaries& b) {
   std::vector<Response> response;
   double beam = b.sun_irradiance;
   for (const StreamLayer& l : layers) {

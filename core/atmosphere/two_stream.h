@@ -22,14 +22,20 @@ struct StreamBoundaries {
   double sun_cosine = 1;      // of the sun's zenith angle, (0, 1]
 };
 
-// Returns the mean over all directions of the diffuse radiance at the layers' boundaries, from the
-// top down; the sun's beam is not part of it.
+// Diffuse radiance at a boundary: mean + slope x cosine, of the zenith angle of the direction in
+// which light travels.
+struct StreamLight {
+  double mean, slope;
+};
+
+// Returns the diffuse light at the layers' boundaries, from the top down; the sun's beam is not
+// part of it.
 //
 // Two streams: hemispheric means of thermal light [toon1989], Eddington's of sunlight
 // [joseph1976]; layers are joined by adding, which stays stable for any depth. Thermal light of an
 // isothermal column above a black body of its temperature is exact. Against discrete ordinates,
 // fluxes err by 1 to 3 % where scattering matters [toon1989].
-[[nodiscard]] std::vector<double> mean_diffuse_radiance(std::span<const StreamLayer> layers,
-                                                        const StreamBoundaries& boundaries);
+[[nodiscard]] std::vector<StreamLight> diffuse_light(std::span<const StreamLayer> layers,
+                                                     const StreamBoundaries& boundaries);
 
 }  // namespace irsig

@@ -50,9 +50,10 @@ double CloudMixer::spread(double clear, double overcast) const {
   return std::sqrt(cover * (1 - cover)) * std::abs(overcast - clear);
 }
 
-absl::StatusOr<Atmosphere> overcast_atmosphere(const WeatherSpec& weather, ForwardPeak peak) {
+absl::StatusOr<Atmosphere> turbid_atmosphere(const WeatherSpec& weather, ForwardPeak peak,
+                                             bool overcast) {
   AtmosphereSpec air = weather.air;
-  air.cloud = weather.cloud;
+  air.cloud = overcast ? weather.cloud : std::nullopt;
   air.forward_peak = peak;
   return Atmosphere::make(std::move(air));
 }

@@ -36,9 +36,10 @@ struct CloudMixer {
   [[nodiscard]] double spread(double clear, double overcast) const;
 };
 
-// Returns the atmosphere under the weather's cloud. INVALID_ARGUMENT as Atmosphere::make.
-[[nodiscard]] absl::StatusOr<Atmosphere> overcast_atmosphere(const WeatherSpec& weather,
-                                                             ForwardPeak peak);
+// Returns the weather's atmosphere, with its cloud or without. INVALID_ARGUMENT as
+// Atmosphere::make.
+[[nodiscard]] absl::StatusOr<Atmosphere> turbid_atmosphere(const WeatherSpec& weather,
+                                                           ForwardPeak peak, bool overcast);
 
 //   sky_relative  spread of the sky's mean radiance, relative: broken_cloud_relative
 [[nodiscard]] ViewEnvironment under_broken_cloud(const ViewEnvironment& clear,

@@ -149,10 +149,10 @@ Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, doub
 struct Environment::Parts {
   struct Weather {
     WeatherSpec spec;
-    // beam: for what arrives sharply; of a sky without cloud the same as `atmosphere`
-    std::optional<Atmosphere> atmosphere, beam_of_cloud;
+    // turbid_beam: for what arrives sharply; only of air with cloud or fog other than `atmosphere`
+    std::optional<Atmosphere> atmosphere, turbid_beam;
     [[nodiscard]] const Atmosphere& beam() const {
-      return beam_of_cloud ? *beam_of_cloud : *atmosphere;
+      return turbid_beam ? *turbid_beam : *atmosphere;
     }
     double height_m = 0;     // of the target, as the profile counts
     double reference_m = 0;  // of its reference point, above the surface
@@ -197,7 +197,7 @@ struct Environment::Parts {
     });
   }
   [[nodiscard]] const CloudLight* cloud_of(const Weather& w) const {
-    return w.beam_of_cloud ? light_of(w).cloud() : nullptr;
+    return w.turbid_beam ? light_of(w).cloud() : nullptr;
   }
   [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
     const Weather& w = weather[c.spec.weather];
@@ -400,17 +400,24 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       w.ray = ray;
       return w;
     };
-    if (spec.cloud_cover < 1) add(1 - spec.cloud_cover).atmosphere.emplace(*std::move(clear));
+    if (spec.cloud_cover < 1) {
+      Parts::Weather& holes = add(1 - spec.cloud_cover);
+      if (is_fog(spec.air.aerosol.kind)) {
+        holes.turbid_beam.emplace(*std::move(clear));
+        ASSIGN_OR_RETURN(clear, turbid_atmosphere(spec, ForwardPeak::kDiffuse, false));
+      }
+      holes.atmosphere.emplace(*std::move(clear));
+    }
     if (spec.cloud_cover > 0) {
-      absl::StatusOr<Atmosphere> diffuse = overcast_atmosphere(spec, ForwardPeak::kDiffuse);
+      absl::StatusOr<Atmosphere> diffuse = turbid_atmosphere(spec, ForwardPeak::kDiffuse, true);
       if (!diffuse.ok()) return named(diffuse.status());
-      absl::StatusOr<Atmosphere> beam = overcast_atmosphere(spec, ForwardPeak::kBeam);
+      absl::StatusOr<Atmosphere> beam = turbid_atmosphere(spec, ForwardPeak::kBeam, true);
       if (!beam.ok()) return named(beam.status());
       const Parts::Weather* of_holes = spec.cloud_cover < 1 ? &parts->weather.back() : nullptr;
       Parts::Weather& overcast = add(spec.cloud_cover);
       overcast.clear = of_holes;
       overcast.atmosphere.emplace(*std::move(diffuse));
-      overcast.beam_of_cloud.emplace(*std::move(beam));
+      overcast.turbid_beam.emplace(*std::move(beam));
     }
   }
   bool sun = false;
@@ -430,7 +437,7 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     if (c.sun) {
       const Parts::Weather& w = parts->weather[of_weather.first()];
       // Lines of sight and the sun's place are those of clear air: one geometry for both skies.
-      const AirProfile& clear = w.beam_of_cloud ? w.spec.air.profile : w.atmosphere->profile();
+      const AirProfile& clear = w.turbid_beam ? w.spec.air.profile : w.atmosphere->profile();
       seen = sun_from(clear, w.ray, w.height_m, c, w.spec.refraction);
     }
     for (const Parts::Mix::Part& part : of_weather.part) {

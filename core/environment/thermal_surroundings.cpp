@@ -138,7 +138,7 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
     }
   }
 
-  if (atmosphere_.spec().cloud)
+  if (!atmosphere_.turbid_levels_m().empty())
     cloud_ = std::make_unique<const CloudLight>(atmosphere_, ground(), refraction_, bands_);
   for (const double base_m : spec.cloud_base_range_m.value_or(std::array<double, 2>{})) {
     const double at_m = atmosphere_.profile().level.front().height_m + base_m;
@@ -246,7 +246,8 @@ AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
   AbsorberAmounts air = path.amounts();
   for (const GreyAbsorber particles :
        {GreyAbsorber::kAerosolAbsorption, GreyAbsorber::kAerosolScattering})
-    air.optical_depth[static_cast<std::size_t>(particles)].assign(kAirBandCount, 0.0);
+    if (!is_fog(atmosphere_.spec().aerosol.kind))
+      air.optical_depth[static_cast<std::size_t>(particles)].assign(kAirBandCount, 0.0);
   AirSpectrum out =
       model_error(air, path.transmittance, scattered, path.warmest_k(), bands_, &surroundings)
           .radiance_w_m2_sr_um;

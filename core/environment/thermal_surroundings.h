@@ -86,7 +86,7 @@ class ThermalSurroundings {
   // One more of the suns will not ask for LowerRing::cell any more.
   void sun_is_made() const;
 
-  // Light that the atmosphere's cloud scatters; null without one.
+  // Light that the atmosphere's cloud and fog scatter; null without them.
   [[nodiscard]] const CloudLight* cloud() const { return cloud_.get(); }
 
   // surface_model_relative() of what is below the horizon.

@@ -30,15 +30,18 @@ double cos_to_sun(const LightPath& path, const SunPlace& sun) {
 }  // namespace
 
 struct WeatherAir::Parts {
-  // A sky of cloud alone.
-  struct Overcast {
+  // A sky of cloud alone, or air with fog.
+  struct Turbid {
     Atmosphere diffuse, beam;
     BandChoice bands;
     DirectionNodes rings;
     std::unique_ptr<const ThermalSurroundings> light;
 
-    Overcast(Atmosphere of_sky, Atmosphere of_beam, const DirectionNodes& nodes)
+    Turbid(Atmosphere of_sky, Atmosphere of_beam, const DirectionNodes& nodes)
         : diffuse(std::move(of_sky)), beam(std::move(of_beam)), rings(nodes) {}
+    //   height_m  as the profile counts
+    [[nodiscard]] static absl::StatusOr<std::unique_ptr<const Turbid>> make(
+        const WeatherSpec& weather, bool overcast, double height_m, const DirectionNodes& rings);
     [[nodiscard]] PathRadiance radiance(Sight sight, const LightPath& path,
                                         const std::optional<SunPlace>& sun,
                                         const AirSpectrum& surroundings) const;
@@ -48,15 +51,16 @@ struct WeatherAir::Parts {
   WeatherSpec weather;
   std::unique_ptr<const Environment> environment;  // of the clear sky
   std::optional<Atmosphere> clear;
-  std::unique_ptr<const Overcast> overcast;  // null without a cover
+  std::unique_ptr<const Turbid> fog;       // of the clear sky; null without fog
+  std::unique_ptr<const Turbid> overcast;  // null without a cover
 };
 
-AirSpectrum WeatherAir::Parts::Overcast::scattered_sun(Sight sight, const LightPath& path,
-                                                       const PathLayers& layers,
-                                                       const SunPlace& sun) const {
+AirSpectrum WeatherAir::Parts::Turbid::scattered_sun(Sight sight, const LightPath& path,
+                                                     const PathLayers& layers,
+                                                     const SunPlace& sun) const {
   AirSpectrum out(kAirBandCount, 0.0);
   const double observer_m = path.node.front().height_m;
-  double lowest_m = diffuse.cloud_levels_m().front();
+  double lowest_m = diffuse.turbid_levels_m().front();
   for (const LightPath::Node& node : path.node) lowest_m = std::min(lowest_m, node.height_m);
   const SunAmounts amounts(diffuse, lowest_m, sun.zenith_deg, bands);
   if (!amounts.lit()) return out;
@@ -82,9 +86,9 @@ AirSpectrum WeatherAir::Parts::Overcast::scattered_sun(Sight sight, const LightP
   return out;
 }
 
-PathRadiance WeatherAir::Parts::Overcast::radiance(Sight sight, const LightPath& path,
-                                                   const std::optional<SunPlace>& sun,
-                                                   const AirSpectrum& surroundings) const {
+PathRadiance WeatherAir::Parts::Turbid::radiance(Sight sight, const LightPath& path,
+                                                 const std::optional<SunPlace>& sun,
+                                                 const AirSpectrum& surroundings) const {
   const AirSpectrum dark(kAirBandCount, 0.0);
   PathRadiance out;
   if (path.step_m.empty()) {
@@ -123,6 +127,16 @@ PathRadiance WeatherAir::Parts::Overcast::radiance(Sight sight, const LightPath&
   return out;
 }
 
+absl::StatusOr<std::unique_ptr<const WeatherAir::Parts::Turbid>> WeatherAir::Parts::Turbid::make(
+    const WeatherSpec& weather, bool overcast, double height_m, const DirectionNodes& rings) {
+  ASSIGN_OR_RETURN(Atmosphere diffuse, turbid_atmosphere(weather, ForwardPeak::kDiffuse, overcast));
+  ASSIGN_OR_RETURN(Atmosphere beam, turbid_atmosphere(weather, ForwardPeak::kBeam, overcast));
+  auto out = std::make_unique<Turbid>(std::move(diffuse), std::move(beam), rings);
+  out->light = std::make_unique<const ThermalSurroundings>(weather, out->diffuse, height_m,
+                                                           out->rings, out->bands, 0);
+  return out;
+}
+
 WeatherAir::WeatherAir(std::unique_ptr<const Parts> parts) : parts_(std::move(parts)) {}
 WeatherAir::WeatherAir(WeatherAir&&) noexcept = default;
 WeatherAir& WeatherAir::operator=(WeatherAir&&) noexcept = default;
@@ -145,15 +159,13 @@ absl::StatusOr<WeatherAir> WeatherAir::make(WeatherSpec weather, double height_m
   without.cloud_cover = 0;
   ASSIGN_OR_RETURN(parts->environment, Environment::make({without}, {{0, false, {0, 0, -1}, 1}},
                                                          above_m, std::move(um)));
+  const DirectionNodes& rings = parts->environment->nodes(false);
   if (of.cloud_cover > 0) {
     IRSIG_CHECK(of.cloud.has_value());
-    ASSIGN_OR_RETURN(Atmosphere diffuse, overcast_atmosphere(of, ForwardPeak::kDiffuse));
-    ASSIGN_OR_RETURN(Atmosphere beam, overcast_atmosphere(of, ForwardPeak::kBeam));
-    auto overcast = std::make_unique<Parts::Overcast>(std::move(diffuse), std::move(beam),
-                                                      parts->environment->nodes(false));
-    overcast->light = std::make_unique<const ThermalSurroundings>(
-        of, overcast->diffuse, lowest_m + above_m, overcast->rings, overcast->bands, 0);
-    parts->overcast = std::move(overcast);
+    ASSIGN_OR_RETURN(parts->overcast, Parts::Turbid::make(of, true, lowest_m + above_m, rings));
+  }
+  if (!parts->clear->turbid_levels_m().empty()) {
+    ASSIGN_OR_RETURN(parts->fog, Parts::Turbid::make(of, false, lowest_m + above_m, rings));
   }
   return WeatherAir(std::move(parts));
 }
@@ -161,19 +173,26 @@ absl::StatusOr<WeatherAir> WeatherAir::make(WeatherSpec weather, double height_m
 absl::StatusOr<PathRadiance> WeatherAir::radiance(
     Sight sight, const Ray& ray, const std::optional<SunPlace>& sun,
     const AirSpectrum* surroundings_w_m2_sr_um) const {
-  ASSIGN_OR_RETURN(const LightPath path, ray(parts_->clear->profile()));
-  PathLight light;
-  light.sun = sun;
-  light.surroundings_w_m2_sr_um = surroundings_w_m2_sr_um
-                                      ? *surroundings_w_m2_sr_um
-                                      : parts_->environment->surroundings_w_m2_sr_um(0);
-  PathRadiance clear = parts_->clear->radiance(path, light);
+  const auto through = [&](const Parts::Turbid& of) -> absl::StatusOr<PathRadiance> {
+    ASSIGN_OR_RETURN(const LightPath path, ray(of.diffuse.profile()));
+    AirSpectrum around =
+        surroundings_w_m2_sr_um ? *surroundings_w_m2_sr_um : of.light->surroundings;
+    around.resize(kAirBandCount, 0.0);
+    return of.radiance(sight, path, sun, around);
+  };
+  const auto through_clear = [&]() -> absl::StatusOr<PathRadiance> {
+    if (parts_->fog) return through(*parts_->fog);
+    ASSIGN_OR_RETURN(const LightPath path, ray(parts_->clear->profile()));
+    PathLight light;
+    light.sun = sun;
+    light.surroundings_w_m2_sr_um = surroundings_w_m2_sr_um
+                                        ? *surroundings_w_m2_sr_um
+                                        : parts_->environment->surroundings_w_m2_sr_um(0);
+    return parts_->clear->radiance(path, light);
+  };
+  ASSIGN_OR_RETURN(PathRadiance clear, through_clear());
   if (!parts_->overcast) return clear;
-  const Parts::Overcast& of = *parts_->overcast;
-  ASSIGN_OR_RETURN(const LightPath below, ray(of.diffuse.profile()));
-  AirSpectrum around = surroundings_w_m2_sr_um ? *surroundings_w_m2_sr_um : of.light->surroundings;
-  around.resize(kAirBandCount, 0.0);
-  const PathRadiance overcast = of.radiance(sight, below, sun, around);
+  ASSIGN_OR_RETURN(const PathRadiance overcast, through(*parts_->overcast));
   const CloudMixer mix{parts_->weather.cloud_cover};
   PathRadiance out;
   out.transmittance = mix(clear.transmittance, overcast.transmittance);

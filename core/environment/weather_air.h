@@ -12,7 +12,7 @@ namespace irsig {
 
 // Light along single rays through the air of one weather, on all of the air's bands, as the
 // conditions of a sweep have it: the mean of a clear and of an overcast sky, by the cover. Without
-// a cover it is Atmosphere::radiance, to the last bit. Immutable.
+// a cover and without fog it is Atmosphere::radiance, to the last bit. Immutable.
 class WeatherAir {
  public:
   //   height_m  above the sea: of the point whose surroundings are scattered into paths; held

@@ -79,7 +79,7 @@ WeatherBounds::WeatherBounds(const WeatherSpec& spec, const Atmosphere& atmosphe
       smallest_asymmetry(kAirBandCount, 1.0),
       largest_asymmetry(kAirBandCount, 0.0) {
   const AirProfile& profile = atmosphere.profile();
-  cloudy = atmosphere.spec().cloud.has_value();
+  cloudy = !atmosphere.turbid_levels_m().empty();
   for (std::uint32_t n = 0; n < rings.sky(); n += rings.azimuths()) {
     sky_sine.push_back(rings.sin_elevation(n));
   }

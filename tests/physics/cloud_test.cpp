@@ -33,10 +33,12 @@ TEST(TwoStream, IsothermalColumnAboveItsOwnGroundIsABlackBody) {
   const std::vector<StreamLayer> layers = {
       {1e-3, 0.5, 0.4, 2, 2}, {3, 0.9, 0.45, 2, 2}, {1e4, 0.99, 0.4, 2, 2}, {0, 0.9, 0, 2, 2}};
   for (const double albedo : {0.0, 0.3, 0.99}) {
-    for (const double x : mean_diffuse_radiance(
+    for (const StreamLight& x : diffuse_light(
              layers,
-             {.down_radiance = 2, .up_radiance = 2 * (1 - albedo), .surface_albedo = albedo}))
-      EXPECT_NEAR(x, 2, 1e-12);
+             {.down_radiance = 2, .up_radiance = 2 * (1 - albedo), .surface_albedo = albedo})) {
+      EXPECT_NEAR(x.mean, 2, 1e-12);
+      EXPECT_NEAR(x.slope, 0, 1e-12);
+    }
   }
 }
 
@@ -44,11 +46,11 @@ TEST(TwoStream, SunlightThatNothingAbsorbsIsConserved) {
   for (const double depth : {0.01, 1.0, 30.0, 1e3}) {
     for (const double cosine : {0.02, 0.5, 1.0}) {
       const std::vector<StreamLayer> layer = {{depth, 1, 0.46, 0, 0}};
-      const std::vector<double> mean =
-          mean_diffuse_radiance(layer, {.sun_irradiance = 1, .sun_cosine = cosine});
+      const std::vector<StreamLight> light =
+          diffuse_light(layer, {.sun_irradiance = 1, .sun_cosine = cosine});
       // Nothing enters: the mean at a boundary is the flux that leaves over 2 pi.
       const double out =
-          2 * M_PI * (mean.front() + mean.back()) + cosine * std::exp(-depth / cosine);
+          2 * M_PI * (light.front().mean + light.back().mean) + cosine * std::exp(-depth / cosine);
       EXPECT_NEAR(out, cosine, 5e-6) << depth << " " << cosine;
     }
   }
@@ -59,14 +61,13 @@ TEST(TwoStream, LayersMayBeCut) {
       .down_radiance = 0.3, .up_radiance = 0.9, .surface_albedo = 0.2};
   const std::vector<StreamLayer> whole = {{4, 0.8, 0.4, 1, 2}},
                                  cut = {{1, 0.8, 0.4, 1, 1.25}, {3, 0.8, 0.4, 1.25, 2}};
-  const auto a = mean_diffuse_radiance(whole, boundaries),
-             b = mean_diffuse_radiance(cut, boundaries);
-  EXPECT_NEAR(a.front(), b.front(), 1e-12);
-  EXPECT_NEAR(a.back(), b.back(), 1e-12);
+  const auto a = diffuse_light(whole, boundaries), b = diffuse_light(cut, boundaries);
+  EXPECT_NEAR(a.front().mean, b.front().mean, 1e-12);
+  EXPECT_NEAR(a.back().mean, b.back().mean, 1e-12);
   const StreamBoundaries sun{.surface_albedo = 0.2, .sun_irradiance = 1, .sun_cosine = 0.6};
-  const auto c = mean_diffuse_radiance(whole, sun), d = mean_diffuse_radiance(cut, sun);
-  EXPECT_NEAR(c.front(), d.front(), 1e-12);
-  EXPECT_NEAR(c.back(), d.back(), 1e-12);
+  const auto c = diffuse_light(whole, sun), d = diffuse_light(cut, sun);
+  EXPECT_NEAR(c.front().mean, d.front().mean, 1e-12);
+  EXPECT_NEAR(c.back().mean, d.back().mean, 1e-12);
 }
 
 // Flux that leaves a layer's bottom when sunlight of irradiance 1 falls on its top, photon by
@@ -111,8 +112,7 @@ TEST(TwoStream, SunlightThroughACloudAsPhotonsHaveIt) {
                                              c.albedo * (1 - peak) / (1 - c.albedo * peak),
                                              c.g / (1 + c.g), 0, 0}};
     const double ours =
-        2 * M_PI *
-            mean_diffuse_radiance(layer, {.sun_irradiance = 1, .sun_cosine = c.cosine}).back() +
+        2 * M_PI * diffuse_light(layer, {.sun_irradiance = 1, .sun_cosine = c.cosine}).back().mean +
         c.cosine * std::exp(-layer[0].depth / c.cosine);
     const double photons = transmitted_by_photons(c.depth, c.albedo, c.g, c.cosine, 400000);
     EXPECT_NEAR(ours, photons, 0.08 * photons) << c.depth;
@@ -178,6 +178,7 @@ struct Sky {
     weather.lower.temperature_k = weather.air.profile.level.front().temperature_k;
     environment = *Environment::make({weather}, {ConditionEnvironment{}}, 2, all_bands_um());
     if (cloud) weather.air.cloud = *cloud;
+    weather.air.forward_peak = ForwardPeak::kDiffuse;
     air = std::make_unique<const Atmosphere>(*Atmosphere::make(weather.air));
     light = std::make_unique<const ThermalSurroundings>(weather, *air, 2, environment->nodes(),
                                                         bands, 0);
@@ -462,13 +463,14 @@ TEST(CloudLight, OfIsothermalAirAndGroundHasTheirTemperature) {
       level.gas.h2o_ppmv = std::min(level.gas.h2o_ppmv, 100.0);
     }
     w.air.cloud = w.cloud;
+    w.air.forward_peak = ForwardPeak::kDiffuse;
     const Atmosphere air = *Atmosphere::make(w.air);
     AirSpectrum planck;
     for (const double um : all_bands_um())
       planck.push_back(planck_radiance_w_m2_sr_um(um, kKelvin));
     const BandChoice bands;
     const CloudLight light(air, {planck, AirSpectrum(kAirBandCount, 0.5)}, true, bands);
-    const AirSpectrum at_base = light.thermal(w.air.profile.level.front().height_m + base_m);
+    const AirSpectrum at_base = light.thermal(w.air.profile.level.front().height_m + base_m).mean;
     for (std::size_t b = 0; b < kAirBandCount; ++b)
       EXPECT_NEAR(at_base[b], planck[b], 0.005 * planck[b])
           << base_m << " " << air_band_lambda_um(b);
@@ -607,12 +609,13 @@ TEST(CloudSunlight, FollowsALowSun) {
     AbsorberAmounts to_top;
     EXPECT_TRUE(sun.add_to(to_top, cirrus.top_m));
     const double ours =
-        CloudSunlight(*sky.light->cloud(), sun, zenith_deg).mean_per_sr(cirrus.top_m)[band];
+        CloudSunlight(*sky.light->cloud(), sun, zenith_deg).scattered(cirrus.top_m).mean[band];
     const std::vector<StreamLayer> layer = {
         {depth, optics.scattering[band] / depth, optics.asymmetry[band], 0, 0}};
-    return ours / mean_diffuse_radiance(layer, {.sun_irradiance = transmittance(to_top)[band],
-                                                .sun_cosine = std::cos(zenith_deg * M_PI / 180)})
-                      .front();
+    return ours / diffuse_light(layer, {.sun_irradiance = transmittance(to_top)[band],
+                                        .sun_cosine = std::cos(zenith_deg * M_PI / 180)})
+                      .front()
+                      .mean;
   };
   for (const double zenith_deg : {50.0, 80.0, 85.0, 88.0})
     EXPECT_NEAR(ratio_to_streams(zenith_deg), 1, 0.05) << zenith_deg;
@@ -628,6 +631,7 @@ TEST(WeatherAir, HasTheSkyOfRowsAndTheSharpBeamsTransmittance) {
   };
   const PathRadiance ray = *air.radiance(WeatherAir::Sight::kDiffuse, up, std::nullopt);
   w.air.cloud = cirrus;
+  w.air.forward_peak = ForwardPeak::kDiffuse;
   const Atmosphere diffuse = *Atmosphere::make(w.air);
   const auto environment = Environment::make({w}, {ConditionEnvironment{}}, 2, all_bands_um());
   const BandChoice bands;
@@ -680,10 +684,11 @@ TEST(CloudSky, KeepsTheSunlightOfThinIceAroundTheSun) {
       const double passed =
           std::exp(-depth / cosine) +
           2 * M_PI / cosine *
-              mean_diffuse_radiance(std::vector<StreamLayer>{{depth, optics.scattering[b] / depth,
-                                                              optics.asymmetry[b], 0, 0}},
-                                    {.sun_irradiance = 1, .sun_cosine = cosine})
-                  .back();
+              diffuse_light(std::vector<StreamLayer>{{depth, optics.scattering[b] / depth,
+                                                      optics.asymmetry[b], 0, 0}},
+                            {.sun_irradiance = 1, .sun_cosine = cosine})
+                  .back()
+                  .mean;
       EXPECT_NEAR((day.view.sun[i] * cosine + diffuse[i]) / (clear.view.sun[i] * cosine), passed,
                   0.06)
           << zenith_deg << " " << kUm[i];
@@ -699,6 +704,7 @@ TEST(ThermalSurroundings, OfHoleAndDeckShareTheirAirAndKeepFewLayers) {
   const Sky sky(AfglProfile::kMidlatitudeSummer, AerosolKind::kRural, nullptr);
   WeatherSpec cloudy = sky.weather;
   cloudy.air.cloud = kStratus;
+  cloudy.air.forward_peak = ForwardPeak::kDiffuse;
   const Atmosphere air = *Atmosphere::make(cloudy.air);
   const DirectionNodes& nodes = sky.environment->nodes();
   const ThermalSurroundings alone(cloudy, air, 2, nodes, sky.bands, 0),
@@ -801,6 +807,7 @@ TEST(CloudSky, ASensorThatRisesThroughAnEdgeLosesSightWithoutAJump) {
   const CloudSpec cloud = {CloudPhase::kIce, 1000, 2000, 0.0067, 64};
   AtmosphereSpec spec = weather(1, cloud).air;
   spec.cloud = cloud;
+  spec.forward_peak = ForwardPeak::kDiffuse;
   const Atmosphere air = *Atmosphere::make(spec);
   for (const double edge_m : {1000.0, 2000.0}) {
     for (const bool above_target : {true, false}) {

@@ -94,6 +94,7 @@ absl::StatusOr<Finding> edges_have_no_jump(Effort) {
   for (const auto& [base_m, top_m] : {std::pair{0.5, 3.0}, {330.0, 331.0}, {1000.0, 2000.0}}) {
     AtmosphereSpec spec = air_spec();
     spec.cloud = layer_of(base_m, top_m, 0.3);
+    spec.forward_peak = ForwardPeak::kDiffuse;
     ASSIGN_OR_RETURN(const Atmosphere air, Atmosphere::make(spec));
     const std::size_t band = *air_band(10);
     for (const double edge_m : {base_m, top_m}) {
@@ -128,18 +129,18 @@ absl::StatusOr<Finding> streams_stay_possible(Effort) {
           // A column, its ground and the light above of one temperature: a black body.
           const std::vector<StreamLayer> layer = {{depth, albedo, asymmetry, 3, 3},
                                                   {depth, albedo, asymmetry, 3, 3}};
-          for (const double x : mean_diffuse_radiance(
+          for (const StreamLight& x : diffuse_light(
                    layer,
                    {.down_radiance = 3, .up_radiance = 3 * (1 - ground), .surface_albedo = ground}))
-            worst.see(std::abs(x / 3 - 1), where);
+            worst.see(std::abs(x.mean / 3 - 1), where);
           for (const double cosine : {0.02, 0.5773502691896258, 1.0}) {
             const std::vector<StreamLayer> cold = {{depth, albedo, asymmetry, 0, 0}};
-            const std::vector<double> mean = mean_diffuse_radiance(
+            const std::vector<StreamLight> light = diffuse_light(
                 cold, {.surface_albedo = ground, .sun_irradiance = 1, .sun_cosine = cosine});
             // What leaves the top is a part of what falls on it; nothing comes from above.
-            const double leaves = 2 * std::numbers::pi * mean.front();
+            const double leaves = 2 * std::numbers::pi * light.front().mean;
             worst.require(leaves >= 0 && leaves <= cosine * (1 + 1e-5), where);
-            worst.require(std::isfinite(mean.back()) && mean.back() >= 0, where);
+            worst.require(std::isfinite(light.back().mean) && light.back().mean >= 0, where);
           }
         }
       }
