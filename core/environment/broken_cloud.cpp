@@ -58,6 +58,21 @@ absl::StatusOr<Atmosphere> turbid_atmosphere(const WeatherSpec& weather, Forward
   return Atmosphere::make(std::move(air));
 }
 
+namespace {
+
+std::vector<LandAir> mixed(const CloudMixer& mix, const std::vector<LandAir>& clear,
+                           const std::vector<LandAir>& overcast) {
+  IRSIG_CHECK(clear.size() == overcast.size());
+  std::vector<LandAir> out;
+  for (std::size_t k = 0; k < clear.size(); ++k)
+    out.push_back({mix(clear[k].transmittance, overcast[k].transmittance),
+                   mix(clear[k].path_radiance, overcast[k].path_radiance),
+                   mix(clear[k].sky, overcast[k].sky), mix(clear[k].sun, overcast[k].sun)});
+  return out;
+}
+
+}  // namespace
+
 ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvironment& overcast,
                                    double cover, double sky_relative) {
   const CloudMixer mix{cover};
@@ -88,6 +103,9 @@ ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvir
         mix.error(clear.background_model_error[k], overcast.background_model_error[k],
                   clear.background_apparent[k], overcast.background_apparent[k]));
   }
+  out.land = {mixed(mix, clear.land.at_target, overcast.land.at_target),
+              mixed(mix, clear.land.apparent, overcast.land.apparent),
+              mixed(mix, clear.land.behind, overcast.land.behind)};
   out.sky_interpolation = std::max(clear.sky_interpolation, overcast.sky_interpolation);
   out.lower_interpolation = std::max(clear.lower_interpolation, overcast.lower_interpolation);
   out.joined_lines_bound = std::max(clear.joined_lines_bound, overcast.joined_lines_bound);

@@ -226,7 +226,8 @@ struct Environment::SightLine::Parts {
     SensorRay path;
     std::optional<LineHorizon> horizon;
     std::unique_ptr<const SensorPath> leg;
-    std::vector<SensorPath> end;  // [Line::end]
+    std::vector<SensorPath> end;   // [Line::end]
+    std::vector<SensorPath> land;  // [Line::land_range_m]
     std::unique_ptr<ViewLight> light;
   };
   std::map<std::uint32_t, Weather> weather;
@@ -235,6 +236,11 @@ struct Environment::SightLine::Parts {
   [[nodiscard]] absl::Status add(std::uint32_t index) {
     if (weather.contains(index)) return absl::OkStatus();
     const Environment::Parts::Weather& w = of.weather[index];
+    if (line.land && w.spec.imported) {
+      return absl::InvalidArgumentError(
+          "[land] needs the embedded atmosphere: imported air holds for one range, and land is "
+          "seen at many; leave out the imported file or [land]");
+    }
     ASSIGN_OR_RETURN(SensorRay path,
                      sensor_ray(w.spec, *w.atmosphere, w.height_m, line, of.wavelengths.bands));
     Weather& here = weather[index];
@@ -266,8 +272,13 @@ struct Environment::SightLine::Parts {
         here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end), w.beam(),
                               w.height_m, of.wavelengths, of.cloud_of(w));
       }
+      for (const double range_m : line.land_range_m) {
+        const SensorRay ray =
+            land_path(w.spec, *w.atmosphere, w.height_m, here.path, line, range_m);
+        here.land.emplace_back(ray, w.beam(), w.height_m, of.wavelengths, of.cloud_of(w));
+      }
       here.light = std::make_unique<ViewLight>(sensor_path_of(index), of.light_of(w), line,
-                                               *here.horizon, of.wavelengths, here.end);
+                                               *here.horizon, of.wavelengths, here.end, here.land);
     }
     return *here.light;
   }

@@ -154,6 +154,16 @@ SensorRay end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double
   return {line.path, line.sensor_height_m, 0, nullptr};
 }
 
+SensorRay land_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
+                    const SensorRay& line, const SensorLine& sight, double range_m) {
+  // Height of the straight line at that range, above a spherical Earth.
+  const double beyond_m = sight.range_m - range_m, r = kEarthRadiusM + height_m;
+  const double rise_m = beyond_m * std::sin(sight.elevation_deg * kRadPerDeg);
+  const double r_land = std::sqrt(r * r + beyond_m * beyond_m + 2 * r * rise_m);
+  const double land_m = height_m + (beyond_m * beyond_m + 2 * r * rise_m) / (r_land + r);
+  return end_path(spec, atmosphere, height_m, line, {range_m, land_m});
+}
+
 SensorPath::SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
                        const NodeWavelengths& wavelengths, const CloudLight* cloud)
     : layers(atmosphere, path.path, wavelengths.bands, cloud),

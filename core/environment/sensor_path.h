@@ -41,6 +41,12 @@ struct SensorRay {
                                  double height_m, const SensorRay& line,
                                  const SensorLine::End& end);
 
+// Returns the ray that goes on along a line of sight beyond the target, to land at a range from the
+// sensor. Land below the surface of the weather counts as that surface.
+[[nodiscard]] SensorRay land_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
+                                  double height_m, const SensorRay& line, const SensorLine& sight,
+                                  double range_m);
+
 // The air of one weather between sensor and target.
 class SensorPath {
  public:

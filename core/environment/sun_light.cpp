@@ -465,6 +465,30 @@ AirSpectrum SunLight::limb_ratio(std::size_t ring, const AbsorberAmounts& near) 
                             limb_source(ring));
 }
 
+AirSpectrum SunLight::scattered_around(const PathLayers& path, const AbsorberAmounts* near) const {
+  constexpr int kDirections = 8;
+  PhaseMean phase;
+  for (int i = 0; i < kDirections; ++i) {
+    const double azimuth = 2 * std::numbers::pi * (i + 0.5) / kDirections;
+    phase.add(1, dot(direction_, {std::cos(azimuth), std::sin(azimuth), 0}));
+  }
+  AirSpectrum out = path.scattered(*sun_, near, cloud()).per_sr(phase);
+  multiply(out, outside);
+  return out;
+}
+
+AirSpectrum SunLight::sky_on_level() const {
+  const IncidentRadiance::Sunlight& light = *around().light;
+  const std::vector<double> weight = level_weights(weather_.sky);
+  AirSpectrum out(kAirBandCount, 0.0);
+  for (std::size_t node = 0; node < weight.size() * azimuths_; ++node) {
+    const double share = weight[node / azimuths_] / azimuths_;
+    for (std::size_t j = 0; j < wavelengths_.used.size(); ++j)
+      out[wavelengths_.used[j]] += share * static_cast<double>(light.air.row(node)[j]);
+  }
+  return out;
+}
+
 AirSpectrum SunLight::scattered_by(const PathLayers& path, Vec<Body> towards) const {
   const ScatteredSun source = path.scattered(*sun_, nullptr, cloud());
   const double cosine = -dot(direction_, towards);

@@ -61,6 +61,13 @@ class SunLight {
   // target to the observer.
   [[nodiscard]] AirSpectrum scattered_by(const PathLayers& path, Vec<Body> towards) const;
 
+  // Returns the sunlight that a level path scatters, the mean over azimuths, behind near air if any.
+  [[nodiscard]] AirSpectrum scattered_around(const PathLayers& path,
+                                             const AbsorberAmounts* near = nullptr) const;
+  // Returns the mean radiance of the sunlit sky over the hemisphere, weighted with the sine of the
+  // elevation.
+  [[nodiscard]] AirSpectrum sky_on_level() const;
+
   // Sunlight in one direction, between two rings (the second has the weight f), not averaged.
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;

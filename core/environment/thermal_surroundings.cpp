@@ -86,6 +86,16 @@ std::vector<double> ring_weights(const std::vector<double>& sine) {
   return w;
 }
 
+std::vector<double> level_weights(const std::vector<SkyRing>& sky) {
+  std::vector<double> sine;
+  for (const SkyRing& ring : sky) sine.push_back(ring.sin_elevation);
+  std::vector<double> out = ring_weights(sine);
+  double sum = 0;
+  for (std::size_t r = 0; r < out.size(); ++r) sum += out[r] *= sine[r];
+  for (double& w : out) w /= sum;
+  return out;
+}
+
 double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance) {
   double sum = 0, count = 0;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -297,6 +307,23 @@ const std::vector<SkyRing>& ThermalSurroundings::limb() const {
     }
     return rings;
   });
+}
+
+const std::vector<PathLayers>& ThermalSurroundings::land_air() const {
+  return land_air_.get([&] {
+    std::vector<PathLayers> out;
+    for (const double range_m : kLandRangeM)
+      out.emplace_back(atmosphere_, level_path(height_m_, range_m), bands_, cloud_.get());
+    return out;
+  });
+}
+
+AirSpectrum ThermalSurroundings::sky_on_level() const {
+  const std::vector<double> weight = level_weights(sky);
+  AirSpectrum out(kAirBandCount, 0.0);
+  for (std::size_t r = 0; r < sky.size(); ++r)
+    for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] += weight[r] * sky[r].total[b];
+  return out;
 }
 
 SkyRing ThermalSurroundings::make_sky(double sin_elevation) const {

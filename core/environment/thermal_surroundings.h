@@ -86,6 +86,11 @@ class ThermalSurroundings {
   // One more of the suns will not ask for LowerRing::cell any more.
   void sun_is_made() const;
 
+  // Air between the target and land at kLandRangeM, level. Made when it is first asked for.
+  [[nodiscard]] const std::vector<PathLayers>& land_air() const;
+  // Returns the sky's mean radiance over the hemisphere, weighted with the sine of the elevation.
+  [[nodiscard]] AirSpectrum sky_on_level() const;
+
   // Light that the atmosphere's cloud and fog scatter; null without them.
   [[nodiscard]] const CloudLight* cloud() const { return cloud_.get(); }
 
@@ -134,6 +139,7 @@ class ThermalSurroundings {
   WaterSpectrum water_;                  // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
   Lazy<std::vector<SkyRing>> limb_;
+  Lazy<std::vector<PathLayers>> land_air_;
   mutable std::atomic<int> suns_to_come_;
 };
 
@@ -146,6 +152,9 @@ inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.3
 
 // Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.
 [[nodiscard]] std::vector<double> ring_weights(const std::vector<double>& sine);
+
+// Weights of a sky's rings in the irradiance of a level surface over pi; they add up to 1.
+[[nodiscard]] std::vector<double> level_weights(const std::vector<SkyRing>& sky);
 
 // Mean over the bands of error / radiance.
 [[nodiscard]] double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance);

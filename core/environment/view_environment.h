@@ -7,6 +7,7 @@
 #include "core/environment/air.h"
 #include "core/environment/background_directions.h"
 #include "core/environment/incident_radiance.h"
+#include "core/environment/land_air.h"
 #include "core/geo/frames.h"
 
 namespace irsig {
@@ -23,6 +24,10 @@ struct SensorLine {
     double range_m, height_m;
   };
   std::vector<End> end = {};
+  // Whether land lies around the target, and ranges from the sensor, increasing, at which land
+  // behind the target is to be seen.
+  bool land = false;
+  std::vector<double> land_range_m = {};
 };
 
 // The sun of a condition as the target's point sees it: lifted by refraction (if the weather has
@@ -77,6 +82,7 @@ struct ViewEnvironment {
   Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
   IncidentRadiance around;                         // sky, then lower
   std::vector<Spectrum> background_apparent;       // [node of SensorLine::behind]
+  LandLight land;  // empty unless SensorLine::land
   // Errors of background_apparent: the largest deviation from straight lines to the neighbouring
   // nodes found at three places between (within a factor of 2 of the largest error,
   // tests/physics/horizon_test.cpp), and one sigma of the models. Empty: none.

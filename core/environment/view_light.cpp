@@ -72,13 +72,15 @@ struct ViewLight::Solar {
 
 ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
                      const SensorLine& line, const LineHorizon& horizon,
-                     const NodeWavelengths& wavelengths, const std::vector<SensorPath>& end)
+                     const NodeWavelengths& wavelengths, const std::vector<SensorPath>& end,
+                     const std::vector<SensorPath>& land)
     : leg_(leg),
       light_(light),
       line_(line),
       horizon_(horizon),
       wavelengths_(wavelengths),
       end_(end),
+      land_(land),
       path_radiance_(leg.radiance(&light.surroundings)),
       sky_ratio_(light.sky.size(),
                  [this](std::size_t r) {
@@ -274,6 +276,8 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   }
   const bool background_sun = sun && use.background;
   add_behind(out, background_sun ? sun : nullptr, background_sun ? &*solar : nullptr);
+  if (line_.land)
+    add_land(out, diffuse_sun ? sun : nullptr, background_sun ? sun : nullptr, scattered);
   // Products of band means err by up to 40 % for the sky's and 11 % for the sun's lines over 5 km.
   out.sky_model_relative =
       std::hypot(diffuse_sun ? sun->around().model_relative : light_.sky_model_relative,
@@ -281,6 +285,67 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
   out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
   return out;
+}
+
+void ViewLight::add_land(ViewEnvironment& out, const SunLight* sun, const SunLight* behind,
+                         const AirSpectrum& path) const {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  const AbsorberAmounts none, near = leg_.layers.amounts();
+  // The lines of the reflected sky are those of the ring from which most of it comes.
+  const std::uint32_t ring = light_.lower.back().mirrored_ring;
+  const AirSpectrum sky = light_.sky_on_level();
+  struct Sunlight {
+    const SunLight* light = nullptr;
+    AirSpectrum sky, at_target;
+  };
+  const auto sunlight = [&](const SunLight* of) {
+    return of ? Sunlight{of, of->sky_on_level(), of->joined(none)} : Sunlight{};
+  };
+  const Sunlight around = sunlight(sun), beyond = sunlight(behind);
+  const auto land = [&](const AbsorberAmounts& amounts, const AirSpectrum& transmittance,
+                        const AirSpectrum& thermal, const AirSpectrum& scattered,
+                        const Sunlight& lit) {
+    AirSpectrum from_sky = light_.sky_ratio(ring, amounts, transmittance), sunlit = dark,
+                irradiance = dark;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) from_sky[b] *= sky[b];
+    if (lit.light != nullptr) {
+      irradiance = sunlit = lit.light->joined(amounts);
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        sunlit[b] *= lit.at_target[b] > 0 ? lit.sky[b] / lit.at_target[b] : 0;
+        irradiance[b] *= lit.light->outside[b];
+      }
+    }
+    const std::vector<double> no_light(wavelengths_.um.size(), 0.0);
+    return LandAir{leg_.per_wavelength(transmittance),
+                   leg_.plus_solar(leg_.spread_thermal(thermal), scattered),
+                   leg_.plus_solar(leg_.spread_thermal(from_sky), sunlit),
+                   leg_.plus_solar(no_light, irradiance)};
+  };
+  const auto thermal_of = [&](const AirSpectrum& own, const AirSpectrum& fraction) {
+    AirSpectrum sum = own;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) sum[b] += fraction[b] * light_.surroundings[b];
+    return sum;
+  };
+  for (const PathLayers& air : light_.land_air()) {
+    out.land.at_target.push_back(land(air.amounts(), air.transmittance,
+                                      thermal_of(air.thermal_w_m2_sr_um, air.surroundings_fraction),
+                                      sun ? sun->scattered_around(air) : dark, around));
+    const PathLayers::Behind seen = air.behind(near, leg_.transmittance);
+    out.land.apparent.push_back(
+        land(air.amounts() + near, seen.transmittance,
+             thermal_of(seen.thermal_w_m2_sr_um, seen.surroundings_fraction),
+             sun ? sun->scattered_around(air, &near) : dark, around));
+  }
+  for (const SensorPath& air : land_) {
+    AirSpectrum thermal = air.radiance(&light_.surroundings),
+                scattered = behind ? behind->scattered_by(air.layers, line_.direction) : dark;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      thermal[b] = std::max(0.0, thermal[b] - path_radiance_[b]);
+      if (behind) scattered[b] = std::max(0.0, scattered[b] - path[b]);
+    }
+    out.land.behind.push_back(
+        land(air.layers.amounts(), air.transmittance, thermal, scattered, beyond));
+  }
 }
 
 // What is imported holds for one place: the others differ from it as the embedded model has it.

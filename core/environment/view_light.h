@@ -21,7 +21,7 @@ class ViewLight {
   // All arguments outlive the object.
   ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const SensorLine& line,
             const LineHorizon& horizon, const NodeWavelengths& wavelengths,
-            const std::vector<SensorPath>& end);
+            const std::vector<SensorPath>& end, const std::vector<SensorPath>& land);
   ViewLight(const ViewLight&) = delete;
   ViewLight& operator=(const ViewLight&) = delete;
 
@@ -63,13 +63,19 @@ class ViewLight {
   [[nodiscard]] const AirSpectrum& sky_from_horizon(std::size_t ring);
   void add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
+  //   sun     whose light the target sees on land; null: none
+  //   behind  whose light the sensor sees on land behind the target; null: none
+  //   path    sunlight that the air between target and sensor scatters
+  void add_land(ViewEnvironment& out, const SunLight* sun, const SunLight* behind,
+                const AirSpectrum& path) const;
 
   const SensorPath& leg_;
   const ThermalSurroundings& light_;
   const SensorLine& line_;
   const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
-  const std::vector<SensorPath>& end_;  // [Line::end]
+  const std::vector<SensorPath>& end_;   // [SensorLine::end]
+  const std::vector<SensorPath>& land_;  // [SensorLine::land_range_m]
   AirSpectrum path_radiance_;
   ModelError error_;
   RingRatios sky_ratio_, mirrored_ratio_;  // of the sky, and of what the surface mirrors of it

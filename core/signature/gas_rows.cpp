@@ -227,11 +227,7 @@ absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
   ASSIGN_OR_RETURN(const auto wavelengths, GasWavelengths::make(scene.axis.node_um()));
   const std::size_t bands = request.selected_band.size();
   out.resize(request.selected_condition.size() * bands);
-  const ViewSources sources({.condition = request.condition,
-                             .wanted = request.selected_condition,
-                             .parts = scene.target.part.size(),
-                             .surface_z_m = scene.surface_z_m(),
-                             .emitters = request.emitters},
+  const ViewSources sources(source_request(scene, request, request.selected_condition),
                             plan.effects, {view, &view->environments}, scene.axis.node_um());
   for (const std::shared_ptr<const PlumeField>& field : fields) {
     std::vector<std::size_t> having;

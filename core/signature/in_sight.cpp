@@ -36,10 +36,33 @@ double highest_m(const Target& target, const Plane& plane) {
   return out;
 }
 
+absl::Status check_above_land(const Target& target, const LandScene& scene, double above_m,
+                              Vec<Body> sensor, const Viewpoint& viewpoint) {
+  // Not owned: the land outlives this call.
+  const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
+                  above_m - target.centre.z, target.centre, {});
+  const Vec<Enu> eye = land.place(sensor);
+  if (const auto surface_m = land.field().z_m(eye.x, eye.y); surface_m && eye.z < *surface_m)
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%s lies %.4g m below the land there; raise it or take a shorter range", text_of(viewpoint),
+        *surface_m - eye.z));
+  // A vertex that touches the land is not below it, whatever its rounding.
+  const auto offset_m = static_cast<double>(target.offset_m());
+  for (std::size_t i = 0; i < target.vertex.size() / 3; ++i) {
+    const Vec<Enu> from = land.place(vertex(target, i)) + Vec<Enu>{0, 0, offset_m};
+    if (!land.field().hidden(from, eye - from, 1)) return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "%s has nothing of the target in sight: land hides all of it; take a higher sensor or another "
+      "azimuth",
+      text_of(viewpoint)));
+}
+
 }  // namespace
 
 absl::Status check_in_sight(const Target& target, std::span<const ConditionSpec> condition,
-                            const Environment* environment, const Viewpoint& viewpoint) {
+                            const Environment* environment, const LandScene* land,
+                            const Viewpoint& viewpoint) {
   const auto [least, most] = std::minmax_element(
       condition.begin(), condition.end(), [](const ConditionSpec& a, const ConditionSpec& b) {
         return a.above_surface_m < b.above_surface_m;
@@ -48,6 +71,8 @@ absl::Status check_in_sight(const Target& target, std::span<const ConditionSpec>
   const Vec<Body> towards =
       body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
   const Vec<Body> sensor = viewpoint.range_m * towards - target.centre;
+  if (land != nullptr)
+    return check_above_land(target, *land, condition.front().above_surface_m, sensor, viewpoint);
   std::optional<double> known_m;
   for (std::uint32_t c = 0; c < condition.size(); ++c) {
     const double above_m = condition[c].above_surface_m;

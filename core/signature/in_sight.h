@@ -5,6 +5,7 @@
 #include "absl/status/status.h"
 #include "core/environment/environment.h"
 #include "core/geo/viewpoint.h"
+#include "core/land/land_scene.h"
 #include "core/scene/trace/target.h"
 #include "core/sources/condition.h"
 
@@ -13,11 +14,12 @@ namespace irsig {
 // OK if a sensor sees something of the target above sea or ground, under conditions of one kind of
 // surroundings (the kind and above_surface_m are used). Vertices stand for facets.
 //   environment  null: no embedded atmosphere
-// INVALID_ARGUMENT: surface or Earth hide all vertices. Conditions that differ in above_surface_m
+//   land         null: none; else it takes the place of the ground
+// INVALID_ARGUMENT: land, surface or Earth hide all vertices; a sensor below the land. Conditions that differ in above_surface_m
 // share paths, so that none of them may hide a vertex.
 [[nodiscard]] absl::Status check_in_sight(const Target& target,
                                           std::span<const ConditionSpec> condition,
                                           const Environment* environment,
-                                          const Viewpoint& viewpoint);
+                                          const LandScene* land, const Viewpoint& viewpoint);
 
 }  // namespace irsig

@@ -18,12 +18,10 @@ ViewSources sources_of(const MeasuredPaths& measured, const ViewRequest& request
   // A pointer into what outlives it.
   const std::shared_ptr<const ViewEnvironments> environments(std::shared_ptr<void>(),
                                                              &measured.view.environments);
-  return ViewSources({.condition = request.condition,
-                      .wanted = measured.request.selected_condition,
-                      .parts = measured.scene.target.part.size(),
-                      .surface_z_m = measured.scene.surface_z_m(),
-                      .emitters = measured.request.emitters},
-                     measured.plan.effects, environments, measured.scene.axis.node_um());
+  SourceRequest sources =
+      source_request(measured.scene, request, measured.request.selected_condition);
+  sources.emitters = measured.request.emitters;
+  return ViewSources(sources, measured.plan.effects, environments, measured.scene.axis.node_um());
 }
 
 // The lights that one condition needs, as in ViewSources for all together.
@@ -98,7 +96,8 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
       suns.push_back({sun.index, sun.direct, environment->sun, environment->sun_apparent});
     const ConditionSources light(request.condition[c], *environment, sources.geometry(),
                                  layout_of(request.condition[c], sources.geometry(), parts),
-                                 std::move(suns), scene.axis.node_um(), measured.plan.effects);
+                                 std::move(suns), scene.axis.node_um(), measured.plan.effects,
+                                 scene.land_emissivity);
     const LitWeights lit(light, weights, parts);
     for (std::size_t b = 0; b < measured.request.selected_band.size(); ++b) {
       const BandOnAxis band = scene.axis.band(measured.request.selected_band[b]);

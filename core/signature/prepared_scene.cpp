@@ -1,6 +1,7 @@
 #include "core/signature/prepared_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
@@ -18,20 +19,37 @@ namespace {
 constexpr std::size_t kMostCorners = 512;
 constexpr double kFineCorners = 1e-5;
 
-TableCorners corners_of(const std::vector<MaterialSpec>& materials, const Band& band) {
+TableCorners corners_of(const SceneSpec& spec, const Band& band) {
   for (double tolerance = kFineCorners;; tolerance *= 2) {
     TableCorners all;
-    for (const MaterialSpec& material : materials) {
-      const TableCorners own = table_corners(material, band.lambda_min_um - 0.5 * band.step_um,
-                                             band.lambda_max_um + 0.5 * band.step_um, tolerance);
-      all.um.insert(all.um.end(), own.um.begin(), own.um.end());
-      all.left_out = std::max(all.left_out, own.left_out);
-    }
+    for (const auto* materials : {&spec.material, &spec.land_material})
+      for (const MaterialSpec& material : *materials) {
+        const TableCorners own = table_corners(material, band.lambda_min_um - 0.5 * band.step_um,
+                                               band.lambda_max_um + 0.5 * band.step_um, tolerance);
+        all.um.insert(all.um.end(), own.um.begin(), own.um.end());
+        all.left_out = std::max(all.left_out, own.left_out);
+      }
     // Beyond that only tables of BRDFs are left, which lose none.
     if (all.um.size() > kMostCorners && tolerance < 1) continue;
     std::sort(all.um.begin(), all.um.end());
     return all;
   }
+}
+
+// Returns the emissivity of each node, integrated over the hemisphere with the cosine.
+std::vector<double> hemispherical_emissivity(const Material& material, std::size_t nodes) {
+  constexpr int kSteps = 64;  // of the cosine squared, middles
+  std::vector<double> out(nodes, 0.0);
+  std::vector<float> row(nodes);
+  for (int k = 0; k < kSteps; ++k) {
+    const auto cosine = static_cast<float>(std::sqrt((k + 0.5) / kSteps));
+    if (material.grey())
+      std::fill(row.begin(), row.end(), material.emissivity(cosine));
+    else
+      material.spectral_emissivity(cosine, row.data());
+    for (std::size_t i = 0; i < nodes; ++i) out[i] += static_cast<double>(row[i]) / kSteps;
+  }
+  return out;
 }
 
 std::vector<std::vector<double>> spectra_of(const std::vector<Material>& materials,
@@ -60,7 +78,7 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   out.band = spec.band;
   std::vector<BandGrid> grids;
   for (const Band& band : spec.band) {
-    const TableCorners corners = corners_of(spec.material, band);
+    const TableCorners corners = corners_of(spec, band);
     auto grid = make_band_grid(band, spec.spectral_breaks_um, corners.um);
     if (!grid.ok())
       return problem_status(
@@ -81,8 +99,16 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
     out.material.push_back(*std::move(prepared));
     hash.add(m);
   }
+  std::vector<Material> all = out.material;
+  for (std::size_t i = 0; i < spec.land_material.size(); ++i) {
+    auto prepared =
+        Material::prepare(spec.land_material[i], node_um, sorted.front(), sorted.back());
+    if (!prepared.ok()) return at_key(absl::StrCat("land.material[", i, "]"), prepared.status());
+    out.land_emissivity.push_back(hemispherical_emissivity(*prepared, node_um.size()));
+    all.push_back(*std::move(prepared));
+  }
   for (std::uint32_t b = 0; b < out.axis.bands(); ++b)
-    out.spectrum.push_back(spectra_of(out.material, out.axis.band(b)));
+    out.spectrum.push_back(spectra_of(all, out.axis.band(b)));
   out.basis = make_spectral_basis(out.material);
   if (!out.basis.identity()) {
     std::vector<double> carried_um;

@@ -19,6 +19,7 @@ struct SceneSpec {
   Mesh mesh;
   std::vector<PartSpec> part;
   std::vector<MaterialSpec> material;
+  std::vector<MaterialSpec> land_material = {};  // of LandScene::cover; each is taken as diffuse
   std::vector<Band> band;
   // Wavelengths at which the air's spectrum jumps (air_band_edges_um); empty: none. [um]
   std::vector<double> spectral_breaks_um;
@@ -39,6 +40,8 @@ struct PreparedScene {
   // [band][spectrum][node of the band] Emissivities of materials that are not grey, towards their
   // normals, and 1 less these: what blackbodies' spectra are multiplied with.
   std::vector<std::vector<std::vector<double>>> spectrum;
+  // [land material][node] Hemispherical emissivity, at every node of the axis.
+  std::vector<std::vector<double>> land_emissivity;
   SpectralBasis basis;
   std::vector<Material> carried;  // at the nodes that paths carry; empty: at all
   bool energy_gain = false;       // some part's material creates energy

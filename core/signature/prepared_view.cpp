@@ -67,6 +67,56 @@ double gas_reach_m(const ViewRequest& request) {
 
 }  // namespace
 
+SourceRequest source_request(const PreparedScene& scene, const ViewRequest& request,
+                             std::span<const std::uint32_t> wanted) {
+  return {.condition = request.condition,
+          .wanted = wanted,
+          .parts = scene.target.part.size(),
+          .surface_z_m = scene.surface_z_m(),
+          .emitters = request.emitters,
+          .land = request.land,
+          .land_emissivity = scene.land_emissivity,
+          .centre = scene.target.centre};
+}
+
+// Ranges from the sensor at which land is to be seen behind a target, from rays past the target.
+std::vector<double> land_ranges_m(const ViewRequest& request, const Target& target,
+                                  Vec<Body> sensor) {
+  constexpr int kRays = 24;       // along each side of a square around the target
+  constexpr double kStep = 1.25;  // of nodes
+  constexpr int kMostNodes = 12;
+  const double surface_z_m = request.condition.front().above_surface_m - target.centre.z;
+  const Land land(request.land, surface_z_m, target.centre, {});
+  const Vec<Body> forward = normalized(-1.0 * sensor);
+  const Vec<Body> right = std::hypot(forward.x, forward.y) > 1e-6
+                              ? normalized(Vec<Body>{-forward.y, forward.x, 0})
+                              : Vec<Body>{0, 1, 0};
+  const Vec<Body> up = cross(right, forward);
+  const Vec<Enu> from = land.place(sensor);
+  double nearest_m = INFINITY, farthest_m = 0;
+  for (int i = 0; i <= kRays; ++i)
+    for (int k = 0; k <= kRays; ++k) {
+      const double x = (2.0 * i / kRays - 1) * target.radius_m,
+                   y = (2.0 * k / kRays - 1) * target.radius_m;
+      const Vec<Body> direction = normalized(x * right + y * up - sensor);
+      const auto hit = land.field().first_hit(from, land.direction(direction), 1e9);
+      if (!hit) continue;
+      nearest_m = std::min(nearest_m, hit->distance);
+      farthest_m = std::max(farthest_m, hit->distance);
+    }
+  if (!(farthest_m > 0)) return {};
+  // Land in front of the target is not behind it; rays between these may meet land beyond.
+  nearest_m = std::max(nearest_m, length(sensor) - target.radius_m);
+  farthest_m = std::max(1.02 * farthest_m, 1.001 * nearest_m + 1);
+  const int steps =
+      std::clamp(static_cast<int>(std::ceil(std::log(farthest_m / nearest_m) / std::log(kStep))), 1,
+                 kMostNodes - 1);
+  std::vector<double> out;
+  for (int i = 0; i <= steps; ++i)
+    out.push_back(nearest_m * std::pow(farthest_m / nearest_m, static_cast<double>(i) / steps));
+  return out;
+}
+
 ViewPlan plan_with_everything(const ViewRequest& request) {
   ViewPlan plan;
   plan.effects = EffectSet::everything(request.condition.size(), request.max_reflections);
@@ -118,6 +168,11 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                                         std::sin(std::min(elevation + reach, quarter)),
                                         request.environment->horizons_z(line),
                                         std::atan2(-towards.y, -towards.x));
+  if (request.land != nullptr) {
+    line.land = true;
+    line.land_range_m = out.land_range_m_ =
+        land_ranges_m(request, target, range_m * towards - target.centre);
+  }
   out.behind_ = line.behind;
   out.horizon_ = request.environment->horizon(line);
   ASSIGN_OR_RETURN(auto look, request.environment->sight_line(line));
@@ -151,6 +206,7 @@ const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
 ViewEnvironments ViewSurroundings::without_light() {
   ViewEnvironments out;
   out.horizon = horizon_;
+  out.land_range_m = land_range_m_;
   const std::vector<double> dark(node_um_->size(), 0.0);
   for (std::uint32_t c = 0; c < request_->condition.size(); ++c) {
     const LightBounds& b = bounds(c);
@@ -169,6 +225,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
   ViewEnvironments out;
   out.condition.resize(request_->condition.size());
   out.behind = behind_;
+  out.land_range_m = land_range_m_;
   out.horizon = horizon_;
   if (!look_) {
     for (const std::uint32_t c : conditions) {

@@ -8,6 +8,7 @@
 
 #include "core/environment/environment.h"
 #include "core/signature/plan.h"
+#include "core/signature/prepared_scene.h"
 #include "core/signature/request.h"
 #include "core/signature/unseen.h"
 #include "core/sources/view_sources.h"
@@ -22,6 +23,10 @@ struct PreparedView {
   EffectSet effects;  // for which the environments were made
   std::shared_ptr<const UndersampledSources> unseen = nullptr;  // null: whoever needs it makes it
 };
+
+// Returns what the sources of a view are made from. The result refers to its arguments.
+[[nodiscard]] SourceRequest source_request(const PreparedScene& scene, const ViewRequest& request,
+                                           std::span<const std::uint32_t> wanted);
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {
@@ -52,6 +57,7 @@ class ViewSurroundings {
   const std::vector<double>* node_um_;
   std::vector<Environment::Line::End> end_;
   BackgroundDirections behind_;
+  std::vector<double> land_range_m_;  // SensorLine::land_range_m
   std::optional<Environment::Horizon> horizon_;
   std::optional<Environment::SightLine> look_;
   std::vector<std::optional<LightBounds>> plain_bounds_;  // [condition], without an atmosphere

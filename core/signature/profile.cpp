@@ -31,18 +31,18 @@ struct PointTable {
   double most_transmittance = 1;  // of the air, at any node of the band
 };
 
+SourceRequest without_contrast(SourceRequest request) {
+  request.contrast = false;
+  return request;
+}
+
 // Conditions x bands as seen along one line of sight.
 class LineShading {
  public:
   LineShading(const PreparedScene& scene, const ViewRequest& request,
               std::shared_ptr<const ViewEnvironments> environments,
               const std::vector<std::uint32_t>& conditions, const std::vector<std::uint32_t>& bands)
-      : sources_({.condition = request.condition,
-                  .wanted = conditions,
-                  .parts = scene.target.part.size(),
-                  .surface_z_m = scene.surface_z_m(),
-                  .contrast = false,
-                  .emitters = request.emitters},
+      : sources_(without_contrast(source_request(scene, request, conditions)),
                  EffectSet::everything(request.condition.size(), 1), std::move(environments),
                  scene.axis.node_um()),
         spectral_(std::any_of(scene.material.begin(), scene.material.end(),

@@ -87,7 +87,8 @@ BrightestLight brightest_light(const ViewSetup& setup, const Row& row) {
     out.part.push_back(of(layout.seen(p)));
     raise(out.any_part, out.part.back());
   }
-  for (const SourceRange range : {layout.sky(), layout.lower()})
+  for (const SourceRange range :
+       {layout.sky(), layout.lower(), layout.land(), layout.land_suns()})
     for (const SourceId id : range) raise(out.around, of(id));
   return out;
 }
@@ -104,12 +105,7 @@ ViewSetup::ViewSetup(const PreparedScene& the_scene, const ViewRequest& request,
       view(std::move(the_view)),
       keys(std::move(the_keys)),
       seed(the_seed),
-      sources({.condition = request.condition,
-               .wanted = keys.condition,
-               .parts = scene.target.part.size(),
-               .surface_z_m = scene.surface_z_m(),
-               .emitters = request.emitters},
-              plan.effects, {view, &view->environments}, scene.axis.node_um()),
+      sources(source_request(scene, request, keys.condition), plan.effects, {view, &view->environments}, scene.axis.node_um()),
       undersampled(view->unseen) {
   if (undersampled == nullptr)
     undersampled = std::make_shared<const UndersampledSources>(

@@ -34,7 +34,8 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
                                    const ViewEnvironment& environment,
                                    const SourceGeometry& geometry, const LightLayout& layout,
                                    std::vector<LitSun> suns, const std::vector<double>& node_um,
-                                   const EffectSet& effects)
+                                   const EffectSet& effects,
+                                   std::span<const std::vector<double>> land_emissivity)
     : layout_(layout),
       emitter_(condition.emitter),
       sun_(std::move(suns)),
@@ -87,6 +88,29 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         }
       }
     }
+  for (std::size_t m = 0; m < land_emissivity.size(); ++m) {
+    const double kelvin = condition.land_temperature_k[m];
+    coldest_k_ = std::min(coldest_k_, kelvin);
+    hottest_k_ = std::max(hottest_k_, kelvin);
+    const std::vector<double>& emissivity = land_emissivity[m];
+    const auto add_land = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& thermal,
+                              std::vector<Spectrum>& sunlit) {
+      for (const LandAir& at : air) {
+        Spectrum& emitted = thermal.emplace_back(nodes);
+        Spectrum& mirrored = sunlit.emplace_back(nodes);
+        for (std::size_t i = 0; i < nodes; ++i) {
+          const double reflectance = 1 - emissivity[i];
+          emitted[i] = at.transmittance[i] * emissivity[i] *
+                           planck_radiance_w_m2_sr_um(node_um[i], kelvin) +
+                       at.path_radiance[i] + reflectance * at.sky[i];
+          mirrored[i] = reflectance / std::numbers::pi * at.sun[i];
+        }
+      }
+    };
+    add_land(environment.land.at_target, land_, land_sun_);
+    add_land(environment.land.apparent, land_apparent_, land_sun_apparent_);
+    add_land(environment.land.behind, behind_land_, behind_land_sun_);
+  }
   light_.reserve(layout_.light.count());
   for (const SourceId id : layout_.light.all())
     light_.push_back(light_of(id, geometry.emitters, effects));
@@ -122,8 +146,21 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
       return lit < sun_.size() && sun_[lit].direct ? light(sun_[lit].irradiance, sun_[lit].apparent)
                                                    : dark;
     case Kind::kGlint:
-      return lit < sun_.size() ? light(glint_[lit][at.glint], glint_apparent_[lit][at.glint])
+      return lit < sun_.size() ? light(glint_[lit][at.second], glint_apparent_[lit][at.second])
                                : dark;
+    // Without light from the environment (ViewSurroundings::without_light) land is dark.
+    case Kind::kLand:
+      return effects.lower && !land_.empty() ? light(land_[at.index], land_apparent_[at.index])
+                                             : dark;
+    case Kind::kLandSun:
+      return effects.lower && lit < sun_.size() && !land_.empty()
+                 ? light(land_sun_[at.second], land_sun_apparent_[at.second])
+                 : dark;
+    case Kind::kBehindLand:
+      return behind_land_.empty() ? dark : light(none_, behind_land_[at.index]);
+    case Kind::kBehindLandSun:
+      return lit < sun_.size() && !behind_land_.empty() ? light(none_, behind_land_sun_[at.second])
+                                                        : dark;
     case Kind::kBehind:
       return light(none_, environment_->background_apparent[at.index]);
   }

@@ -39,11 +39,13 @@ class ConditionSources {
  public:
   using Spectrum = std::vector<double>;
 
-  // environment: outlives this.
+  //   environment      outlives this
+  //   land_emissivity  [land material][node]
   ConditionSources(const ConditionSpec& condition, const ViewEnvironment& environment,
                    const SourceGeometry& geometry, const LightLayout& layout,
                    std::vector<LitSun> suns, const std::vector<double>& node_um,
-                   const EffectSet& effects);
+                   const EffectSet& effects,
+                   std::span<const std::vector<double>> land_emissivity = {});
   ConditionSources(ConditionSources&&) = default;
   ConditionSources(const ConditionSources&) = delete;  // sources point to the spectra
 
@@ -123,6 +125,9 @@ class ConditionSources {
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
+  // [material x ranges + node of the range] of land, and of its reflected sunlight.
+  std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
+      behind_land_sun_;
   Spectrum none_;
   IncidentRadiance around_;
   std::vector<Light> light_;  // [source]

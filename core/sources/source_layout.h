@@ -50,8 +50,11 @@ inline constexpr std::size_t kCauses = 5;
 //   sun(j)        direct sun j, per unit irradiance normal to the beam
 //   glint(j, k)   sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
 //                 irradiance normal to the beam and unit reflectance
+//   land(m, r)    land of material m at node r of its range: emission and the sky that it reflects
+//   land_sun(j, m, r)  sun j reflected by such land, per unit cosine of its incidence
 //   behind(k)     not part of the intensity: what of the silhouette stands before direction node k
 //                 (seen from the sensor, beyond the target), for the contrast
+//   behind_land(m, r), behind_land_sun(j, m, r)  likewise, before land
 class SourceLayout {
  public:
   SourceLayout() = default;
@@ -60,17 +63,31 @@ class SourceLayout {
   [[nodiscard]] static SourceLayout with_emitters(std::uint32_t emitters,
                                                   const SourceGeometry& geometry);
 
-  enum class Kind : std::uint8_t { kSeen, kReflected, kSky, kLower, kSun, kGlint, kBehind };
+  enum class Kind : std::uint8_t {
+    kSeen,
+    kReflected,
+    kSky,
+    kLower,
+    kLand,
+    kSun,
+    kGlint,
+    kLandSun,
+    kBehind,
+    kBehindLand,
+    kBehindLandSun
+  };
   struct Place {
     Kind kind;
-    std::uint32_t index;      // of the emitter, the node (below the horizon: as above it), the sun
-    std::uint32_t glint = 0;  // of kGlintCosines
+    // Of the emitter, the node (below the horizon: as above it), the sun; of land: material x ranges
+    // + node of the range.
+    std::uint32_t index;
+    std::uint32_t second = 0;  // of kGlintCosines; of a sun's land: as kLand has it
   };
   [[nodiscard]] Place place_of(SourceId id) const;
 
   [[nodiscard]] std::uint32_t emitters() const { return emitters_; }
   [[nodiscard]] std::uint32_t suns() const { return suns_; }
-  [[nodiscard]] std::uint32_t count() const { return behind_ + background_directions_; }
+  [[nodiscard]] std::uint32_t count() const { return end_; }
 
   [[nodiscard]] SourceId seen(std::uint32_t emitter) const { return SourceId{emitter}; }
   [[nodiscard]] SourceId reflected(std::uint32_t emitter) const {
@@ -83,7 +100,24 @@ class SourceLayout {
   [[nodiscard]] SourceId glint(std::uint32_t j, std::uint32_t k) const {
     return SourceId{glint_ + j * glint_nodes_ + k};
   }
+  [[nodiscard]] SourceId land(std::uint32_t material, std::uint32_t range) const {
+    return SourceId{land_ + material * land_ranges_ + range};
+  }
+  [[nodiscard]] SourceId land_sun(std::uint32_t j, std::uint32_t material,
+                                  std::uint32_t range) const {
+    return SourceId{land_sun_ + (j * land_materials_ + material) * land_ranges_ + range};
+  }
   [[nodiscard]] SourceId behind(std::uint32_t k) const { return SourceId{behind_ + k}; }
+  [[nodiscard]] SourceId behind_land(std::uint32_t material, std::uint32_t range) const {
+    return SourceId{behind_land_ + material * behind_ranges_ + range};
+  }
+  [[nodiscard]] SourceId behind_land_sun(std::uint32_t j, std::uint32_t material,
+                                         std::uint32_t range) const {
+    return SourceId{behind_land_sun_ + (j * land_materials_ + material) * behind_ranges_ + range};
+  }
+  [[nodiscard]] std::uint32_t land_materials() const { return land_materials_; }
+  [[nodiscard]] std::uint32_t land_ranges() const { return land_ranges_; }
+  [[nodiscard]] std::uint32_t behind_ranges() const { return behind_ranges_; }
 
   [[nodiscard]] SourceRange all() const { return {0, count()}; }
   // All but what stands behind the target.
@@ -91,11 +125,15 @@ class SourceLayout {
   [[nodiscard]] SourceRange emitted() const { return {0, emitters_}; }
   [[nodiscard]] SourceRange all_emitted() const { return {0, sky_}; }  // reflected or not
   [[nodiscard]] SourceRange sky() const { return {sky_, lower_}; }
-  [[nodiscard]] SourceRange lower() const { return {lower_, sun_}; }
-  [[nodiscard]] SourceRange around() const { return {sky_, sun_}; }
+  [[nodiscard]] SourceRange lower() const { return {lower_, land_}; }
+  [[nodiscard]] SourceRange around() const { return {sky_, land_}; }
+  [[nodiscard]] SourceRange land() const { return {land_, sun_}; }
+  [[nodiscard]] SourceRange land_suns() const { return {land_sun_, behind_}; }
   // Sources that shine with and without the sun: the emission of target and surroundings.
   [[nodiscard]] SourceRange without_sun() const { return {0, sun_}; }
   [[nodiscard]] SourceRange behind() const { return {behind_, count()}; }
+  [[nodiscard]] SourceRange behind_directions() const { return {behind_, behind_land_}; }
+  [[nodiscard]] SourceRange behind_lands() const { return {behind_land_, count()}; }
 
   // Returns the sources of each cause under the given suns. The sea's are in several pieces: its
   // emission and its reflection of the sky, and the suns in it. Suns of other conditions are left
@@ -104,9 +142,11 @@ class SourceLayout {
       std::span<const std::uint32_t> suns) const;
 
  private:
-  std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, background_directions_ = 0;
+  std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, land_materials_ = 0, land_ranges_ = 0,
+                behind_ranges_ = 0;
   // Index at which each kind begins.
-  std::uint32_t sky_ = 0, lower_ = 0, sun_ = 0, glint_ = 0, behind_ = 0;
+  std::uint32_t sky_ = 0, lower_ = 0, land_ = 0, sun_ = 0, glint_ = 0, land_sun_ = 0, behind_ = 0,
+                behind_land_ = 0, behind_land_sun_ = 0, end_ = 0;
 };
 
 }  // namespace irsig

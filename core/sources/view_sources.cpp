@@ -46,9 +46,13 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     if (Plane* plane = std::get_if<Sea>(&geometry_.boundary)) plane->earth_radius_m = 0;
     if (Plane* plane = std::get_if<Ground>(&geometry_.boundary)) plane->earth_radius_m = 0;
   }
+  if (request.land)
+    geometry_.boundary = Land(request.land, request.surface_z_m + lowest_m, request.centre,
+                              environments_->land_range_m);
   if (horizon) geometry_.horizon_z = horizon->z;
   geometry_.directions = environments_->directions;
-  if (geometry_.directions.uniform() && plane_of(geometry_.boundary) && lowest_m > 0) {
+  if (geometry_.directions.uniform() && lowest_m > 0 &&
+      !std::holds_alternative<NoBoundary>(geometry_.boundary)) {
     geometry_.around_horizon_z = sine_of_dip(lowest_m);
   }
   if (request.contrast) geometry_.behind = environments_->behind;
@@ -65,7 +69,9 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     const ConditionSpec& condition = request.condition[c];
     const ViewEnvironment& environment = environments_->condition[c];
     std::vector<LitSun>& here = lit.emplace_back();
-    if (sun_shines(condition) && effects.follows_sun(c))
+    // Land that a sun shines on is met by rays, whether or not the sun itself is.
+    const bool lights_land = request.land && (effects.scattered_sun(c) || effects.sun[c].background);
+    if (sun_shines(condition) && (effects.follows_sun(c) || lights_land))
       here.push_back(
           {place_of({condition.sun_direction,
                      condition.sun_angular_radius_deg * std::numbers::pi / 180, 0,
@@ -93,7 +99,7 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     const std::uint32_t c = request.wanted[i];
     condition_.emplace_back(request.condition[c], environments_->condition[c], geometry_,
                             LightLayout{paths, layout_, nodes}, std::move(lit[i]), node_um,
-                            effects);
+                            effects, request.land_emissivity);
   }
 }
 

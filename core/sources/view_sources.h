@@ -18,6 +18,7 @@ struct ViewEnvironments {
   BackgroundDirections behind;
   // End of the sea or ground for the sensor; without either, the horizontal.
   std::optional<Environment::Horizon> horizon;
+  std::vector<double> land_range_m = {};   // SensorLine::land_range_m
   std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
 };
 
@@ -30,6 +31,11 @@ struct SourceRequest {
   bool contrast = true;    // whether what stands behind the target is wanted
   // Emitters of the scene; needed where conditions state temperatures of emitters.
   std::shared_ptr<const Emitters> emitters = nullptr;
+  // Land around the target, the emissivities of its materials, [material][node], and the target's
+  // centre relative to its reference point. Null: none.
+  std::shared_ptr<const LandScene> land = nullptr;
+  std::span<const std::vector<double>> land_emissivity = {};
+  Vec<Body> centre = {};
 };
 
 // All light of a view: where it is (what paths can end on), and how bright under each condition.

@@ -41,12 +41,9 @@ absl::StatusOr<std::unique_ptr<ViewEstimator>> ViewEstimator::create(
 ViewSources ViewEstimator::sources_of(std::span<const std::uint32_t> conditions,
                                       bool contrast) const {
   const PreparedScene& scene = simulator_.scene();
-  return {{.condition = request_.condition,
-           .wanted = conditions,
-           .parts = scene.target.part.size(),
-           .surface_z_m = scene.surface_z_m(),
-           .contrast = contrast,
-           .emitters = request_.emitters},
+  SourceRequest sources = source_request(scene, request_, conditions);
+  sources.contrast = contrast;
+  return {sources,
           EffectSet::everything(request_.condition.size(), 1),
           environments_,
           scene.axis.node_um()};

@@ -86,6 +86,7 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
     return Met::kNothing;
   // Under water (or ground): the path ended on the surface above.
   if (hit.at.z > all.surface_z_m) return Met::kBelow;
+  if (land_ != nullptr && all.order > 0 && below_land(hit.at)) return Met::kBelow;
   hit.normal = {facet.nx, facet.ny, facet.nz};
   // Rays through gas begin before it, far from a small target: as far as their own rounding goes, a
   // vertex must not lie behind its facet.
@@ -103,17 +104,25 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
     hit.normal = {-hit.normal.x, -hit.normal.y, -hit.normal.z};
     hit.cos_o = -hit.cos_o;
   }
+  const auto hidden = [&] {
+    if (all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length)) return true;
+    if (land_ == nullptr || all.order > 0) return false;
+    const Float3 p{hit.at.x + all.offset_m * hit.normal.x, hit.at.y + all.offset_m * hit.normal.y,
+                   hit.at.z + all.offset_m * hit.normal.z};
+    const Vec<Body> place{static_cast<double>(p.x), static_cast<double>(p.y),
+                          static_cast<double>(p.z)};
+    return hidden_by_land(p, view_.frame.sensor - place, 1);
+  };
   if (hit.cos_o <= 0) {
     ++work.counts->guarded_backface_hits;
-    if (all.order == 0 && !(all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length))) {
+    if (all.order == 0 && !hidden()) {
       ++work.counts->silhouette_backface_hits;
       work.background_area[ray.state.replicate] += static_cast<double>(ray.state.weight);
     }
     return Met::kNothing;
   }
   hit.cos_o = std::min(hit.cos_o, 1.0f);
-  return all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length) ? Met::kBelow
-                                                                           : Met::kTarget;
+  return hidden() ? Met::kBelow : Met::kTarget;
 }
 
 // A ray that meets no target; a primary one counts where the background is asked for.
@@ -126,11 +135,15 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
   if (order == 0 && gas_ != nullptr) {
     s.first |= 1;
     if (sources_.behind)
-      add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
+      add_behind(work, s, ray.from,
+                 {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
     return;
   }
   if (order == 0 && !settings_.background) return;
   const float* spectrum = ray.spectrum;
+  if (land_ != nullptr && order > 0 &&
+      end_on_land<kSpectral>(work, order, s, ray.from, d, spectrum))
+    return;
   if (order > 0 && any_glint_ && !above) meet_sea(work, s, ray.from, d, spectrum);
   if (order == 0) {
     s.first = parts_;
@@ -163,7 +176,8 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
   if (work.plan->first_hits) add_first_hit(work, s, hit);
   if (!sources_.behind) return;
   const Float3 d = ray.direction;
-  add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
+  add_behind(work, s, hit.at,
+             {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
 }
 
 // How far away a pixel's rays meet the target, and values of what they meet. Whether that is in the
@@ -331,20 +345,24 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
 }
 
 // The silhouette, by what stands behind it.
-void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction) const {
+void PathTracer::add_behind(Work& work, const PathState& path, Float3 from,
+                            Float3 direction) const {
+  if (land_ != nullptr && add_land_behind(work, path, from, direction)) return;
   BackgroundDirections::Share share[2];
   const int count = sources_.behind->shares(direction.z, share);
+  for (int k = 0; k < count; ++k)
+    add_behind_to(work, path, layout_.behind(share[k].node), share[k].weight);
+}
+
+void PathTracer::add_behind_to(Work& work, const PathState& path, SourceId source,
+                               float fraction) const {
   for_each_first(work, path, [&](std::uint32_t first, float part) {
-    for (int k = 0; k < count; ++k) {
-      double* out =
-          work.weight[path.replicate * work.orders].row(first, layout_.behind(share[k].node));
-      const auto weight = static_cast<double>(part * path.weight * share[k].weight);
-      for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
-    }
+    double* out = work.weight[path.replicate * work.orders].row(first, source);
+    const auto weight = static_cast<double>(part * path.weight * fraction);
+    for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
     if (!work.plan->behind) return;
-    for (int k = 0; k < count; ++k)
-      add_behind_to_image(work, path, first, layout_.behind(share[k].node),
-                          work.area_per_sample * part * path.weight * share[k].weight);
+    add_behind_to_image(work, path, first, source,
+                        work.area_per_sample * part * path.weight * fraction);
   });
 }
 

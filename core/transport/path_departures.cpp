@@ -84,7 +84,7 @@ void PathTracer::aim_at_suns(Work& work, std::uint32_t order) const {
       const Sun::Light light = sun.towards(x, r * list.cos_y[k], r * list.sin_y[k]);
       const Float3 wi = light.direction;
       const float cos_i = dot(n, wi);
-      if (cos_i <= 0 || (plane_ && wi.z > sun.horizon_z))
+      if (cos_i <= 0 || ((plane_ || land_ != nullptr) && wi.z > sun.horizon_z))
         continue;  // that piece of the disk has set
       const Reflection at = reflection(n, wi, wo, cos_i, vertex.cos_o[v]);
       const Material& material = materials_[vertex.material[v]];
@@ -158,6 +158,7 @@ void PathTracer::aim_at_hot_lights(Work& work, std::uint32_t order) const {
     if (cos_i <= 0) continue;
     if (plane_ && light.at.z > static_cast<float>(plane_->z_m + target_.offset_m()))
       continue;  // under water
+    if (below_land(light.at)) continue;
     const Reflection at = reflection(n, wi, wo, cos_i, vertex.cos_o[v]);
     const Material& material = materials_[vertex.material[v]];
     const float rate = work.hot_rate[static_cast<std::size_t>(l) * work.most + v];
@@ -286,7 +287,7 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
       const Sun& sun = work.sun[j];
       Sun::Light light{};
       if (material.narrowest_slope() >= sun.narrow_slope || !sun.met_by(x, direction, light) ||
-          (plane_ && direction.z > sun.horizon_z))
+          ((plane_ || land_ != nullptr) && direction.z > sun.horizon_z))
         continue;
       const float aimed = work.sun_keep[j * work.most + v] * light.density_per_sr;
       const float drawn = vertex.survival[v] * material.density_per_sr(local.at);
@@ -328,7 +329,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
     }
     work.counts->sun_rays += batch.size;
     for (std::uint32_t i = 0; i < batch.size; ++i) {
-      if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
+      if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0 || shaded_by_land(batch, i)) continue;
       const PathState s =
           background_gas_around(work, batch, i, std::numeric_limits<double>::infinity());
       add<kSpectral>(

@@ -31,6 +31,7 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       hot_(settings.hot_lights ? HotLights(target) : HotLights()) {
   if (const auto* gas = std::get_if<HotGasMedium>(&sources_.medium)) gas_ = gas->rays.get();
   if (const auto* gas = std::get_if<HotGasAround>(&sources_.medium)) gas_around_ = gas->rays.get();
+  land_ = std::get_if<Land>(&sources_.boundary);
   any_glint_ = sources_.glitters();
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
@@ -102,6 +103,15 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
     work.glint_shadow.resize(rays, row);
     work.glint_sun.resize(rays);
     work.glint_at.resize(rays);
+  }
+  if (land_ != nullptr) {
+    const auto rays = static_cast<std::uint32_t>(most * sources_.sun.size());
+    const std::uint32_t materials = land_->cover().materials();
+    work.land_fraction.resize(materials);
+    work.land_shadow.resize(rays, row);
+    work.land_sun.resize(rays);
+    work.land_range.resize(rays);
+    work.land_fractions.resize(std::size_t{rays} * materials);
   }
   work.row.resize(nodes_);
   work.list.resize(most);
@@ -509,6 +519,7 @@ void PathTracer::trace_batch(Work& work) const {
     if (!work.first_hit.empty()) light_first_hits(work);
     if (order == 0 && work.plan->whole_parts) meet_parts_behind(work);
     if (any_glint_) trace_glint<kSpectral>(work, order);
+    if (land_ != nullptr) trace_land_suns<kSpectral>(work, order);
     if (order < settings_.max_reflections) {
       depart<kSpectral>(work, order);
       trace_shadows<kSpectral>(work, order);

@@ -242,7 +242,25 @@ class PathTracer {
                          std::span<const std::uint32_t> vertex) const;
   [[nodiscard]] const SeedPair* seeds_of(Work& work, std::uint32_t order) const;
   [[nodiscard]] bool hidden_by_sea(Float3 p, Float3 d, float inverse_length) const;
-  void add_behind(Work& work, const PathState& path, Float3 direction) const;
+  struct LandPoint {
+    double distance = 0;  // in lengths of the ray's direction
+    Vec<Enu> normal, departure_m;
+  };
+  [[nodiscard]] bool hidden_by_land(Float3 p, Vec<Body> direction, double most) const;
+  [[nodiscard]] bool below_land(Float3 p) const;
+  [[nodiscard]] bool shaded_by_land(RayBatch& batch, std::uint32_t ray) const;
+  // Sets work.land_fraction to the fractions of materials there.
+  [[nodiscard]] std::optional<LandPoint> meet_land(Work& work, Float3 from, Float3 direction) const;
+  [[nodiscard]] double sun_on_land(const LandPoint& land, std::uint32_t j) const;
+  template <bool kSpectral>
+  [[nodiscard]] bool end_on_land(Work& work, std::uint32_t order, const PathState& path,
+                                 Float3 from, Float3 direction, const float* spectrum) const;
+  template <bool kSpectral>
+  void trace_land_suns(Work& work, std::uint32_t order) const;
+  [[nodiscard]] bool add_land_behind(Work& work, const PathState& path, Float3 from,
+                                     Float3 direction) const;
+  void add_behind(Work& work, const PathState& path, Float3 from, Float3 direction) const;
+  void add_behind_to(Work& work, const PathState& path, SourceId source, float fraction) const;
   void add_behind_to_image(Work& work, const PathState& path, std::uint32_t first, SourceId source,
                            float weight) const;
   void meet_sea(Work& work, const PathState& path, Float3 from, Float3 direction,
@@ -269,6 +287,7 @@ class PathTracer {
   std::span<const Material> materials_;
   SourceGeometry sources_;
   std::optional<Plane> plane_;                              // of sea or ground
+  const Land* land_ = nullptr;                              // of sources_.boundary
   const RayMedium *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
   PathSettings settings_;
   std::uint32_t parts_;

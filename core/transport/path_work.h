@@ -168,6 +168,13 @@ struct PathTracer::Work {
   RayBatch glint_shadow;             // from the sea to suns that it mirrors
   std::vector<std::uint32_t> glint_sun;
   std::vector<GlintShare> glint_at;
+  // Land: fractions of its materials where the last ray met it; and rays to suns from there, with
+  // the sun, the range and the fractions of each, [ray][material].
+  std::vector<float> land_fraction;
+  RayBatch land_shadow;
+  std::vector<std::uint32_t> land_sun;
+  std::vector<Land::RangeShare> land_range;
+  std::vector<float> land_fractions;
   std::vector<float> row;  // a spectrum being made
   SampleList list;         // random numbers being drawn
   std::vector<std::uint32_t> replicate_of_list, pixel_of_list;

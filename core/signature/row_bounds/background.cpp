@@ -9,7 +9,7 @@ double behind_silhouette_w_sr(const BoundInput& in,
                               const std::vector<std::vector<double>>& spectrum) {
   double out = 0;
   std::size_t node = 0;
-  for (const SourceId id : in.setup.sources.layout().behind()) {
+  for (const SourceId id : in.setup.sources.layout().behind_directions()) {
     // Nothing of the target's materials is in these weights: they are the same at each node.
     double area_m2 = 0;
     for (const SummedWeights& s : in.lit.sums()) area_m2 += s.row(id)[0];
