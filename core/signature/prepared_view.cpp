@@ -8,6 +8,7 @@
 #include "core/environment/line_horizon.h"
 #include "core/plume/plume_silhouette.h"
 #include "core/signature/seen_places.h"
+#include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
@@ -180,8 +181,26 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   return out;
 }
 
+// Land is as warm as its warmest material, and reflects all sunlight at most.
+const LightBounds& ViewSurroundings::land_bounds(std::uint32_t condition) {
+  std::optional<LightBounds>& known = plain_bounds_[condition];
+  if (known) return *known;
+  LightBounds& b = known.emplace(look_->bounds(condition));
+  const std::vector<double>& kelvin = request_->condition[condition].land_temperature_k;
+  const double warmest_k = *std::max_element(kelvin.begin(), kelvin.end());
+  for (std::size_t i = 0; i < b.thermal.size(); ++i) {
+    b.thermal[i] = std::max(b.thermal[i], planck_radiance_w_m2_sr_um((*node_um_)[i], warmest_k));
+    const double reflected = b.sun[i] / std::numbers::pi;
+    b.diffuse_sun[i] += reflected;
+    b.diffuse_sun_w_m2_um[i] += b.sun[i];
+    b.background_sun[i] += reflected;
+  }
+  return b;
+}
+
 const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
-  if (look_) return look_->bounds(condition);
+  if (look_ && request_->land == nullptr) return look_->bounds(condition);
+  if (look_) return land_bounds(condition);
   std::optional<LightBounds>& known = plain_bounds_[condition];
   if (known) return *known;
   const ConditionSpec& c = request_->condition[condition];

@@ -51,6 +51,7 @@ class ViewSurroundings {
 
  private:
   ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);
+  [[nodiscard]] const LightBounds& land_bounds(std::uint32_t condition);
 
   const ViewRequest* request_;
   double range_m_;
@@ -60,7 +61,8 @@ class ViewSurroundings {
   std::vector<double> land_range_m_;  // SensorLine::land_range_m
   std::optional<Environment::Horizon> horizon_;
   std::optional<Environment::SightLine> look_;
-  std::vector<std::optional<LightBounds>> plain_bounds_;  // [condition], without an atmosphere
+  // [condition] Without an atmosphere, or with land.
+  std::vector<std::optional<LightBounds>> plain_bounds_;
 };
 
 // Everything on, for these conditions.

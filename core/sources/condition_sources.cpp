@@ -88,29 +88,35 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         }
       }
     }
-  for (std::size_t m = 0; m < land_emissivity.size(); ++m) {
-    const double kelvin = condition.land_temperature_k[m];
-    coldest_k_ = std::min(coldest_k_, kelvin);
-    hottest_k_ = std::max(hottest_k_, kelvin);
-    const std::vector<double>& emissivity = land_emissivity[m];
-    const auto add_land = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& thermal,
-                              std::vector<Spectrum>& sunlit) {
-      for (const LandAir& at : air) {
-        Spectrum& emitted = thermal.emplace_back(nodes);
-        Spectrum& mirrored = sunlit.emplace_back(nodes);
-        for (std::size_t i = 0; i < nodes; ++i) {
-          const double reflectance = 1 - emissivity[i];
-          emitted[i] = at.transmittance[i] * emissivity[i] *
-                           planck_radiance_w_m2_sr_um(node_um[i], kelvin) +
-                       at.path_radiance[i] + reflectance * at.sky[i];
-          mirrored[i] = reflectance / std::numbers::pi * at.sun[i];
+  // Land that another slope faces sees land of its own temperature there, of emissivity 1.
+  for (const bool open : {true, false})
+    for (std::size_t m = 0; m < land_emissivity.size(); ++m) {
+      const double kelvin = condition.land_temperature_k[m];
+      coldest_k_ = std::min(coldest_k_, kelvin);
+      hottest_k_ = std::max(hottest_k_, kelvin);
+      std::vector<double> planck(nodes);
+      for (std::size_t i = 0; i < nodes; ++i)
+        planck[i] = planck_radiance_w_m2_sr_um(node_um[i], kelvin);
+      const auto add_land = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& thermal,
+                                std::vector<Spectrum>& sunlit) {
+        for (const LandAir& at : air) {
+          Spectrum& sent = thermal.emplace_back(nodes);
+          for (std::size_t i = 0; i < nodes; ++i) {
+            const double e = land_emissivity[m][i];
+            sent[i] = at.path_radiance[i] +
+                      (open ? at.transmittance[i] * e * planck[i] + (1 - e) * at.sky[i]
+                            : at.transmittance[i] * planck[i]);
+          }
+          if (!open) continue;
+          Spectrum& mirrored = sunlit.emplace_back(nodes);
+          for (std::size_t i = 0; i < nodes; ++i)
+            mirrored[i] = (1 - land_emissivity[m][i]) / std::numbers::pi * at.sun[i];
         }
-      }
-    };
-    add_land(environment.land.at_target, land_, land_sun_);
-    add_land(environment.land.apparent, land_apparent_, land_sun_apparent_);
-    add_land(environment.land.behind, behind_land_, behind_land_sun_);
-  }
+      };
+      add_land(environment.land.at_target, land_, land_sun_);
+      add_land(environment.land.apparent, land_apparent_, land_sun_apparent_);
+      add_land(environment.land.behind, behind_land_, behind_land_sun_);
+    }
   light_.reserve(layout_.light.count());
   for (const SourceId id : layout_.light.all())
     light_.push_back(light_of(id, geometry.emitters, effects));

@@ -125,7 +125,8 @@ class ConditionSources {
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
-  // [material x ranges + node of the range] of land, and of its reflected sunlight.
+  // [material x ranges + node of the range] of land, twice as many materials as SourceLayout has
+  // them, and of its reflected sunlight.
   std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
       behind_land_sun_;
   Spectrum none_;

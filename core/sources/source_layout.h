@@ -50,7 +50,8 @@ inline constexpr std::size_t kCauses = 5;
 //   sun(j)        direct sun j, per unit irradiance normal to the beam
 //   glint(j, k)   sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
 //                 irradiance normal to the beam and unit reflectance
-//   land(m, r)    land of material m at node r of its range: emission and the sky that it reflects
+//   land(m, r)    land of material m at node r of its range: emission and the sky that it reflects.
+//                 Materials from land_materials() on: the same, facing land instead of the sky
 //   land_sun(j, m, r)  sun j reflected by such land, per unit cosine of its incidence
 //   behind(k)     not part of the intensity: what of the silhouette stands before direction node k
 //                 (seen from the sensor, beyond the target), for the contrast

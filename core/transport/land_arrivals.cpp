@@ -54,6 +54,11 @@ std::optional<PathTracer::LandPoint> PathTracer::meet_land(Work& work, Float3 fr
   return out;
 }
 
+// Returns the share of a slope's hemisphere that is sky, as if land around it were level.
+float PathTracer::sky_view(const LandPoint& land) {
+  return static_cast<float>(std::min(1.0, 0.5 * (1 + land.normal.z)));
+}
+
 // Returns the cosine of a sun's incidence on land, 0 in the shadow of land.
 double PathTracer::sun_on_land(const LandPoint& land, std::uint32_t j) const {
   const Vec<Enu> towards = land_->direction(sources_.sun[j].direction);
@@ -70,11 +75,14 @@ bool PathTracer::end_on_land(Work& work, std::uint32_t order, const PathState& p
   const Land::RangeShare range = land_->around(land->distance);
   const std::array<float, 2> share{1 - range.weight_of_next, range.weight_of_next};
   const auto materials = static_cast<std::uint32_t>(work.land_fraction.size());
-  for (std::uint32_t m = 0; m < materials; ++m) {
-    if (!(work.land_fraction[m] > 0)) continue;
+  const float open = sky_view(*land);
+  for (std::uint32_t m = 0; m < 2 * materials; ++m) {
+    const float fraction = m < materials ? work.land_fraction[m] * open
+                                         : work.land_fraction[m - materials] * (1 - open);
+    if (!(fraction > 0)) continue;
     for (std::uint32_t k = 0; k < 2; ++k)
       add<kSpectral>(work, path, order, layout_.land(m, range.node + k),
-                     path.weight * work.land_fraction[m] * share[k], spectrum);
+                     path.weight * fraction * share[k], spectrum);
   }
   const auto t = static_cast<float>(land->distance);
   const auto offset_m = static_cast<float>(target_.offset_m());
@@ -142,7 +150,11 @@ bool PathTracer::add_land_behind(Work& work, const PathState& path, Float3 from,
         if (const float w = factor * work.land_fraction[m] * share[k]; w > 0)
           add_behind_to(work, path, source(m, range.node + k), w);
   };
-  each(1, [&](std::uint32_t m, std::uint32_t node) { return layout_.behind_land(m, node); });
+  const float open = sky_view(*land);
+  each(open, [&](std::uint32_t m, std::uint32_t node) { return layout_.behind_land(m, node); });
+  each(1 - open, [&](std::uint32_t m, std::uint32_t node) {
+    return layout_.behind_land(layout_.land_materials() + m, node);
+  });
   for (std::uint32_t j = 0; j < sources_.sun.size(); ++j)
     if (const double cosine = sun_on_land(*land, j); cosine > 0)
       each(static_cast<float>(cosine), [&](std::uint32_t m, std::uint32_t node) {

@@ -251,6 +251,7 @@ class PathTracer {
   [[nodiscard]] bool shaded_by_land(RayBatch& batch, std::uint32_t ray) const;
   // Sets work.land_fraction to the fractions of materials there.
   [[nodiscard]] std::optional<LandPoint> meet_land(Work& work, Float3 from, Float3 direction) const;
+  [[nodiscard]] static float sky_view(const LandPoint& land);
   [[nodiscard]] double sun_on_land(const LandPoint& land, std::uint32_t j) const;
   template <bool kSpectral>
   [[nodiscard]] bool end_on_land(Work& work, std::uint32_t order, const PathState& path,

@@ -119,5 +119,59 @@ TEST(LandView, FlatLandOfOneMaterialIsTheGround) {
     }
 }
 
+// A wall north, east, south or west of the target, in the frame of the land.
+Height wall(double distance_m, double height_m, double azimuth_deg) {
+  const double east = std::sin(azimuth_deg * kRadPerDeg),
+               north = std::cos(azimuth_deg * kRadPerDeg);
+  return [=](double x, double y) { return x * east + y * north > distance_m ? height_m : 0.0; };
+}
+
+TEST(LandView, AWorldOfOneTemperatureIsABlackbody) {
+  Scene scene = scene_on(12, 800, false, 290);
+  const auto hills =
+      land_of([](double x,
+                 double y) { return 30 * std::sin(x / 130) * std::cos(y / 170) + 4 * std::sin(x); },
+              5000, 20);
+  const ViewResult view = view_of(scene, hills);
+  ASSERT_EQ(view.row.size(), 2u);
+  for (const SignatureResult& r : view.row) {
+    const double black = (r.band == 0 ? planck_band_radiance_w_m2_sr(8, 12, 290)
+                                      : planck_band_radiance_w_m2_sr(3.2, 5, 290));
+    // The sky is colder: what level land reflects of it is all that is missing.
+    const double background = r.background_radiance_w_m2_sr.value;
+    EXPECT_LT(background, black * 1.0005);
+    EXPECT_GT(background, black * 0.90);
+  }
+}
+
+TEST(LandView, ARidgeHidesTheTarget) {
+  Scene scene = scene_on(3, 1500, false);
+  // The sensor is at azimuth 70 from the bow, which points to 30.
+  const auto high = land_of(wall(200, 60, 100));
+  scene.request.land = high;
+  const auto hidden = scene.simulator->simulate(scene.request);
+  ASSERT_FALSE(hidden.ok());
+  EXPECT_NE(hidden.status().message().find("land hides all of it"), std::string::npos)
+      << hidden.status();
+  const ViewResult behind = view_of(scene, land_of(wall(200, 60, 280)));
+  EXPECT_GT(behind.row.front().projected_area_m2.value, 5);
+}
+
+// The sun stands at an elevation of 53 deg; a wall above the line to it takes it away.
+TEST(LandView, AWallShadesTheTarget) {
+  Scene scene = scene_on(70, 1500, true);
+  const ConditionSpec& c = scene.request.condition[0];
+  const double azimuth_deg = 30 + std::atan2(c.sun_direction.y, c.sun_direction.x) / kRadPerDeg;
+  const double tangent = -c.sun_direction.z / std::hypot(c.sun_direction.x, c.sun_direction.y);
+  const auto sunlit = [&](double height_m) {
+    const ViewResult view = view_of(scene, land_of(wall(50, height_m, azimuth_deg), 2000, 10));
+    return view.row[1].cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)].value;
+  };
+  const double open = sunlit(0);
+  EXPECT_GT(open, 0);
+  EXPECT_NEAR(sunlit(40 * tangent), open, 1e-6 * open);
+  EXPECT_EQ(sunlit(80 * tangent), 0);
+}
+
 }  // namespace
 }  // namespace irsig
