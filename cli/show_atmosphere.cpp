@@ -195,6 +195,10 @@ struct AtmosphereCommand {
     ASSIGN_OR_RETURN(const auto sun_place, sun.place(0));
     std::optional<AirSpectrum> surroundings;
     if (surroundings_temperature_k) {
+      if (is_fog(chosen.weather.air.aerosol.kind))
+        return absl::InvalidArgumentError(
+            "--surroundings-temperature-k has no meaning in fog, whose particles scatter the fog's "
+            "own light; leave it out");
       RETURN_IF_ERROR(
           check_number("--surroundings-temperature-k", *surroundings_temperature_k, 0, 400));
       surroundings.emplace();
