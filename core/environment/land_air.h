@@ -28,8 +28,8 @@ struct LandAir {
 struct LandLight {
   // [kLandRangeM] From the target, at the target and as much of it as arrives at the sensor.
   std::vector<LandAir> at_target, apparent;
-  // [SensorLine::land_range_m] From the sensor beyond the target, at the sensor; path_radiance is
-  // net of the air between target and sensor.
+  // [SensorLine::land_range_m] From the sensor, at the sensor; path_radiance is net of the air
+  // between target and sensor, and negative for land in front of the target.
   std::vector<LandAir> behind;
 };
 

@@ -340,8 +340,8 @@ void ViewLight::add_land(ViewEnvironment& out, const SunLight* sun, const SunLig
     AirSpectrum thermal = air.radiance(&light_.surroundings),
                 scattered = behind ? behind->scattered_by(air.layers, line_.direction) : dark;
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      thermal[b] = std::max(0.0, thermal[b] - path_radiance_[b]);
-      if (behind) scattered[b] = std::max(0.0, scattered[b] - path[b]);
+      thermal[b] -= path_radiance_[b];
+      if (behind) scattered[b] -= path[b];
     }
     out.land.behind.push_back(
         land(air.layers.amounts(), air.transmittance, thermal, scattered, beyond));

@@ -41,21 +41,20 @@ absl::Status check_above_land(const Target& target, const LandScene& scene, doub
   // Not owned: the land outlives this call.
   const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
                   above_m - target.centre.z, target.centre, {});
-  const Vec<Enu> eye = land.place(sensor);
-  if (const auto surface_m = land.field().z_m(eye.x, eye.y); surface_m && eye.z < *surface_m)
+  if (land.covers(sensor))
     return absl::InvalidArgumentError(absl::StrFormat(
-        "%s lies %.4g m below the land there; raise it or take a shorter range", text_of(viewpoint),
-        *surface_m - eye.z));
+        "%s lies below the land there; raise it or take a shorter range", text_of(viewpoint)));
   // A vertex that touches the land is not below it, whatever its rounding.
   const auto offset_m = static_cast<double>(target.offset_m());
   for (std::size_t i = 0; i < target.vertex.size() / 3; ++i) {
-    const Vec<Enu> from = land.place(vertex(target, i)) + Vec<Enu>{0, 0, offset_m};
-    if (!land.field().hidden(from, eye - from, 1)) return absl::OkStatus();
+    const Vec<Body> from = vertex(target, i) - Vec<Body>{0, 0, offset_m};
+    if (!land.hides(from, sensor - from, 1)) return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "%s has nothing of the target in sight: land hides all of it; take a higher sensor or another "
-      "azimuth",
-      text_of(viewpoint)));
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s has nothing of the target in sight: land hides all of it; take a higher "
+                      "sensor or another "
+                      "azimuth",
+                      text_of(viewpoint)));
 }
 
 }  // namespace

@@ -45,6 +45,13 @@ absl::StatusOr<PixelBackground> PixelBackground::make(const PreparedScene& scene
                                                       const ViewFrame& frame,
                                                       const PictureFrame& pictures) {
   PixelBackground out;
+  if (request.land != nullptr) {
+    constexpr std::uint32_t kRays = 4;
+    ASSIGN_OR_RETURN(auto land,
+                     LandBackground::make(scene, request, effects, frame, pictures, kRays));
+    out.land_.emplace(std::move(land));
+    return out;
+  }
   const PlaneRectangle& r = pictures.rectangle;
   const double pixel_m = r.width_m / pictures.width_px;
   double least_z = 1, most_z = -1;
@@ -81,6 +88,10 @@ absl::StatusOr<PixelBackground> PixelBackground::make(const PreparedScene& scene
 }
 
 PixelBackground::Radiance PixelBackground::of(const Row& row) const {
+  if (land_) {
+    LandBackground::Radiance seen = land_->of(row.condition, row.on_axis);
+    return {std::move(seen.w_m2_sr), std::move(seen.scatter_w_m2_sr)};
+  }
   const ViewEnvironment& e = environments_.condition[row.condition];
   const auto of_directions = [&](const std::vector<ViewEnvironment::Spectrum>& spectra) {
     std::vector<double> out;

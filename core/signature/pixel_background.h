@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/environment/background_directions.h"
+#include "core/signature/land_background.h"
 #include "core/signature/prepared_scene.h"
 #include "core/signature/request.h"
 #include "core/signature/row.h"
@@ -14,8 +15,9 @@
 namespace irsig {
 
 // PixelBackground is what a sensor sees beside the target in the pixels of its pictures: sky, sea
-// or ground, with the horizon between them. Radiance depends on the elevation alone, along the
-// azimuth of the view: what changes to the left and right of it within the picture is not seen.
+// or ground, with the horizon between them; or land. But for land radiance depends on the elevation
+// alone, along the azimuth of the view: what changes to the left and right of it within the picture
+// is not seen.
 class PixelBackground {
  public:
   // INVALID_ARGUMENT as Environment::view() has it.
@@ -27,13 +29,14 @@ class PixelBackground {
 
   // [pixel], row by row from the top left, of one of the selected conditions: in-band radiance,
   // mean over the pixel, without that of the path; and the bound of its interpolation between
-  // directions. [W/(m2 sr)]
+  // directions, or of land the difference of two halves of its rays. [W/(m2 sr)]
   struct Radiance {
     std::vector<double> w_m2_sr, bound_w_m2_sr;
   };
   [[nodiscard]] Radiance of(const Row& row) const;
 
  private:
+  std::optional<LandBackground> land_;
   ViewEnvironments environments_;
   std::vector<double> upper_z_, lower_z_;  // [pixel] directions of its upper and lower side
 };

@@ -68,6 +68,57 @@ double gas_reach_m(const ViewRequest& request) {
 
 }  // namespace
 
+Land land_of(const ViewRequest& request, const Target& target) {
+  return {
+      request.land, request.condition.front().above_surface_m - target.centre.z, target.centre, {}};
+}
+
+std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
+                                  std::span<const Vec<Body>> direction, double nearest_m) {
+  constexpr double kStep = 1.25;  // of nodes
+  constexpr int kMostNodes = 12;
+  std::vector<float> fraction(land.materials());
+  double least_m = INFINITY, most_m = 0;
+  for (const Vec<Body>& d : direction) {
+    const auto hit = land.meet(sensor, d, fraction);
+    if (!hit) continue;
+    least_m = std::min(least_m, hit->distance);
+    most_m = std::max(most_m, hit->distance);
+  }
+  if (!(most_m > 0)) return {};
+  // Rays between these may meet land beyond.
+  least_m = std::max(0.998 * least_m, nearest_m);
+  most_m = std::max(1.002 * most_m, 1.001 * least_m);
+  const int steps = std::clamp(
+      static_cast<int>(std::ceil(std::log(most_m / least_m) / std::log(kStep))), 1, kMostNodes - 1);
+  std::vector<double> out;
+  for (int i = 0; i <= steps; ++i)
+    out.push_back(least_m * std::pow(most_m / least_m, static_cast<double>(i) / steps));
+  return out;
+}
+
+namespace {
+
+// Ranges of land behind a target: that in front of it is not behind it.
+std::vector<double> land_ranges_behind_m(const ViewRequest& request, const Target& target,
+                                         Vec<Body> sensor) {
+  constexpr int kRays = 24;  // along each side of a square around the target
+  const Vec<Body> forward = normalized(-1.0 * sensor);
+  const Vec<Body> right = std::hypot(forward.x, forward.y) > 1e-6
+                              ? normalized(Vec<Body>{-forward.y, forward.x, 0})
+                              : Vec<Body>{0, 1, 0};
+  const Vec<Body> up = cross(right, forward);
+  std::vector<Vec<Body>> direction;
+  for (int i = 0; i <= kRays; ++i)
+    for (int k = 0; k <= kRays; ++k)
+      direction.push_back(normalized((2.0 * i / kRays - 1) * target.radius_m * right +
+                                     (2.0 * k / kRays - 1) * target.radius_m * up - sensor));
+  return land_ranges_m(land_of(request, target), sensor, direction,
+                       length(sensor) - target.radius_m);
+}
+
+}  // namespace
+
 SourceRequest source_request(const PreparedScene& scene, const ViewRequest& request,
                              std::span<const std::uint32_t> wanted) {
   return {.condition = request.condition,
@@ -78,44 +129,6 @@ SourceRequest source_request(const PreparedScene& scene, const ViewRequest& requ
           .land = request.land,
           .land_emissivity = scene.land_emissivity,
           .centre = scene.target.centre};
-}
-
-// Ranges from the sensor at which land is to be seen behind a target, from rays past the target.
-std::vector<double> land_ranges_m(const ViewRequest& request, const Target& target,
-                                  Vec<Body> sensor) {
-  constexpr int kRays = 24;       // along each side of a square around the target
-  constexpr double kStep = 1.25;  // of nodes
-  constexpr int kMostNodes = 12;
-  const double surface_z_m = request.condition.front().above_surface_m - target.centre.z;
-  const Land land(request.land, surface_z_m, target.centre, {});
-  const Vec<Body> forward = normalized(-1.0 * sensor);
-  const Vec<Body> right = std::hypot(forward.x, forward.y) > 1e-6
-                              ? normalized(Vec<Body>{-forward.y, forward.x, 0})
-                              : Vec<Body>{0, 1, 0};
-  const Vec<Body> up = cross(right, forward);
-  const Vec<Enu> from = land.place(sensor);
-  double nearest_m = INFINITY, farthest_m = 0;
-  for (int i = 0; i <= kRays; ++i)
-    for (int k = 0; k <= kRays; ++k) {
-      const double x = (2.0 * i / kRays - 1) * target.radius_m,
-                   y = (2.0 * k / kRays - 1) * target.radius_m;
-      const Vec<Body> direction = normalized(x * right + y * up - sensor);
-      const auto hit = land.field().first_hit(from, land.direction(direction), 1e9);
-      if (!hit) continue;
-      nearest_m = std::min(nearest_m, hit->distance);
-      farthest_m = std::max(farthest_m, hit->distance);
-    }
-  if (!(farthest_m > 0)) return {};
-  // Land in front of the target is not behind it; rays between these may meet land beyond.
-  nearest_m = std::max(nearest_m, length(sensor) - target.radius_m);
-  farthest_m = std::max(1.02 * farthest_m, 1.001 * nearest_m + 1);
-  const int steps =
-      std::clamp(static_cast<int>(std::ceil(std::log(farthest_m / nearest_m) / std::log(kStep))), 1,
-                 kMostNodes - 1);
-  std::vector<double> out;
-  for (int i = 0; i <= steps; ++i)
-    out.push_back(nearest_m * std::pow(farthest_m / nearest_m, static_cast<double>(i) / steps));
-  return out;
 }
 
 ViewPlan plan_with_everything(const ViewRequest& request) {
@@ -134,7 +147,8 @@ ViewSurroundings::ViewSurroundings(const ViewRequest& request, double range_m,
 absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& request,
                                                         const Target& target, double range_m,
                                                         const std::vector<double>& node_um,
-                                                        const BackgroundDirections* behind) {
+                                                        const BackgroundDirections* behind,
+                                                        const std::vector<double>* land_range_m) {
   ViewSurroundings out(request, range_m, node_um);
   Viewpoint v = request.viewpoint;
   v.range_m = range_m;
@@ -172,7 +186,9 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   if (request.land != nullptr) {
     line.land = true;
     line.land_range_m = out.land_range_m_ =
-        land_ranges_m(request, target, range_m * towards - target.centre);
+        land_range_m != nullptr
+            ? *land_range_m
+            : land_ranges_behind_m(request, target, range_m * towards - target.centre);
   }
   out.behind_ = line.behind;
   out.horizon_ = request.environment->horizon(line);

@@ -28,14 +28,23 @@ struct PreparedView {
 [[nodiscard]] SourceRequest source_request(const PreparedScene& scene, const ViewRequest& request,
                                            std::span<const std::uint32_t> wanted);
 
+// Land around the target of a request that has some.
+[[nodiscard]] Land land_of(const ViewRequest& request, const Target& target);
+// Returns increasing ranges (SensorLine::land_range_m) for land that these rays of a sensor meet;
+// none if they meet none. Directions are unit vectors, places relative to the target's centre.
+[[nodiscard]] std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
+                                                std::span<const Vec<Body>> direction,
+                                                double nearest_m);
+
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {
  public:
-  // behind: where the background is wanted; null: where these conditions need it. The request and
-  // the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
+  // behind, land_range_m: where the background is wanted; null: where these conditions need it. The
+  // request and the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
   [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(
       const ViewRequest& request, const Target& target, double range_m,
-      const std::vector<double>& node_um, const BackgroundDirections* behind = nullptr);
+      const std::vector<double>& node_um, const BackgroundDirections* behind = nullptr,
+      const std::vector<double>* land_range_m = nullptr);
 
   // The most that light can be, before any sky is computed.
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);

@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
-#include <utility>
-
-#include "core/base/constants.h"
-#include "core/environment/land_air.h"
 
 namespace irsig {
 
@@ -20,39 +16,6 @@ std::optional<Plane> plane_of(const Boundary& boundary) {
       },
       boundary);
 }
-
-Land::Land(std::shared_ptr<const LandScene> scene, double surface_z_m, Vec<Body> centre,
-           std::vector<double> behind_range_m)
-    : scene_(std::move(scene)),
-      surface_z_m_(surface_z_m),
-      cos_heading_(std::cos(scene_->heading_deg * kRadPerDeg)),
-      sin_heading_(std::sin(scene_->heading_deg * kRadPerDeg)),
-      centre_(centre),
-      behind_range_m_(std::move(behind_range_m)) {}
-
-Vec<Enu> Land::place(Vec<Body> p) const {
-  const Vec<Enu> level = direction({p.x + centre_.x, p.y + centre_.y, 0});
-  return {level.x, level.y, scene_->surface_m + surface_z_m_ - p.z};
-}
-
-Vec<Enu> Land::direction(Vec<Body> d) const {
-  return {d.x * sin_heading_ + d.y * cos_heading_, d.x * cos_heading_ - d.y * sin_heading_, -d.z};
-}
-
-namespace {
-
-Land::RangeShare share_of(std::span<const double> node_m, double range_m) {
-  if (node_m.size() < 2) return {};
-  const auto next = std::upper_bound(node_m.begin() + 1, node_m.end() - 1, range_m);
-  const auto node = static_cast<std::uint32_t>(next - node_m.begin()) - 1;
-  const double f = (range_m - node_m[node]) / (node_m[node + 1] - node_m[node]);
-  return {node, static_cast<float>(std::clamp(f, 0.0, 1.0))};
-}
-
-}  // namespace
-
-Land::RangeShare Land::around(double range_m) const { return share_of(kLandRangeM, range_m); }
-Land::RangeShare Land::behind(double range_m) const { return share_of(behind_range_m_, range_m); }
 
 bool hidden_by(const Plane& plane, Vec<Body> point, Vec<Body> sensor) {
   const double h = plane.z_m - point.z, radius = plane.earth_radius_m;

@@ -11,7 +11,7 @@
 #include "core/environment/background_directions.h"
 #include "core/environment/direction_nodes.h"
 #include "core/geo/frames.h"
-#include "core/land/land_scene.h"
+#include "core/sources/land.h"
 
 namespace irsig {
 
@@ -46,41 +46,6 @@ struct Plane {
 struct NoBoundary {};      // nothing to meet: two stated radiances
 struct Sea : Plane {};     // mirrors the suns that have a wind
 struct Ground : Plane {};  // mirrors nothing; the target stands on it as it floats on the sea
-
-// Land around the target. It hides and shades the target, and rays end on it; what does not meet
-// its map ends as above Ground.
-class Land {
- public:
-  //   surface_z_m   body z of the land below the target, relative to the target's centre
-  //   centre        of the target, relative to its reference point
-  //   behind_range_m  SensorLine::land_range_m
-  Land(std::shared_ptr<const LandScene> scene, double surface_z_m, Vec<Body> centre,
-       std::vector<double> behind_range_m);
-
-  [[nodiscard]] const HeightField& field() const { return *scene_->field; }
-  [[nodiscard]] const LandCover& cover() const { return scene_->cover; }
-  // Returns a point or a direction, relative to the target's centre, in the land's local frame.
-  [[nodiscard]] Vec<Enu> place(Vec<Body> p) const;
-  [[nodiscard]] Vec<Enu> direction(Vec<Body> d) const;
-
-  // Nodes of a range between which what arrives is linear: of land around the target, from there;
-  // and of land behind it, from the sensor.
-  struct RangeShare {
-    std::uint32_t node = 0;  // and the next one
-    float weight_of_next = 0;
-  };
-  [[nodiscard]] RangeShare around(double range_m) const;
-  [[nodiscard]] RangeShare behind(double range_m) const;
-  [[nodiscard]] std::uint32_t behind_ranges() const {
-    return static_cast<std::uint32_t>(behind_range_m_.size());
-  }
-
- private:
-  std::shared_ptr<const LandScene> scene_;
-  double surface_z_m_, cos_heading_, sin_heading_;
-  Vec<Body> centre_;
-  std::vector<double> behind_range_m_;
-};
 using Boundary = std::variant<NoBoundary, Sea, Ground, Land>;
 [[nodiscard]] std::optional<Plane> plane_of(const Boundary& boundary);
 

@@ -15,7 +15,7 @@ SourceLayout SourceLayout::with_emitters(std::uint32_t emitters, const SourceGeo
   out.suns_ = static_cast<std::uint32_t>(geometry.sun.size());
   out.glint_nodes_ = geometry.glitters() ? static_cast<std::uint32_t>(kGlintCosines.size()) : 0;
   if (const Land* land = std::get_if<Land>(&geometry.boundary)) {
-    out.land_materials_ = land->cover().materials();
+    out.land_materials_ = land->materials();
     out.land_ranges_ = static_cast<std::uint32_t>(kLandRangeM.size());
     out.behind_ranges_ = geometry.behind ? land->behind_ranges() : 0;
   }

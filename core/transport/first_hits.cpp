@@ -77,12 +77,7 @@ void PathTracer::meet_parts_behind(Work& work) const {
     const Float3 p{packet.org_x[lane] + along * d.x, packet.org_y[lane] + along * d.y,
                    packet.org_z[lane] + along * d.z};
     if (p.z > surface_z_m || (horizon && hidden_by_sea(p, d, s.inverse_length))) return;
-    if (hidden_by_land(
-            p,
-            view_.frame.sensor - Vec<Body>{static_cast<double>(p.x), static_cast<double>(p.y),
-                                           static_cast<double>(p.z)},
-            1))
-      return;
+    if (!seen_past_land(p)) return;
     std::uint64_t* bits = work.met_parts.data() + last.ray * words;
     const std::uint32_t part = target_.facet[triangle].part;
     bits[part / 64] |= std::uint64_t{1} << (part % 64);

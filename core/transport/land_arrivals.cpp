@@ -2,15 +2,12 @@
 // it stands behind the target.
 
 #include <algorithm>
-#include <array>
-#include <limits>
 
+#include "core/sources/background_land.h"
 #include "core/transport/path_work.h"
 
 namespace irsig {
 namespace {
-
-constexpr double kFarM = 1e9;
 
 Vec<Body> to_double(Float3 v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
@@ -18,78 +15,49 @@ Vec<Body> to_double(Float3 v) {
 
 }  // namespace
 
-bool PathTracer::hidden_by_land(Float3 p, Vec<Body> direction, double most) const {
-  return land_ != nullptr &&
-         land_->field().hidden(land_->place(to_double(p)), land_->direction(direction), most);
+bool PathTracer::seen_past_land(Float3 p) const {
+  if (land_ == nullptr) return true;
+  const Vec<Body> at = to_double(p);
+  return !land_->hides(at, view_.frame.sensor - at, 1);
 }
 
 bool PathTracer::shaded_by_land(RayBatch& batch, std::uint32_t ray) const {
   if (land_ == nullptr) return false;
   const RayPacket& packet = batch.packet_of(ray);
   const std::uint32_t lane = RayBatch::lane_of(ray);
-  return hidden_by_land({packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
-                        to_double({packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}),
-                        kFarM);
+  constexpr double kFarM = 1e9;
+  return land_->hides(to_double({packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]}),
+                      to_double({packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}),
+                      kFarM);
 }
 
 bool PathTracer::below_land(Float3 p) const {
-  if (land_ == nullptr) return false;
-  const Vec<Enu> at = land_->place(to_double(p));
-  const std::optional<double> surface_m = land_->field().z_m(at.x, at.y);
-  return surface_m && at.z < *surface_m;
-}
-
-std::optional<PathTracer::LandPoint> PathTracer::meet_land(Work& work, Float3 from,
-                                                           Float3 direction) const {
-  const HeightField& field = land_->field();
-  const Vec<Enu> origin = land_->place(to_double(from)),
-                 along = land_->direction(to_double(direction));
-  const std::optional<LandHit> hit = field.first_hit(origin, along, kFarM);
-  if (!hit || hit->at_edge) return std::nullopt;
-  LandPoint out;
-  out.distance = hit->distance;
-  out.normal = hit->normal;
-  out.departure_m = field.departure_m(origin, along, *hit);
-  land_->cover().at(out.departure_m.x, out.departure_m.y, work.land_fraction);
-  return out;
-}
-
-// Returns the share of a slope's hemisphere that is sky, as if land around it were level.
-float PathTracer::sky_view(const LandPoint& land) {
-  return static_cast<float>(std::min(1.0, 0.5 * (1 + land.normal.z)));
-}
-
-// Returns the cosine of a sun's incidence on land, 0 in the shadow of land.
-double PathTracer::sun_on_land(const LandPoint& land, std::uint32_t j) const {
-  const Vec<Enu> towards = land_->direction(sources_.sun[j].direction);
-  const double cosine = dot(land.normal, towards);
-  if (cosine <= 0 || land_->field().hidden(land.departure_m, towards, kFarM)) return 0;
-  return cosine;
+  return land_ != nullptr && land_->covers(to_double(p));
 }
 
 template <bool kSpectral>
 bool PathTracer::end_on_land(Work& work, std::uint32_t order, const PathState& path, Float3 from,
                              Float3 direction, const float* spectrum) const {
-  const std::optional<LandPoint> land = meet_land(work, from, direction);
+  const std::optional<LandPoint> land =
+      land_->meet(to_double(from), to_double(direction), work.land_fraction);
   if (!land) return false;
-  const Land::RangeShare range = land_->around(land->distance);
-  const std::array<float, 2> share{1 - range.weight_of_next, range.weight_of_next};
+  const Land::RangeShare range = Land::around(land->distance);
+  const float open = Land::sky_fraction(*land);
   const auto materials = static_cast<std::uint32_t>(work.land_fraction.size());
-  const float open = sky_view(*land);
   for (std::uint32_t m = 0; m < 2 * materials; ++m) {
     const float fraction = m < materials ? work.land_fraction[m] * open
                                          : work.land_fraction[m - materials] * (1 - open);
     if (!(fraction > 0)) continue;
     for (std::uint32_t k = 0; k < 2; ++k)
       add<kSpectral>(work, path, order, layout_.land(m, range.node + k),
-                     path.weight * fraction * share[k], spectrum);
+                     path.weight * fraction * range.weight(k), spectrum);
   }
   const auto t = static_cast<float>(land->distance);
   const auto offset_m = static_cast<float>(target_.offset_m());
   const Float3 place{from.x + t * direction.x, from.y + t * direction.y,
                      from.z + t * direction.z - offset_m};
   for (std::uint32_t j = 0; j < sources_.sun.size(); ++j) {
-    const double cosine = sun_on_land(*land, j);
+    const double cosine = land_->sun_cosine(*land, sources_.sun[j].direction);
     if (cosine <= 0) continue;
     PathState s = path;
     s.weight *= static_cast<float>(cosine);
@@ -121,7 +89,6 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
     const PathState& s = batch.state[i];
     const Land::RangeShare& range = work.land_range[i];
-    const std::array<float, 2> share{1 - range.weight_of_next, range.weight_of_next};
     const float* spectrum =
         batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
     for (std::uint32_t m = 0; m < materials; ++m) {
@@ -129,7 +96,7 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
       if (!(fraction > 0)) continue;
       for (std::uint32_t k = 0; k < 2; ++k)
         add<kSpectral>(work, s, order, layout_.land_sun(work.land_sun[i], m, range.node + k),
-                       s.weight * fraction * share[k], spectrum);
+                       s.weight * fraction * range.weight(k), spectrum);
     }
   }
   batch.size = 0;
@@ -139,27 +106,13 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
 bool PathTracer::add_land_behind(Work& work, const PathState& path, Float3 from,
                                  Float3 direction) const {
   if (layout_.behind_ranges() == 0) return false;
-  const std::optional<LandPoint> land = meet_land(work, from, direction);
+  const std::optional<LandPoint> land =
+      land_->meet(to_double(from), to_double(direction), work.land_fraction);
   if (!land) return false;
   const double range_m = length(to_double(from) - view_.frame.sensor) + land->distance;
-  const Land::RangeShare range = land_->behind(range_m);
-  const std::array<float, 2> share{1 - range.weight_of_next, range.weight_of_next};
-  const auto each = [&](float factor, const auto& source) {
-    for (std::uint32_t m = 0; m < work.land_fraction.size(); ++m)
-      for (std::uint32_t k = 0; k < 2; ++k)
-        if (const float w = factor * work.land_fraction[m] * share[k]; w > 0)
-          add_behind_to(work, path, source(m, range.node + k), w);
-  };
-  const float open = sky_view(*land);
-  each(open, [&](std::uint32_t m, std::uint32_t node) { return layout_.behind_land(m, node); });
-  each(1 - open, [&](std::uint32_t m, std::uint32_t node) {
-    return layout_.behind_land(layout_.land_materials() + m, node);
-  });
-  for (std::uint32_t j = 0; j < sources_.sun.size(); ++j)
-    if (const double cosine = sun_on_land(*land, j); cosine > 0)
-      each(static_cast<float>(cosine), [&](std::uint32_t m, std::uint32_t node) {
-        return layout_.behind_land_sun(j, m, node);
-      });
+  for_each_behind(
+      *land_, layout_, sources_.sun, *land, range_m, work.land_fraction,
+      [&](SourceId source, float weight) { add_behind_to(work, path, source, weight); });
   return true;
 }
 

@@ -107,11 +107,9 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
   const auto hidden = [&] {
     if (all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length)) return true;
     if (land_ == nullptr || all.order > 0) return false;
-    const Float3 p{hit.at.x + all.offset_m * hit.normal.x, hit.at.y + all.offset_m * hit.normal.y,
-                   hit.at.z + all.offset_m * hit.normal.z};
-    const Vec<Body> place{static_cast<double>(p.x), static_cast<double>(p.y),
-                          static_cast<double>(p.z)};
-    return hidden_by_land(p, view_.frame.sensor - place, 1);
+    return !seen_past_land({hit.at.x + all.offset_m * hit.normal.x,
+                            hit.at.y + all.offset_m * hit.normal.y,
+                            hit.at.z + all.offset_m * hit.normal.z});
   };
   if (hit.cos_o <= 0) {
     ++work.counts->guarded_backface_hits;

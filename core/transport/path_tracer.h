@@ -242,17 +242,9 @@ class PathTracer {
                          std::span<const std::uint32_t> vertex) const;
   [[nodiscard]] const SeedPair* seeds_of(Work& work, std::uint32_t order) const;
   [[nodiscard]] bool hidden_by_sea(Float3 p, Float3 d, float inverse_length) const;
-  struct LandPoint {
-    double distance = 0;  // in lengths of the ray's direction
-    Vec<Enu> normal, departure_m;
-  };
-  [[nodiscard]] bool hidden_by_land(Float3 p, Vec<Body> direction, double most) const;
+  [[nodiscard]] bool seen_past_land(Float3 p) const;
   [[nodiscard]] bool below_land(Float3 p) const;
   [[nodiscard]] bool shaded_by_land(RayBatch& batch, std::uint32_t ray) const;
-  // Sets work.land_fraction to the fractions of materials there.
-  [[nodiscard]] std::optional<LandPoint> meet_land(Work& work, Float3 from, Float3 direction) const;
-  [[nodiscard]] static float sky_view(const LandPoint& land);
-  [[nodiscard]] double sun_on_land(const LandPoint& land, std::uint32_t j) const;
   template <bool kSpectral>
   [[nodiscard]] bool end_on_land(Work& work, std::uint32_t order, const PathState& path,
                                  Float3 from, Float3 direction, const float* spectrum) const;

@@ -80,8 +80,8 @@ double planck_in_band(std::uint32_t band, double kelvin) {
 }
 
 TEST(AirView, AWorldOfOneTemperatureIsABlackbody) {
-  // Far behind opaque fog, and so near that the ship is seen against it. The sensor is within the fog:
-  // from above, its particles scatter the cold sky.
+  // Far behind opaque fog, and so near that the ship is seen against it. The sensor is within the
+  // fog: from above, its particles scatter the cold sky.
   const struct {
     double visibility_m, elevation_deg, range_m;
   } cases[] = {{200, 2, 5000}, {200, 30, 1500}, {1000, 30, 250}};

@@ -1,0 +1,122 @@
+#include "core/signature/land_background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/check.h"
+#include "core/base/status_macros.h"
+#include "core/signature/prepared_view.h"
+#include "core/sources/background_land.h"
+
+namespace irsig {
+namespace {
+
+constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+
+}  // namespace
+
+absl::StatusOr<LandBackground> LandBackground::make(
+    const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
+    const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays) {
+  LandBackground out;
+  out.condition_ = request.selected_condition;
+  const PlaneRectangle& r = pictures.rectangle;
+  const double pixel_m = r.width_m / pictures.width_px;
+  std::vector<Vec<Body>> direction;  // of all rays, a pixel's side by side
+  double least_z = 1, most_z = -1;
+  for (std::uint32_t row = 0; row < pictures.height_px; ++row)
+    for (std::uint32_t column = 0; column < pictures.width_px; ++column)
+      for (std::uint32_t k = 0; k < rays * rays; ++k) {
+        const double x_m = r.x0_m + (column + (k % rays + 0.5) / rays) * pixel_m,
+                     y_m = r.y0_m + (pictures.height_px - row - (k / rays + 0.5) / rays) * pixel_m;
+        const Vec<Body>& d = direction.emplace_back(
+            normalized(pictures.plane_m * frame.forward + x_m * frame.right + y_m * frame.up));
+        least_z = std::min(least_z, d.z);
+        most_z = std::max(most_z, d.z);
+      }
+  const Viewpoint& v = request.viewpoint;
+  const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+  const BackgroundDirections directions = BackgroundDirections::spanning(
+      least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
+      std::atan2(-towards.y, -towards.x));
+  const Land flat = land_of(request, scene.target);
+  const std::vector<double> range_m = land_ranges_m(flat, frame.sensor, direction, 1);
+  ASSIGN_OR_RETURN(auto surroundings,
+                   ViewSurroundings::make(request, scene.target, v.range_m, scene.axis.node_um(),
+                                          &directions, &range_m));
+  EffectSet without_reflections = effects;
+  without_reflections.max_reflections = 0;
+  ASSIGN_OR_RETURN(auto environments,
+                   surroundings.evaluate(request.selected_condition, without_reflections));
+  out.environments_ = std::make_shared<const ViewEnvironments>(std::move(environments));
+  out.light_ = std::make_unique<const ViewSources>(
+      source_request(scene, request, request.selected_condition), without_reflections,
+      out.environments_, scene.axis.node_um());
+
+  const SourceGeometry& geometry = out.light_->geometry();
+  const SourceLayout& layout = out.light_->layout();
+  const Land& land = std::get<Land>(geometry.boundary);
+  const SourceRange behind = layout.behind();
+  std::vector<std::uint32_t> place(behind.size(), kUnused);
+  std::vector<float> fraction(land.materials());
+  const float share = 1.0f / static_cast<float>(rays * rays / 2);
+  for (std::size_t i = 0; i < direction.size(); ++i) {
+    const std::uint32_t ray = static_cast<std::uint32_t>(i) % (rays * rays);
+    if (ray == 0) out.first_.push_back(out.weight_.size());
+    const auto half = static_cast<std::uint8_t>((ray % rays + ray / rays) % 2);
+    const auto add = [&](SourceId source, float weight) {
+      std::uint32_t& at = place[index_of(source) - behind.first];
+      if (at == kUnused) {
+        at = static_cast<std::uint32_t>(out.source_.size());
+        out.source_.push_back(source);
+      }
+      for (std::size_t w = out.first_.back(); w < out.weight_.size(); ++w)
+        if (out.weight_[w].source == at && out.weight_[w].half == half) {
+          out.weight_[w].value += share * weight;
+          return;
+        }
+      out.weight_.push_back({at, half, share * weight});
+    };
+    if (const auto hit = land.meet(frame.sensor, direction[i], fraction)) {
+      for_each_behind(land, layout, geometry.sun, *hit, hit->distance, fraction, add);
+      continue;
+    }
+    BackgroundDirections::Share shares[2];
+    const int count = geometry.behind->shares(static_cast<float>(direction[i].z), shares);
+    for (int k = 0; k < count; ++k) add(layout.behind(shares[k].node), shares[k].weight);
+  }
+  out.first_.push_back(out.weight_.size());
+  return out;
+}
+
+const ConditionSources& LandBackground::light(std::uint32_t condition) const {
+  const auto at = std::find(condition_.begin(), condition_.end(), condition);
+  IRSIG_CHECK(at != condition_.end());
+  return light_->wanted(static_cast<std::size_t>(at - condition_.begin()));
+}
+
+LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandOnAxis& band) const {
+  const ConditionSources& from = light(condition);
+  std::vector<double> radiance;
+  for (const SourceId id : source_) radiance.push_back(in_band(from.apparent(id), band));
+  Radiance out;
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+    double half[2] = {0, 0};
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w)
+      half[weight_[w].half] += static_cast<double>(weight_[w].value) * radiance[weight_[w].source];
+    out.w_m2_sr.push_back(0.5 * (half[0] + half[1]));
+    out.scatter_w_m2_sr.push_back(std::abs(half[0] - half[1]));
+  }
+  return out;
+}
+
+std::vector<float> LandBackground::weights() const {
+  std::vector<float> out((first_.size() - 1) * source_.size(), 0.0f);
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel)
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w)
+      out[pixel * source_.size() + weight_[w].source] += 0.5f * weight_[w].value;
+  return out;
+}
+
+}  // namespace irsig

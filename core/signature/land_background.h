@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/signature/prepared_scene.h"
+#include "core/signature/request.h"
+#include "core/signature/row.h"
+#include "core/signature/view_pictures.h"
+#include "core/sources/view_sources.h"
+
+namespace irsig {
+
+// LandBackground is what a sensor sees of land, and of sky and ground beyond it, in the pixels of a
+// picture without the target. Rays are traced once; their weights by source give the radiance under
+// each condition.
+class LandBackground {
+ public:
+  // rays: along each side of a pixel, even. INVALID_ARGUMENT as Environment::view() has it.
+  [[nodiscard]] static absl::StatusOr<LandBackground> make(
+      const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
+      const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays);
+
+  // Of one of the selected conditions, [pixel]: mean in-band radiance over the pixel without that
+  // of the air between target and sensor, and the difference of the means over its two halves of
+  // rays. [W/(m2 sr)]
+  struct Radiance {
+    std::vector<double> w_m2_sr, scatter_w_m2_sr;
+  };
+  [[nodiscard]] Radiance of(std::uint32_t condition, const BandOnAxis& band) const;
+
+  // Sources that pixels are made of, and the weights of each pixel, [pixel][source].
+  [[nodiscard]] const std::vector<SourceId>& sources() const { return source_; }
+  [[nodiscard]] std::vector<float> weights() const;
+  // Of a condition that is one of the request's selected ones.
+  [[nodiscard]] const ConditionSources& light(std::uint32_t condition) const;
+
+ private:
+  LandBackground() = default;
+
+  struct Weight {
+    std::uint32_t source;  // of source_
+    std::uint8_t half;     // of the pixel's rays
+    float value;
+  };
+  std::vector<std::uint32_t> condition_;  // selected
+  std::shared_ptr<const ViewEnvironments> environments_;
+  std::unique_ptr<const ViewSources> light_;
+  std::vector<SourceId> source_;
+  std::vector<std::size_t> first_;  // [pixel], and one behind the last
+  std::vector<Weight> weight_;      // of a pixel side by side
+};
+
+}  // namespace irsig
