@@ -91,6 +91,9 @@ ClutterModes clutter_modes(const SpectralSet& weight_factor,
           for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor[s] * band[s][i];
       trace += dot(sum, sum);
     }
+    auto& sigma = out.sigma.emplace_back(band.empty() ? 0 : band.front().size(), 0.0);
+    for (const auto& factor : of_band)
+      for (std::size_t i = 0; i < sigma.size(); ++i) sigma[i] = std::hypot(sigma[i], factor[i]);
     unit.push_back(trace > 0 ? std::sqrt(trace) : 1);
     for (std::size_t k = 0; k < of_band.size(); ++k)
       for (const double v : of_band[k]) spectrum[k].push_back(v / unit.back());

@@ -25,6 +25,7 @@ namespace irsig {
 
 struct ClutterModes {
   std::vector<SpectralSet> band;  // [band][mode][bin], as many modes in each, the largest first
+  SpectralSet sigma;              // [band][bin] standard deviation, of all factors
   std::vector<double> fraction;   // [band] of its variance, summed over bins, that the modes carry
 };
 

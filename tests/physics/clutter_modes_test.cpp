@@ -55,6 +55,7 @@ TEST(ClutterModes, CovarianceOfFiltersFollowsFromWeights) {
   EXPECT_EQ(modes.band[0].size(), 2U);
   EXPECT_GE(modes.fraction[0], kClutterFraction);
   EXPECT_GE(modes.fraction[1], kClutterFraction);
+  EXPECT_NEAR(modes.sigma[1][0], std::sqrt(100.0 / 12), 0.02 * modes.sigma[1][0]);
   // Variance 1/12 of the fraction, 1e-12 of source 2.
   const std::vector<double> d_mid = {-1, 0, 1}, d_long = {10, -5};
   const auto truth = [&](const std::vector<double>& a, const std::vector<double>& da, double sa,
