@@ -108,6 +108,26 @@ namespace irsig {
   NUMBER(plume_voxel_error_w_sr, kModelError, "W/sr",                                        \
          "one sigma of hot gas between its voxels, part of model_error_w_sr")
 
+// Quantities of rows whose view measured the background around the target (core/clutter); others
+// have none. All at the sensor, in-band.
+#define IRSIG_CLUTTER_QUANTITIES(VALUE, NUMBER)                                                   \
+  NUMBER(clutter_window_m, kExact, "m", "width of the measured background at the target's range") \
+  NUMBER(clutter_pixel_m, kExact, "m", "side of its pixels")                                      \
+  VALUE(clutter_mean_w_m2_sr, clutter_mean_stderr_w_m2_sr, "W/(m2 sr)",                           \
+        "mean radiance of the background around the target")                                      \
+  VALUE(clutter_sigma_w_m2_sr, clutter_sigma_stderr_w_m2_sr, "W/(m2 sr)",                         \
+        "standard deviation of its pixels")                                                       \
+  VALUE(clutter_skewness, clutter_skewness_stderr, "1", "skewness of its pixels")                 \
+  VALUE(clutter_correlation_m, clutter_correlation_stderr_m, "m",                                 \
+        "correlation length: sqrt(integral of the autocorrelation / pi)")                         \
+  NUMBER(clutter_cells, kDerived, "1", "independent values in the window")                        \
+  NUMBER(clutter_patch_m, kExact, "m", "side of squares of the target's projected area")          \
+  VALUE(clutter_patch_sigma_w_m2_sr, clutter_patch_sigma_stderr_w_m2_sr, "W/(m2 sr)",             \
+        "standard deviation of means over these squares: what a target is told from")             \
+  NUMBER(clutter_modes_fraction, kDerived, "1",                                                   \
+         "of the variance of these means: what the stored modes of their spectra carry")          \
+  NUMBER(visible_fraction, kDerived, "1", "of the target's silhouette: not hidden by the land")
+
 // Quantities of rows whose sweep states the uncertainty of its inputs; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
   NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr",                                      \
@@ -126,6 +146,7 @@ namespace irsig {
 #define IRSIG_QUANTITIES(VALUE, NUMBER)    \
   IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \
   IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)    \
+  IRSIG_CLUTTER_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_INPUT_QUANTITIES(NUMBER)
 
 enum class QuantityKind : std::uint8_t {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/status_macros.h"
+#include "core/signature/land_clutter.h"
 #include "core/signature/light_component.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/measured_view.h"
@@ -271,6 +272,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
     for (const auto& component : components) rays += component->rays(row);
     out.rays = std::max(out.rays, rays);
   }
+  if (request.land != nullptr) RETURN_IF_ERROR(add_clutter(measured, request, out));
   RETURN_IF_ERROR(add_pictures(measured, request, pictures, components, out));
   return out;
 }

@@ -56,7 +56,7 @@ void add_totals(std::span<const PathWeights> weights, MeasuredView& view) {
   const std::size_t bands = setup.keys.band.size();
   RunTotals& totals = view.totals;
   totals.beyond_m2 = {};
-  totals.front_area_m2 = totals.back_area_m2 = 0;
+  totals.front_area_m2 = totals.back_area_m2 = totals.hidden_area_m2 = 0;
   totals.beyond = ReplicateStatistics(setup.plan.effects.max_reflections + 1);
   ReplicateStatistics last_order(view.row.size());
   const double inverse_replicates = 1.0 / setup.accuracy.replicates;
@@ -66,6 +66,7 @@ void add_totals(std::span<const PathWeights> weights, MeasuredView& view) {
     totals.beyond.add(w.beyond_order_m2);
     totals.front_area_m2 += inverse_replicates * w.projected_area_m2;
     totals.back_area_m2 += inverse_replicates * w.background_area_m2;
+    totals.hidden_area_m2 += inverse_replicates * w.hidden_area_m2;
     if (!w.last.empty()) {
       SummedWeights of_last;
       for (std::size_t k = 0; k < view.row.size(); ++k) {

@@ -22,6 +22,7 @@ struct RunTotals {
   std::array<double, 3> beyond_m2{};
   ReplicateStatistics beyond;                  // [number of reflections]
   double front_area_m2 = 0, back_area_m2 = 0;  // of the silhouette, means over replicates
+  double hidden_area_m2 = 0;                   // of the target, by land or the Earth, likewise
   std::vector<EnergyLedger> energy;            // [band]; empty in pilots
 };
 

@@ -90,7 +90,7 @@ std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
   least_m = std::max(0.998 * least_m, nearest_m);
   most_m = std::max(1.002 * most_m, 1.001 * least_m);
   const int steps = std::clamp(
-      static_cast<int>(std::ceil(std::log(most_m / least_m) / std::log(kStep))), 1, kMostNodes - 1);
+      static_cast<int>(std::ceil(std::log(most_m / least_m) / std::log(kStep))), 2, kMostNodes - 1);
   std::vector<double> out;
   for (int i = 0; i <= steps; ++i)
     out.push_back(least_m * std::pow(most_m / least_m, static_cast<double>(i) / steps));

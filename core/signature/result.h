@@ -8,6 +8,8 @@
 #include "core/accuracy/quantities.h"
 #include "core/accuracy/replicates.h"
 #include "core/accuracy/spectral_modes.h"
+#include "core/clutter/clutter.h"
+#include "core/clutter/clutter_modes.h"
 #include "core/effects/effects.h"
 #include "core/sources/source_layout.h"
 #include "core/transport/traced_pictures.h"
@@ -62,6 +64,29 @@ struct LayerImage {
   std::vector<float> value, stderr_;
 };
 
+// Structure of the background around the target in a row's band.
+struct BackgroundClutter {
+#define IRSIG_VALUE_MEMBER(name, stderr_name, unit, what) Estimate name;
+#define IRSIG_NUMBER_MEMBER(name, kind, unit, what) double name = 0;
+  IRSIG_CLUTTER_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
+#undef IRSIG_VALUE_MEMBER
+#undef IRSIG_NUMBER_MEMBER
+  // Standard deviation of means over squares of the target's size, on the stored wavelengths
+  // [W/(m2 sr um)], and the modes of their covariance.
+  std::vector<double> patch_sigma;
+  SpectralSet modes;
+  // Of the window, by the land's materials in the order of the sweep; the rest is no land.
+  std::vector<double> material_fraction;
+};
+
+// What the catalogue calls the numbers of core/clutter. visible_fraction: of the target's
+// silhouette, in [0, 1].
+[[nodiscard]] BackgroundClutter background_clutter(const ClutterField& field,
+                                                   const ClutterStatistics& statistics,
+                                                   const ClutterModes& modes, std::size_t band,
+                                                   double visible_fraction,
+                                                   std::vector<double> material_fraction);
+
 struct SignatureResult {
   std::uint32_t condition = 0, band = 0;
   // The catalogue's quantities by their names (core/accuracy/quantities.h says what each is); the
@@ -94,7 +119,8 @@ struct SignatureResult {
   StopReason stop_reason = StopReason::kFixedSamples;
   std::uint32_t reflections = 0;  // the most that paths were given
   EnergyLedger energy;
-  std::vector<LedgerEntry> effect;  // [kEffects], in the table's order
+  std::optional<BackgroundClutter> clutter;  // nullopt: the background was not measured
+  std::vector<LedgerEntry> effect;           // [kEffects], in the table's order
   // Values of each replicate: for differences between runs that share their paths. [W/sr]
   std::vector<double> replicate_w_sr, replicate_apparent_w_sr, replicate_contrast_w_sr;
 };

@@ -120,7 +120,10 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
     return Met::kNothing;
   }
   hit.cos_o = std::min(hit.cos_o, 1.0f);
-  return hidden() ? Met::kBelow : Met::kTarget;
+  if (!hidden()) return Met::kTarget;
+  if (all.order == 0)
+    work.hidden_area[ray.state.replicate] += static_cast<double>(ray.state.weight);
+  return Met::kBelow;
 }
 
 // A ray that meets no target; a primary one counts where the background is asked for.

@@ -151,6 +151,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
     for (SourceWeights& w : work.last) w.clear();
     work.area.assign(settings_.replicates, 0.0);
     work.background_area.assign(settings_.replicates, 0.0);
+    work.hidden_area.assign(settings_.replicates, 0.0);
     work.beyond.assign(settings_.replicates * orders, 0.0);
     if (const RayMedium* gas = gas_ != nullptr ? gas_ : gas_around_) {
       work.gas_measure.resize(gas->measures());
@@ -174,6 +175,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
       if (keep_last) out[r].last.add(normalise, work.last[r]);
       out[r].projected_area_m2 += normalise * work.area[r];
       out[r].background_area_m2 += normalise * work.background_area[r];
+      out[r].hidden_area_m2 += normalise * work.hidden_area[r];
       for (std::size_t k = 0; k < orders; ++k)
         out[r].beyond_order_m2[k] += normalise * work.beyond[r * orders + k];
       const auto add_gas = [&](const std::vector<double>& from, std::vector<double>& to) {

@@ -110,6 +110,8 @@ struct PathWeights {
   double projected_area_m2 = 0;
   // Beside it: of one-sided facets that primary rays met from behind, which send nothing.
   double background_area_m2 = 0;
+  // Beside both: of the target where land or the Earth hides it.
+  double hidden_area_m2 = 0;
   // Throughput that goes on after N - 2 s, N - s and N reflections (N = max_reflections, s =
   // beyond_spacing(N); 0 where there is no such number). The last is lost. Spectral: of each path
   // the largest spectral factor times the largest DHR, not less than the throughput at any node.

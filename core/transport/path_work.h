@@ -148,6 +148,7 @@ struct PathTracer::Work {
   std::vector<SourceWeights> last;          // [replicate]: those of the last order alone
   std::vector<double> area;                 // [replicate]
   std::vector<double> background_area;      // [replicate]
+  std::vector<double> hidden_area;          // [replicate]
   std::vector<double> beyond;               // [replicate][order]: PathWeights::beyond_order_m2
   std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
   std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names

@@ -227,6 +227,21 @@ schema::Silhouette silhouette_of(const ViewResult& view) {
 
 }  // namespace
 
+void set_clutter(schema::SignatureRow* row, const BackgroundClutter& c) {
+#define IRSIG_SET_VALUE(name, stderr_name, unit, what) set(row->mutable_##name(), c.name);
+#define IRSIG_SET_NUMBER(name, kind, unit, what) row->set_##name(c.name);
+  IRSIG_CLUTTER_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)
+#undef IRSIG_SET_VALUE
+#undef IRSIG_SET_NUMBER
+  schema::Clutter* out = row->mutable_clutter();
+  copy(c.patch_sigma, out->mutable_patch_sigma_w_m2_sr_um());
+  // As many as may be stored: the first carry most.
+  SpectralSet modes = c.modes;
+  modes.resize(std::min(modes.size(), stored_modes(c.patch_sigma.size())));
+  out->set_modes(encoded_modes(modes, c.patch_sigma));
+  for (const double fraction : c.material_fraction) out->add_material_fraction(fraction);
+}
+
 absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
                                                   const Simulator& simulator,
                                                   const schema::ResolvedSweep& sweep,
@@ -253,6 +268,7 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
 #undef IRSIG_SET_VALUE
 #undef IRSIG_SET_CAUSE
 #undef IRSIG_SET_NUMBER
+    if (r.clutter) set_clutter(row, *r.clutter);
     row->set_reflections(r.reflections);
     set_ledger(row, r);
     for (std::uint32_t p = 0; p < r.part_w_sr.size(); ++p) {

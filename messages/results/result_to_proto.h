@@ -15,4 +15,8 @@ namespace irsig {
                                                                 const schema::ResolvedSweep& sweep,
                                                                 const ThumbnailEncoder* encoder);
 
+// The background around the target into a row that has its wavelengths. Of the modes as many as may
+// be stored (stored_modes of core/accuracy/spectral_modes.h).
+void set_clutter(schema::SignatureRow* row, const BackgroundClutter& clutter);
+
 }  // namespace irsig

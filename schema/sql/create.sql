@@ -1,4 +1,4 @@
--- The tables and views of a signature database, format 20. schema/README.md explains every table to its users.
+-- The tables and views of a signature database, format 24. schema/README.md explains every table to its users.
 --
 -- A name that ends in a unit is a number in that unit. The same name stands for the same quantity in the messages
 -- (schema/*.proto), in exports and on plot axes; core/accuracy/quantities.h explains every quantity of a row. Values
@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 23;
+PRAGMA user_version = 24;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.
@@ -405,6 +405,24 @@ CREATE TABLE signature (
   plume_area_stderr_m2 REAL CHECK (plume_area_stderr_m2 >= 0),
   plume_voxel_error_w_sr REAL CHECK (plume_voxel_error_w_sr >= 0),  -- change with voxels of half the resolution
 
+  -- The background around the target, at the sensor, in-band (core/clutter). NULL: it was not measured.
+  clutter_window_m REAL CHECK (clutter_window_m > 0),  -- its width at the target's range
+  clutter_pixel_m REAL CHECK (clutter_pixel_m > 0),
+  clutter_mean_w_m2_sr REAL,
+  clutter_mean_stderr_w_m2_sr REAL CHECK (clutter_mean_stderr_w_m2_sr >= 0),
+  clutter_sigma_w_m2_sr REAL CHECK (clutter_sigma_w_m2_sr >= 0),  -- of pixels
+  clutter_sigma_stderr_w_m2_sr REAL CHECK (clutter_sigma_stderr_w_m2_sr >= 0),
+  clutter_skewness REAL,
+  clutter_skewness_stderr REAL CHECK (clutter_skewness_stderr >= 0),
+  clutter_correlation_m REAL CHECK (clutter_correlation_m >= 0),
+  clutter_correlation_stderr_m REAL CHECK (clutter_correlation_stderr_m >= 0),
+  clutter_cells REAL CHECK (clutter_cells >= 1),                  -- independent values in the window
+  clutter_patch_m REAL CHECK (clutter_patch_m > 0),               -- side of squares of the target's projected area
+  clutter_patch_sigma_w_m2_sr REAL CHECK (clutter_patch_sigma_w_m2_sr >= 0),  -- of means over these squares
+  clutter_patch_sigma_stderr_w_m2_sr REAL CHECK (clutter_patch_sigma_stderr_w_m2_sr >= 0),
+  clutter_modes_fraction REAL CHECK (clutter_modes_fraction >= 0),  -- of their variance: carried by clutter.modes
+  visible_fraction REAL CHECK (visible_fraction >= 0),            -- of the silhouette: not hidden by the land
+
   -- One sigma of all uncertain inputs together, no part of any error. NULL: the sweep states no [uncertainty].
   input_uncertainty_w_sr REAL CHECK (input_uncertainty_w_sr >= 0),
   apparent_input_uncertainty_w_sr REAL CHECK (apparent_input_uncertainty_w_sr >= 0),
@@ -456,6 +474,21 @@ CREATE TABLE spectral_modes (
   apparent_spectral_intensity_modes BLOB NOT NULL,
   contrast_spectral_intensity_modes BLOB NOT NULL
 ) STRICT;
+
+-- Spectra of the background around the target. No row: it was not measured.
+CREATE TABLE clutter (
+  signature_id INTEGER PRIMARY KEY REFERENCES signature ON DELETE CASCADE,
+  patch_sigma_w_m2_sr_um BLOB NOT NULL,  -- float32, as in spectrum: of means over squares of clutter_patch_m
+  modes BLOB NOT NULL                    -- of their covariance, as in spectral_modes, in units of patch_sigma / 32767
+) STRICT;
+
+-- The materials of the land in that background. No row: it has no land.
+CREATE TABLE clutter_material (
+  signature_id INTEGER NOT NULL REFERENCES clutter ON DELETE CASCADE,
+  material_index INTEGER NOT NULL CHECK (material_index >= 0),  -- in the order of the sweep's land
+  fraction REAL NOT NULL CHECK (fraction >= 0),
+  PRIMARY KEY (signature_id, material_index)
+) STRICT, WITHOUT ROWID;
 
 CREATE TABLE part_intensity (
   signature_id INTEGER NOT NULL REFERENCES signature ON DELETE CASCADE,
@@ -646,6 +679,11 @@ SELECT s.signature_id,
        s.plume_bound_w_sr, s.apparent_plume_bound_w_sr, s.contrast_plume_bound_w_sr, s.plume_model_error_w_sr,
        s.plume_reflected_w_sr, s.plume_reflected_stderr_w_sr, s.apparent_plume_reflected_w_sr,
        s.apparent_plume_reflected_stderr_w_sr, s.plume_area_m2, s.plume_area_stderr_m2, s.plume_voxel_error_w_sr,
+       s.clutter_window_m, s.clutter_pixel_m, s.clutter_mean_w_m2_sr, s.clutter_mean_stderr_w_m2_sr,
+       s.clutter_sigma_w_m2_sr, s.clutter_sigma_stderr_w_m2_sr, s.clutter_skewness, s.clutter_skewness_stderr,
+       s.clutter_correlation_m, s.clutter_correlation_stderr_m, s.clutter_cells, s.clutter_patch_m,
+       s.clutter_patch_sigma_w_m2_sr, s.clutter_patch_sigma_stderr_w_m2_sr, s.clutter_modes_fraction,
+       s.visible_fraction,
        s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr, s.contrast_input_uncertainty_w_sr,
        (SELECT group_concat(printf('%s=%+.4g', input, contribution_w_sr), ', ')
         FROM (SELECT i.input, i.contribution_w_sr FROM input_contribution i

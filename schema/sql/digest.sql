@@ -122,6 +122,21 @@ SELECT plume_reflected_w_sr, plume_reflected_stderr_w_sr, apparent_plume_reflect
        plume_area_m2, plume_area_stderr_m2, plume_voxel_error_w_sr
 FROM signature WHERE signature_id = ?1;
 
+-- Of signatures with a measured background only: the others have the digests that they had before there was any.
+-- name: has_clutter
+SELECT clutter_window_m IS NOT NULL FROM signature WHERE signature_id = ?1;
+
+-- name: digest_clutter
+SELECT s.clutter_window_m, s.clutter_pixel_m, s.clutter_mean_w_m2_sr, s.clutter_mean_stderr_w_m2_sr,
+       s.clutter_sigma_w_m2_sr, s.clutter_sigma_stderr_w_m2_sr, s.clutter_skewness, s.clutter_skewness_stderr,
+       s.clutter_correlation_m, s.clutter_correlation_stderr_m, s.clutter_cells, s.clutter_patch_m,
+       s.clutter_patch_sigma_w_m2_sr, s.clutter_patch_sigma_stderr_w_m2_sr, s.clutter_modes_fraction,
+       s.visible_fraction, c.patch_sigma_w_m2_sr_um, c.modes
+FROM signature s JOIN clutter c USING (signature_id) WHERE s.signature_id = ?1;
+
+-- name: digest_clutter_materials
+SELECT material_index, fraction FROM clutter_material WHERE signature_id = ?1 ORDER BY material_index;
+
 -- Of signatures with uncertain inputs only: the others have the digests that they had before there were any.
 -- name: has_input_contributions
 SELECT EXISTS (SELECT 1 FROM input_contribution WHERE signature_id = ?1);

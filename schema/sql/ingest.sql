@@ -59,6 +59,12 @@ INSERT INTO signature (
   QUANTITIES)
 VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, PARAMETERS);
 
+-- name: insert_clutter
+INSERT INTO clutter (signature_id, patch_sigma_w_m2_sr_um, modes) VALUES (?1, ?2, ?3);
+
+-- name: insert_clutter_material
+INSERT INTO clutter_material (signature_id, material_index, fraction) VALUES (?1, ?2, ?3);
+
 -- name: insert_spectral_modes
 INSERT INTO spectral_modes (signature_id, spectral_intensity_modes, apparent_spectral_intensity_modes,
                             contrast_spectral_intensity_modes)

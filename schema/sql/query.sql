@@ -124,6 +124,13 @@ WHERE signature_id = ?1;
 -- name: sweep_by_name
 SELECT resolved_sweep FROM sweep WHERE name = ?1;
 
+-- name: clutter_of_signature
+SELECT b.lambda_um, c.patch_sigma_w_m2_sr_um, c.modes
+FROM clutter c JOIN signature USING (signature_id) JOIN band b USING (band_id) WHERE signature_id = ?1;
+
+-- name: clutter_materials_of_signature
+SELECT material_index, fraction FROM clutter_material WHERE signature_id = ?1 ORDER BY material_index;
+
 -- name: parts_of_signature
 SELECT p.name, i.intensity_w_sr, i.intensity_stderr_w_sr
 FROM part_intensity i

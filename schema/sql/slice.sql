@@ -114,6 +114,14 @@ INSERT INTO slice.signature
 INSERT INTO slice.spectrum
   SELECT t.* FROM temp.kept k CROSS JOIN main.spectrum t ON t.signature_id = k.signature_id
   WHERE k.signature_id > ?1 AND k.signature_id <= ?2;
+-- name: slice_clutter
+INSERT INTO slice.clutter
+  SELECT t.* FROM temp.kept k CROSS JOIN main.clutter t ON t.signature_id = k.signature_id
+  WHERE k.signature_id > ?1 AND k.signature_id <= ?2;
+-- name: slice_clutter_material
+INSERT INTO slice.clutter_material
+  SELECT t.* FROM temp.kept k CROSS JOIN main.clutter_material t ON t.signature_id = k.signature_id
+  WHERE k.signature_id > ?1 AND k.signature_id <= ?2;
 -- name: slice_spectral_modes
 INSERT INTO slice.spectral_modes
   SELECT t.* FROM temp.kept k CROSS JOIN main.spectral_modes t ON t.signature_id = k.signature_id

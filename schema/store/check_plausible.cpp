@@ -44,6 +44,9 @@ constexpr auto kRanges = std::to_array<RangeOfName>({
     // Sums of many equal weights, some of them of float32.
     {"backface_fraction", {0, 1 + 1e-6}},
     {"target_fraction", {0, 1 + 1e-6}},
+    {"visible_fraction", {0, 1 + 1e-6}},
+    {"modes_fraction", {0, 1 + 1e-6}},
+    {"material_fraction", {0, 1 + 1e-6}},
     {"sun_azimuth_deg", {-360, 360}},
     {"sun_zenith_deg", {0, 180}},
     // Shares of light, with the scatter of their estimate.

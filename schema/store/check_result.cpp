@@ -46,8 +46,11 @@ bool never_negative(const FieldDescriptor* field) {
   thread_local absl::flat_hash_map<const FieldDescriptor*, bool> known;
   const auto [at, added] = known.try_emplace(field, false);
   if (added)
-    for (const char* word : {"stderr", "error", "bound", "area", "temperature", "seconds",
-                             "pixel_rad", "floor", "time_s", "uncertainty"})
+    for (const char* word :
+         {"stderr", "error", "bound", "area", "temperature", "seconds", "pixel_rad", "floor",
+          "time_s", "uncertainty", "sigma", "clutter_window", "clutter_pixel",
+          "clutter_correlation", "clutter_cells", "clutter_patch", "modes_fraction",
+          "visible_fraction", "material_fraction"})
       at->second = at->second || absl::StrContains(field->name(), word);
   return at->second;
 }
@@ -143,6 +146,32 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, bool plume, const 
   return absl::OkStatus();
 }
 
+// All of a measured background, or nothing; spectra on the row's wavelengths.
+absl::Status check_clutter(const schema::SignatureRow& row, const std::string& path) {
+#define IRSIG_SAME_PRESENCE(name, ...)                       \
+  if (row.has_##name() != row.has_clutter_window_m())        \
+    return wrong(absl::StrCat(path, ".", #name),             \
+                 "is there without the other quantities of " \
+                 "the background, or they without it");
+  IRSIG_CLUTTER_QUANTITIES(IRSIG_SAME_PRESENCE, IRSIG_SAME_PRESENCE)
+  IRSIG_SAME_PRESENCE(clutter)
+#undef IRSIG_SAME_PRESENCE
+  if (!row.has_clutter()) return absl::OkStatus();
+  if (!(row.clutter_window_m() > 0 && row.clutter_pixel_m() > 0 && row.clutter_patch_m() > 0))
+    return wrong(path + ".clutter", "has a window, pixel or square of no size");
+  if (row.clutter_cells() < 1)
+    return wrong(path + ".clutter_cells", absl::StrCat("is less than 1: ", row.clutter_cells()));
+  const int bins = row.spectrum().lambda_um_size();
+  if (row.clutter().patch_sigma_w_m2_sr_um_size() != bins)
+    return wrong(path + ".clutter.patch_sigma_w_m2_sr_um",
+                 absl::StrCat("has ", row.clutter().patch_sigma_w_m2_sr_um_size(), " values for ",
+                              bins, " wavelengths"));
+  if (const std::string what = wrong_modes(row.clutter().modes(), static_cast<std::size_t>(bins));
+      !what.empty())
+    return wrong(path + ".clutter.modes", what);
+  return absl::OkStatus();
+}
+
 absl::Status check_layers(const schema::SignatureRow& row, const ExpectedResult& expected,
                           const std::string& path) {
   const std::size_t layers = row.has_thumbnail() ? expected.image_layers.size() : 0;
@@ -163,6 +192,7 @@ absl::Status check_row_but_spectrum(const schema::SignatureRow& row, const Expec
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field->is_repeated() &&
         field->name() != "thumbnail" && field->name() != "energy" &&
         (row.has_plume_w_sr() || !absl::StrContains(field->name(), "plume")) &&
+        (row.has_clutter_window_m() || !absl::StrContains(field->name(), "clutter")) &&
         !row.GetReflection()->HasField(row, field)) {
       return wrong(absl::StrCat(path, ".", field->name()), "is missing");
     }
@@ -220,6 +250,7 @@ absl::Status check_row_but_spectrum(const schema::SignatureRow& row, const Expec
 absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& expected,
                        const std::string& path) {
   IRSIG_STORE_TRY(check_row_but_spectrum(row, expected, path));
+  IRSIG_STORE_TRY(check_clutter(row, path));
   return check_spectrum(row.spectrum(), row.has_plume_w_sr(), path + ".spectrum");
 }
 

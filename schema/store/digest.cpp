@@ -126,6 +126,14 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
     if (details != 0)
       IRSIG_STORE_TRY(
           encode(database, out, First::kContent, sql::digest_plume_details, signature_id).status());
+    ASSIGN_OR_RETURN(const std::int64_t clutter, database.integer(sql::has_clutter, signature_id));
+    if (clutter != 0) {
+      IRSIG_STORE_TRY(
+          encode(database, out, First::kContent, sql::digest_clutter, signature_id).status());
+      IRSIG_STORE_TRY(
+          encode(database, out, First::kContent, sql::digest_clutter_materials, signature_id)
+              .status());
+    }
     ASSIGN_OR_RETURN(const std::int64_t inputs,
                      database.integer(sql::has_input_contributions, signature_id));
     if (inputs != 0)

@@ -202,6 +202,7 @@ class Examination {
     }));
     Named spectra(findings_, "spectra that cannot be read, or with what is no finite number"),
         modes(findings_, "modes of errors that do not fit their spectra"),
+        clutter(findings_, "spectra of backgrounds that are missing or cannot be read"),
         images(findings_, "images that are damaged");
     for (const Signature& s : signatures) {
       const auto spectrum = reader_.spectrum(s.id);
@@ -212,6 +213,10 @@ class Examination {
       } else if (!modes_fit(*spectrum)) {
         modes.add(s.name);
       }
+      ASSIGN_OR_RETURN(const auto measured, database_.integer(sql::has_clutter, s.id));
+      const auto of_clutter = reader_.clutter(s.id);
+      if (!of_clutter.ok() && !absl::IsDataLoss(of_clutter.status())) return of_clutter.status();
+      if (!of_clutter.ok() || of_clutter->has_value() != (measured != 0)) clutter.add(s.name);
       ASSIGN_OR_RETURN(const auto thumbnail, reader_.thumbnail(s.id));
       if (thumbnail && (!check_thumbnail(*thumbnail, s.name).ok() || !shows_parts(s.id) ||
                         !layers_are_whole(s.id, *thumbnail)))

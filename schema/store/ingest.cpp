@@ -100,7 +100,8 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
       row.energy_gain(),
       row.reflections() IRSIG_COMPUTED_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)
           IRSIG_PLUME_QUANTITIES(IRSIG_STATED_VALUE_ARGUMENTS, IRSIG_STATED_ARGUMENT)
-              IRSIG_INPUT_QUANTITIES(IRSIG_STATED_ARGUMENT)));
+              IRSIG_CLUTTER_QUANTITIES(IRSIG_STATED_VALUE_ARGUMENTS, IRSIG_STATED_ARGUMENT)
+                  IRSIG_INPUT_QUANTITIES(IRSIG_STATED_ARGUMENT)));
 #undef IRSIG_VALUE_ARGUMENTS
 #undef IRSIG_NUMBER_ARGUMENT
 #undef IRSIG_STATED_VALUE_ARGUMENTS
@@ -130,6 +131,17 @@ absl::Status insert_modes(Database& database, std::int64_t signature_id,
                       Blob{spectrum.contrast_spectral_intensity_modes()});
 }
 
+absl::Status insert_clutter(Database& database, std::int64_t signature_id,
+                            const schema::Clutter& clutter) {
+  IRSIG_STORE_TRY(database.run(sql::insert_clutter, signature_id,
+                               Blob{float_blob(clutter.patch_sigma_w_m2_sr_um())},
+                               Blob{clutter.modes()}));
+  for (int m = 0; m < clutter.material_fraction_size(); ++m)
+    IRSIG_STORE_TRY(
+        database.run(sql::insert_clutter_material, signature_id, m, clutter.material_fraction(m)));
+  return absl::OkStatus();
+}
+
 absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
                                 const schema::ProfileRow& p) {
   return database.run(sql::insert_profile_row, signature_id, p.profile_index(), p.point_index(),
@@ -147,6 +159,7 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
   ASSIGN_OR_RETURN(const std::int64_t signature_id, insert_signature(database, job, row));
   IRSIG_STORE_TRY(insert_spectrum(database, signature_id, row.spectrum()));
   IRSIG_STORE_TRY(insert_modes(database, signature_id, row.spectrum()));
+  if (row.has_clutter()) IRSIG_STORE_TRY(insert_clutter(database, signature_id, row.clutter()));
   for (const schema::PartIntensity& part : row.part()) {
     IRSIG_STORE_TRY(database.run(sql::insert_part_intensity, signature_id, parts[part.part_index()],
                                  part.intensity_w_sr().value(), part.intensity_w_sr().stderr()));

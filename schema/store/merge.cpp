@@ -35,6 +35,8 @@ struct Owned {
 const Owned kOfSignatures[] = {{"signature", "signature_id"},
                                {"spectrum", "signature_id"},
                                {"spectral_modes", "signature_id"},
+                               {"clutter", "signature_id"},
+                               {"clutter_material", "signature_id"},
                                {"part_intensity", "signature_id"},
                                {"thumbnail", "signature_id"},
                                {"image_layer", "signature_id"},

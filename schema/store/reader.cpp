@@ -88,6 +88,34 @@ absl::StatusOr<schema::Spectrum> StoreReader::spectrum(std::int64_t signature_id
   return spectrum;
 }
 
+absl::StatusOr<std::optional<schema::Clutter>> StoreReader::clutter(std::int64_t signature_id) {
+  const auto damaged = [&](const std::string& what) {
+    return absl::DataLossError(absl::StrCat("signature ", signature_id, ": clutter: ", what,
+                                            "; `irsig doctor` lists what is damaged"));
+  };
+  schema::Clutter out;
+  {
+    ASSIGN_OR_RETURN(Rows row, database_->query(sql::clutter_of_signature, signature_id));
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return std::nullopt;
+    const auto bins = static_cast<int>(row.text().size() / sizeof(double));
+    const auto sigma = floats_from_blob(row.text(), bins);
+    if (!sigma.ok()) return damaged(std::string(sigma.status().message()));
+    *out.mutable_patch_sigma_w_m2_sr_um() = *sigma;
+    out.set_modes(row.text());
+    if (const std::string wrong = wrong_modes(out.modes(), static_cast<std::size_t>(bins));
+        !wrong.empty())
+      return damaged(wrong);
+  }
+  ASSIGN_OR_RETURN(Rows row, database_->query(sql::clutter_materials_of_signature, signature_id));
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return out;
+    if (row.integer() != out.material_fraction_size()) return damaged("a material is missing");
+    out.add_material_fraction(row.real());
+  }
+}
+
 absl::StatusOr<StoredSweep> StoreReader::sweep(const std::string& name, SweepFiles files) {
   return in_one_snapshot(*database_, [&] { return stored_sweep(name, files); });
 }

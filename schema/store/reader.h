@@ -48,6 +48,9 @@ class StoreReader {
   // says.
   absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles files = SweepFiles::kAll);
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id);
+  // Returns the spectra of the background around the target; nullopt: it was not measured.
+  // DATA_LOSS: they do not fit the band.
+  absl::StatusOr<std::optional<schema::Clutter>> clutter(std::int64_t signature_id);
   absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id);
   // Returns inputs in the order of the grammar; none of a sweep without [uncertainty].
   absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id);

@@ -157,6 +157,7 @@ struct StoredSignature {
   double name = kNotComputed, stderr_name = kNotComputed;
 #define IRSIG_NUMBER_MEMBER(name, kind, unit, what) double name = kNotComputed;
   IRSIG_PLUME_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
+  IRSIG_CLUTTER_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
   IRSIG_INPUT_QUANTITIES(IRSIG_NUMBER_MEMBER)
 #undef IRSIG_VALUE_MEMBERS
 #undef IRSIG_NUMBER_MEMBER
@@ -185,6 +186,16 @@ inline constexpr std::array<double StoredSignature::*, kQuantities.size()> kQuan
     IRSIG_QUANTITIES(IRSIG_VALUE_PLACES, IRSIG_NUMBER_PLACE)};
 #undef IRSIG_VALUE_PLACES
 #undef IRSIG_NUMBER_PLACE
+
+// Removes the quantities of the background around the target: a row that was moved or interpolated
+// has none.
+inline void remove_clutter(StoredSignature& s) {
+#define IRSIG_REMOVE_VALUE(name, stderr_name, unit, what) s.name = s.stderr_name = kNotComputed;
+#define IRSIG_REMOVE_NUMBER(name, kind, unit, what) s.name = kNotComputed;
+  IRSIG_CLUTTER_QUANTITIES(IRSIG_REMOVE_VALUE, IRSIG_REMOVE_NUMBER)
+#undef IRSIG_REMOVE_VALUE
+#undef IRSIG_REMOVE_NUMBER
+}
 
 struct StoredPart {
   std::string part;

@@ -24,11 +24,10 @@ namespace {
 constexpr std::int64_t kCopiedAtOnce = 1000;
 
 constexpr const char* kCopiedOfSignatures[] = {
-    sql::slice_signature,      sql::slice_spectrum,
-    sql::slice_spectral_modes, sql::slice_part_intensity,
-    sql::slice_thumbnail,      sql::slice_image_layer,
-    sql::slice_ledger,         sql::slice_energy,
-    sql::slice_profile,        sql::slice_input_contribution};
+    sql::slice_signature,      sql::slice_spectrum,    sql::slice_spectral_modes,
+    sql::slice_part_intensity, sql::slice_clutter,     sql::slice_clutter_material,
+    sql::slice_thumbnail,      sql::slice_image_layer, sql::slice_ledger,
+    sql::slice_energy,         sql::slice_profile,     sql::slice_input_contribution};
 
 using Places = std::vector<int>;
 

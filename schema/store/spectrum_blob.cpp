@@ -105,6 +105,22 @@ absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
   return spectrum;
 }
 
+std::string float_blob(const Floats& values) {
+  std::string bytes(reinterpret_cast<const char*>(values.data()),
+                    static_cast<std::size_t>(values.size()) * sizeof(float));
+  if (!kLittleEndian) reverse_each<float>(bytes);
+  return bytes;
+}
+
+absl::StatusOr<Floats> floats_from_blob(std::string_view blob, int count) {
+  Floats out;
+  if (!numbers_from(blob, out) || out.size() != count)
+    return absl::DataLossError("a stored spectrum does not fit the wavelengths of its band");
+  if (!std::all_of(out.begin(), out.end(), [](float v) { return std::isfinite(v); }))
+    return absl::DataLossError("a stored spectrum has what is no finite number");
+  return out;
+}
+
 std::string wavelength_blob(const schema::Spectrum& spectrum) {
   std::string bytes(reinterpret_cast<const char*>(spectrum.lambda_um().data()),
                     static_cast<std::size_t>(spectrum.lambda_um_size()) * sizeof(double));

@@ -32,6 +32,11 @@ class SpectrumBlobs {
 [[nodiscard]] absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
     std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays);
 
+// Floats as such arrays have them; DATA_LOSS as above: not so many, or no finite number.
+[[nodiscard]] std::string float_blob(const google::protobuf::RepeatedField<float>& values);
+[[nodiscard]] absl::StatusOr<google::protobuf::RepeatedField<float>> floats_from_blob(
+    std::string_view blob, int count);
+
 // Wavelengths: float64, little-endian.
 [[nodiscard]] std::string wavelength_blob(const schema::Spectrum& spectrum);
 

@@ -6,6 +6,7 @@ SCHEMA = pathlib.Path(__file__).resolve().parents[2] / "schema"
 OF_EACH_ROW = {"digest_conditions": "digest_part_temperatures", "digest_bands": "digest_band_response",
                "digest_heat_jobs": "digest_computed_temperatures"}
 CONDITION = {"digest_heat_jobs": "has_heat_output", "digest_plume": "has_plume", "digest_plume_details": "has_plume_details",
+             "digest_clutter": "has_clutter", "digest_clutter_materials": "has_clutter",
              "digest_input_contributions": "has_input_contributions", "digest_part_sets": "has_part_sets"}
 
 

@@ -29,6 +29,7 @@ class FakeDatabase {
  public:
   std::vector<StoredSignature> signatures;
   std::map<std::int64_t, schema::Spectrum> spectra;
+  std::map<std::int64_t, schema::Clutter> clutters;
   std::map<std::int64_t, std::vector<StoredPart>> stored_parts;
   std::map<std::int64_t, std::vector<StoredInput>> input;
   std::map<std::int64_t, StoredLedger> ledgers;
@@ -215,6 +216,14 @@ class FakeDatabase {
         for (const StoredPart& p : at->second)
           must(database_->run(sql::insert_part_intensity, id, part(p.part), p.intensity_w_sr,
                               p.intensity_stderr_w_sr));
+      if (const auto at = given_.clutters.find(given); at != given_.clutters.end()) {
+        must(database_->run(sql::insert_clutter, id,
+                            Blob{float_blob(at->second.patch_sigma_w_m2_sr_um())},
+                            Blob{at->second.modes()}));
+        for (int m = 0; m < at->second.material_fraction_size(); ++m)
+          must(
+              database_->run(sql::insert_clutter_material, id, m, at->second.material_fraction(m)));
+      }
       if (const auto at = given_.input.find(given); at != given_.input.end())
         for (std::size_t i = 0; i < at->second.size(); ++i) {
           const auto& [name, source, apparent, contrast] = at->second[i];

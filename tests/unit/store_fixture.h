@@ -112,8 +112,9 @@ inline void fill_numbers(google::protobuf::Message& message, double& next) {
   const auto& reflection = *message.GetReflection();
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const auto* field = message.GetDescriptor()->field(i);
-    // Hot gas is of rows that say so.
+    // Hot gas and a measured background are of rows that say so.
     if (field->is_repeated() || field->name() == "thumbnail" || field->name() == "spectrum" ||
+        field->name() == "visible_fraction" || field->name().find("clutter") != std::string::npos ||
         field->name().find("plume") != std::string::npos)
       continue;
     switch (field->cpp_type()) {

@@ -256,6 +256,7 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   const Moved m = moved(held, before, after, spread, shape);
 
   S& s = out.signature;
+  remove_clutter(s);
   change_source(shape, s, out.spectrum);
   const double area_m2 = shape.area_ratio * row.projected_area_m2;
   const double path_w_sr = area_m2 * after.path;  // of the air in front of it

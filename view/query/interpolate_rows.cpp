@@ -77,6 +77,7 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   out.signature_id = 0;
   out.row = 0;
   out.dominant_inputs.clear();
+  remove_clutter(out);
   out.aspect_azimuth_deg = std::fmod(aspect.aspect_azimuth_deg + 720, 360);
   out.aspect_elevation_deg = aspect.aspect_elevation_deg;
   std::tie(out.unit_x, out.unit_y, out.unit_z) = std::tuple(where.x, where.y, where.z);

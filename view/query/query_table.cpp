@@ -389,11 +389,14 @@ struct RowTable::Parts {
     show_quantity(columns, columns_of(content.quantity));
     const bool plume =
         any_row(first, [](const QueryRow& r) { return !std::isnan(r.signature.plume_w_sr); });
+    const bool clutter =
+        any_row(first, [](const QueryRow& r) { return !std::isnan(r.signature.clutter_window_m); });
     const bool uncertain = any_row(
         first, [](const QueryRow& r) { return !std::isnan(r.signature.input_uncertainty_w_sr); });
     const char* input_name = columns_of(content.quantity).input_name;
     for (RowColumn& c : columns) {
       if (plume && c.column.name == "plume_w_sr") c.column.brief = true;
+      if (clutter && c.column.name == "clutter_patch_sigma_w_m2_sr") c.column.brief = true;
       if (uncertain && input_name != nullptr && c.column.name == input_name) c.column.brief = true;
     }
   }

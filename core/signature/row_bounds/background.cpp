@@ -30,7 +30,11 @@ ThreeBounds background_bound(const BoundInput& in) {
 double background_model_w_sr(const BoundInput& in) {
   const ViewEnvironment& e = in.row.light->environment();
   if (e.background_interpolation.empty()) return 0;
-  return behind_silhouette_w_sr(in, e.background_model_error);
+  double land_w_sr = 0;
+  for (const SourceId id : in.setup.sources.layout().behind_lands())
+    land_w_sr += in.mean.row(id)[0] * in_band(in.row.light->apparent(id), in.row.on_axis);
+  return behind_silhouette_w_sr(in, e.background_model_error) +
+         e.lower_model_relative * std::abs(land_w_sr);
 }
 
 }  // namespace irsig

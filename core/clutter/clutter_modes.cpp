@@ -1,0 +1,134 @@
+#include "core/clutter/clutter_modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/check.h"
+#include "core/clutter/patch_means.h"
+#include "core/clutter/symmetric_eigen.h"
+
+namespace irsig {
+namespace {
+
+using Matrix = std::vector<std::vector<double>>;
+
+// Eigenvalues below these parts of the largest one, or of the trace, are rounding.
+constexpr double kRoundingOfWeights = 1e-13, kRoundingOfSpectra = 1e-12;
+
+Matrix square(std::size_t n) { return Matrix(n, std::vector<double>(n, 0.0)); }
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+// Products of each row with each other row.
+Matrix gram(const Matrix& rows) {
+  Matrix out = square(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j) out[i][j] = out[j][i] = dot(rows[i], rows[j]);
+  return out;
+}
+
+}  // namespace
+
+SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
+  const double side_px = patch_px(field, target_area_m2);
+  // Deviations of each source's weight, in units of their standard deviation: sources of small
+  // weight, such as the sun, keep their digits.
+  Matrix deviation;
+  std::vector<double> sigma;
+  std::vector<std::size_t> varies;
+  for (std::size_t s = 0; s < field.sources; ++s) {
+    PixelGrid grid{field.columns, field.rows, {}};
+    for (std::size_t p = 0; p < field.pixels(); ++p)
+      grid.value.push_back(static_cast<double>(field.weight[p * field.sources + s]));
+    const double first = grid.value.front();
+    for (double& v : grid.value) v -= first;
+    PixelGrid patch = patch_means(grid, side_px);
+    double mean = 0, unit = 0;
+    for (const double v : patch.value) mean += v;
+    mean /= static_cast<double>(patch.value.size());
+    for (double& v : patch.value) unit = std::max(unit, std::abs(v -= mean));
+    if (!(unit > 0)) continue;
+    double length = 0;
+    for (double& v : patch.value) length += (v / unit) * (v / unit);
+    length = unit * std::sqrt(length);
+    for (double& v : patch.value) v /= length;
+    sigma.push_back(length / std::sqrt(static_cast<double>(patch.value.size())));
+    varies.push_back(s);
+    deviation.push_back(std::move(patch.value));
+  }
+  SpectralSet out;
+  if (deviation.empty()) return out;
+  const SymmetricEigen eigen = symmetric_eigen(gram(deviation), 1e-16);
+  for (std::size_t k = 0; k < eigen.value.size(); ++k) {
+    if (!(eigen.value[k] > kRoundingOfWeights * eigen.value.front())) break;
+    auto& factor = out.emplace_back(field.sources, 0.0);
+    for (std::size_t i = 0; i < varies.size(); ++i)
+      factor[varies[i]] = std::sqrt(eigen.value[k]) * eigen.vector[k][i] * sigma[i];
+  }
+  return out;
+}
+
+ClutterModes clutter_modes(const SpectralSet& weight_factor,
+                           std::span<const SpectralSet> radiance) {
+  ClutterModes out;
+  out.band.resize(radiance.size());
+  out.fraction.assign(radiance.size(), 1.0);
+  // Spectra of the factors, all bands one after another, each divided by its unit.
+  Matrix spectrum(weight_factor.size());
+  std::vector<double> unit;
+  for (const SpectralSet& band : radiance) {
+    double trace = 0;
+    Matrix of_band;
+    for (const auto& factor : weight_factor) {
+      IRSIG_CHECK(band.size() == factor.size());
+      auto& sum = of_band.emplace_back(band.empty() ? 0 : band.front().size(), 0.0);
+      for (std::size_t s = 0; s < factor.size(); ++s)
+        if (factor[s] != 0)
+          for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor[s] * band[s][i];
+      trace += dot(sum, sum);
+    }
+    auto& sigma = out.sigma.emplace_back(band.empty() ? 0 : band.front().size(), 0.0);
+    for (const auto& factor : of_band)
+      for (std::size_t i = 0; i < sigma.size(); ++i) sigma[i] = std::hypot(sigma[i], factor[i]);
+    unit.push_back(trace > 0 ? std::sqrt(trace) : 1);
+    for (std::size_t k = 0; k < of_band.size(); ++k)
+      for (const double v : of_band[k]) spectrum[k].push_back(v / unit.back());
+  }
+  if (spectrum.empty()) return out;
+  // U^T spectrum has rows sqrt(eigenvalue) x eigenvector of spectrum^T spectrum, if the columns of
+  // U are the eigenvectors of spectrum spectrum^T.
+  const SymmetricEigen eigen = symmetric_eigen(gram(spectrum), kRoundingOfSpectra);
+  std::vector<double> carried(radiance.size(), 0.0), all(radiance.size(), 0.0);
+  const auto add_variance = [&](const std::vector<double>& row, std::vector<double>& sum) {
+    std::size_t at = 0;
+    for (std::size_t b = 0; b < radiance.size(); ++b)
+      for (std::size_t i = 0; i < radiance[b].front().size(); ++i, ++at)
+        sum[b] += row[at] * row[at];
+  };
+  for (const auto& row : spectrum) add_variance(row, all);
+  for (std::size_t k = 0; k < eigen.value.size() && k < kMostClutterModes; ++k) {
+    bool enough = true;
+    for (std::size_t b = 0; b < radiance.size(); ++b)
+      enough &= carried[b] >= kClutterFraction * all[b];
+    if (enough || !(eigen.value[k] > kRoundingOfSpectra * eigen.value.front())) break;
+    std::vector<double> mode(spectrum.front().size(), 0.0);
+    for (std::size_t i = 0; i < spectrum.size(); ++i)
+      for (std::size_t j = 0; j < mode.size(); ++j) mode[j] += eigen.vector[k][i] * spectrum[i][j];
+    add_variance(mode, carried);
+    std::size_t at = 0;
+    for (std::size_t b = 0; b < radiance.size(); ++b) {
+      auto& of_band = out.band[b].emplace_back();
+      for (std::size_t i = 0; i < radiance[b].front().size(); ++i, ++at)
+        of_band.push_back(unit[b] * mode[at]);
+    }
+  }
+  for (std::size_t b = 0; b < radiance.size(); ++b)
+    if (all[b] > 0) out.fraction[b] = std::min(1.0, carried[b] / all[b]);
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "core/signature/measured_view.h"
+#include "core/signature/request.h"
+#include "core/signature/result.h"
+
+namespace irsig {
+
+// Width of the window around a target over which land is measured, in diameters of the target, and
+// its pixels along each side.
+inline constexpr double kClutterDiameters = 8;
+inline constexpr std::uint32_t kClutterPixels = 64;
+
+// Adds SignatureResult::clutter to the rows of a view on land. INVALID_ARGUMENT as
+// Environment::view() has it.
+[[nodiscard]] absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request,
+                                       ViewResult& result);
+
+}  // namespace irsig
