@@ -177,30 +177,56 @@ LandHit described(const HeightTile& tile, const Crossing& at, Vec<Enu> point_m) 
 
 }  // namespace
 
-std::optional<LandHit> HeightField::first_hit(Vec<Enu> origin_m, Vec<Enu> direction,
-                                              double most) const {
+struct HeightField::Walked {
+  std::optional<Crossing> crossing;
+  bool met = false, below = false, at_edge = false;  // below: the ray began below the land
+  double begin = 0, end = 0;                         // of the ray within the map
+};
+
+HeightField::Walked HeightField::walk(Vec<Enu> origin_m, Vec<Enu> direction, double most) const {
   IRSIG_CHECK(std::isfinite(dot(origin_m, origin_m)));
   IRSIG_CHECK(std::isfinite(dot(direction, direction)));
-  HeightWalk walk(tiles_->outer, origin_m, direction);
+  HeightWalk ray(tiles_->outer, origin_m, direction);
   most = std::min(most, kMostDistance);
-  double begin = 0, end = most;
-  if (!walk.clip(begin, end)) return std::nullopt;
-  const bool from_outside = begin > 0;
-  const bool below = !from_outside && origin_m.z < tiles_->z_m(origin_m.x, origin_m.y);
-  const auto crossing = walk.first_crossing(begin, end, below ? -1 : 1, tiles_->replaced());
-  const bool at_edge = crossing ? from_outside && crossing->t == begin : below && end < most;
-  if (at_edge)
-    return LandHit{.distance = crossing ? begin : end, .from_below = below, .at_edge = true};
-  if (!crossing) return std::nullopt;
-  LandHit out = described(crossing->inset ? *tiles_->finer : tiles_->outer, *crossing,
-                          origin_m + crossing->t * direction);
-  out.from_below = below;
+  Walked out;
+  out.end = most;
+  if (!ray.clip(out.begin, out.end)) return out;
+  const bool from_outside = out.begin > 0;
+  out.below = !from_outside && origin_m.z < tiles_->z_m(origin_m.x, origin_m.y);
+  out.crossing = ray.first_crossing(out.begin, out.end, out.below ? -1 : 1, tiles_->replaced());
+  out.at_edge =
+      out.crossing ? from_outside && out.crossing->t == out.begin : out.below && out.end < most;
+  out.met = out.at_edge || out.crossing.has_value();
+  return out;
+}
+
+std::optional<LandHit> HeightField::first_hit(Vec<Enu> origin_m, Vec<Enu> direction,
+                                              double most) const {
+  const Walked ray = walk(origin_m, direction, most);
+  if (!ray.met) return std::nullopt;
+  if (ray.at_edge)
+    return LandHit{
+        .distance = ray.crossing ? ray.begin : ray.end, .from_below = ray.below, .at_edge = true};
+  LandHit out = described(ray.crossing->inset ? *tiles_->finer : tiles_->outer, *ray.crossing,
+                          origin_m + ray.crossing->t * direction);
+  out.from_below = ray.below;
   return out;
 }
 
 bool HeightField::hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most) const {
-  const std::optional<double> ground_m = z_m(origin_m.x, origin_m.y);
-  return (ground_m && origin_m.z < *ground_m) || first_hit(origin_m, direction, most).has_value();
+  const Walked ray = walk(origin_m, direction, most);
+  return ray.met || ray.below;
+}
+
+double HeightField::highest_m(double west_m, double east_m, double south_m, double north_m) const {
+  const HeightGrid& grid = tiles_->outer.grid();
+  const auto cell = [&](double from_m, int most) {
+    return static_cast<int>(std::clamp(std::floor(from_m / grid.spacing_m), -1.0, most + 1.0));
+  };
+  const int columns = tiles_->outer.columns(), rows = tiles_->outer.rows();
+  return static_cast<double>(tiles_->outer.highest_m(
+      {cell(west_m - grid.west_m, columns), cell(east_m - grid.west_m, columns) + 1,
+       cell(south_m - grid.south_m, rows), cell(north_m - grid.south_m, rows) + 1}));
 }
 
 Vec<Enu> HeightField::departure_m(Vec<Enu> origin_m, Vec<Enu> direction, const LandHit& hit) const {

@@ -77,6 +77,11 @@ class HeightField {
   // Returns the surface's height z at (x, y), or nothing beyond the map's edge.
   [[nodiscard]] std::optional<double> z_m(double x_m, double y_m) const;
 
+  // Returns an upper bound of the surface's heights z within a rectangle; -infinity: it holds no part
+  // of the map.
+  [[nodiscard]] double highest_m(double west_m, double east_m, double south_m,
+                                 double north_m) const;
+
   // Returns a point 1 um above the surface at (x, y) (below it for a hit from below), where a ray
   // may begin that must not meet the surface at its own origin. Requires a hit that is not at_edge.
   [[nodiscard]] Vec<Enu> departure_m(Vec<Enu> origin_m, Vec<Enu> direction,
@@ -88,6 +93,8 @@ class HeightField {
 
  private:
   struct Tiles;
+  struct Walked;
+  [[nodiscard]] Walked walk(Vec<Enu> origin_m, Vec<Enu> direction, double most) const;
   explicit HeightField(std::unique_ptr<const Tiles> tiles);
   std::unique_ptr<const Tiles> tiles_;
 };

@@ -75,6 +75,21 @@ void HeightTile::cover(const CellBlock& cells, const HeightGrid& finer, int fine
     }
 }
 
+float HeightTile::highest_m(const CellBlock& cells) const {
+  const int west = std::max(cells.west, 0), east = std::min(cells.east, columns()),
+            south = std::max(cells.south, 0), north = std::min(cells.north, rows());
+  float out = kEmptyRange.highest;
+  if (west >= east || south >= north) return out;
+  // Blocks of which few cover the rectangle.
+  int level = 1;
+  while (level < top() && (std::max(east - west, north - south) >> (kBits * level)) > 4) ++level;
+  const int shift = kBits * level;
+  for (int row = south >> shift; row <= (north - 1) >> shift; ++row)
+    for (int column = west >> shift; column <= (east - 1) >> shift; ++column)
+      out = std::max(out, range(level, column, row).highest);
+  return out;
+}
+
 std::size_t HeightTile::memory_bytes() const {
   std::size_t bytes = grid_.z_m.capacity() * sizeof(float);
   for (const Level& level : level_) bytes += level.range.capacity() * sizeof(HeightRange);

@@ -47,6 +47,8 @@ class HeightTile {
   // Widens the ranges of all blocks over these cells of this grid by the heights of a finer grid,
   // of `fineness` cells for each of these, that replaces them.
   void cover(const CellBlock& cells, const HeightGrid& finer, int fineness);
+  // Returns an upper bound of the heights in cells of a rectangle, which may reach beyond the grid.
+  [[nodiscard]] float highest_m(const CellBlock& cells) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:

@@ -54,6 +54,26 @@ bool Land::hides(Vec<Body> from, Vec<Body> along, double most) const {
   return field().hidden(place(from), direction(along), most);
 }
 
+double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) const {
+  const Vec<Enu> from = place({0, 0, 0}), towards = direction(along);
+  const HeightGrid& map = field().outer();
+  const double east_m = map.west_m + map.columns * map.spacing_m,
+               north_m = map.south_m + map.rows * map.spacing_m,
+               across_m = std::hypot(east_m - map.west_m, north_m - map.south_m),
+               highest_m = field().highest_m(map.west_m, east_m, map.south_m, north_m);
+  double out = 0;
+  for (double near_m = 0, far_m = radius_m; near_m < 2 * across_m;
+       near_m = far_m, far_m = 1.25 * far_m + radius_m) {
+    const Vec<Enu> a = from + near_m * towards, b = from + far_m * towards;
+    const double around_m = radius_m + spread * far_m, lowest_m = std::min(a.z, b.z) - around_m;
+    if (towards.z > spread && lowest_m > highest_m) break;
+    if (field().highest_m(std::min(a.x, b.x) - around_m, std::max(a.x, b.x) + around_m,
+                          std::min(a.y, b.y) - around_m, std::max(a.y, b.y) + around_m) > lowest_m)
+      out = far_m + radius_m;
+  }
+  return out;
+}
+
 bool Land::covers(Vec<Body> point) const {
   const Vec<Enu> at = place(point);
   const std::optional<double> surface_m = field().z_m(at.x, at.y);

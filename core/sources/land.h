@@ -35,6 +35,10 @@ class Land {
                                               std::span<float> fraction) const;
   // Returns true if land covers the segment from + t direction, 0 <= t <= most.
   [[nodiscard]] bool hides(Vec<Body> from, Vec<Body> direction, double most) const;
+  // Returns a distance along a direction, a unit vector, beyond which no land comes near rays that
+  // leave a sphere of that radius around the target's centre at most so far (a slope) from that
+  // direction. 0: no land hides anything in that direction.
+  [[nodiscard]] double clear_beyond_m(Vec<Body> direction, double radius_m, double spread) const;
   [[nodiscard]] bool covers(Vec<Body> point) const;  // whether the point lies below land
   // Returns the cosine of a sun's incidence on land; 0 in the shadow of land.
   [[nodiscard]] double sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const;

@@ -38,6 +38,8 @@ void PathTracer::light_first_hits(Work& work) const {
       batch.push(hit.from, direction, {});
       work.first_shadow_pixel.push_back(hit.pixel);
     }
+    const double clear_m =
+        land_ == nullptr ? 0 : land_->clear_beyond_m(plan.towards_sun[j], target_.radius_m, 0);
     batch.prepare_packets(false);
     if (!settings_.skip_self_intersection) {
       batch.for_each_packet(
@@ -45,7 +47,8 @@ void PathTracer::light_first_hits(Work& work) const {
       work.counts->rays += batch.size;
     }
     for (std::uint32_t i = 0; i < batch.size; ++i)
-      if (!(batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) && !shaded_by_land(batch, i))
+      if (!(batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) &&
+          !shaded_by_land(batch, i, clear_m))
         work.pictures->first_sum[work.first_shadow_pixel[i] * numbers + before_suns + j] += 1;
   }
   work.first_hit.clear();

@@ -17,18 +17,17 @@ Vec<Body> to_double(Float3 v) {
 
 bool PathTracer::seen_past_land(Float3 p) const {
   if (land_ == nullptr) return true;
-  const Vec<Body> at = to_double(p);
-  return !land_->hides(at, view_.frame.sensor - at, 1);
+  const Vec<Body> at = to_double(p), towards = view_.frame.sensor - at;
+  return !land_->hides(at, towards, std::min(1.0, clear_of_sensor_m_ / length(towards)));
 }
 
-bool PathTracer::shaded_by_land(RayBatch& batch, std::uint32_t ray) const {
-  if (land_ == nullptr) return false;
+bool PathTracer::shaded_by_land(RayBatch& batch, std::uint32_t ray, double clear_m) const {
+  if (land_ == nullptr || clear_m == 0) return false;
   const RayPacket& packet = batch.packet_of(ray);
   const std::uint32_t lane = RayBatch::lane_of(ray);
-  constexpr double kFarM = 1e9;
   return land_->hides(to_double({packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]}),
                       to_double({packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}),
-                      kFarM);
+                      clear_m);
 }
 
 bool PathTracer::below_land(Float3 p) const {

@@ -329,7 +329,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
     }
     work.counts->sun_rays += batch.size;
     for (std::uint32_t i = 0; i < batch.size; ++i) {
-      if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0 || shaded_by_land(batch, i)) continue;
+      if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0 || shaded_by_land(batch, i, land_ == nullptr ? 0 : clear_of_sun_m_[j])) continue;
       const PathState s =
           background_gas_around(work, batch, i, std::numeric_limits<double>::infinity());
       add<kSpectral>(

@@ -246,7 +246,7 @@ class PathTracer {
   [[nodiscard]] bool hidden_by_sea(Float3 p, Float3 d, float inverse_length) const;
   [[nodiscard]] bool seen_past_land(Float3 p) const;
   [[nodiscard]] bool below_land(Float3 p) const;
-  [[nodiscard]] bool shaded_by_land(RayBatch& batch, std::uint32_t ray) const;
+  [[nodiscard]] bool shaded_by_land(RayBatch& batch, std::uint32_t ray, double clear_m) const;
   template <bool kSpectral>
   [[nodiscard]] bool end_on_land(Work& work, std::uint32_t order, const PathState& path,
                                  Float3 from, Float3 direction, const float* spectrum) const;
@@ -283,6 +283,9 @@ class PathTracer {
   SourceGeometry sources_;
   std::optional<Plane> plane_;                              // of sea or ground
   const Land* land_ = nullptr;                              // of sources_.boundary
+  // Land::clear_beyond_m of the sensor and of each sun.
+  double clear_of_sensor_m_ = 0;
+  std::vector<double> clear_of_sun_m_;
   const RayMedium *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
   PathSettings settings_;
   std::uint32_t parts_;
