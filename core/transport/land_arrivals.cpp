@@ -101,18 +101,74 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
   batch.size = 0;
 }
 
-// The silhouette, before land: without the shadow of the target, which would not be there.
-bool PathTracer::add_land_behind(Work& work, const PathState& path, Float3 from,
+// visit(source, weight): what a ray meets that goes on behind the target. Land is without the
+// shadow of the target, which would not be there.
+template <typename Visit>
+void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
+                                        std::span<float> fraction, Visit&& visit) const {
+  if (layout_.behind_ranges() > 0)
+    if (const auto land = land_->meet(from, direction, fraction)) {
+      const double range_m = length(from - view_.frame.sensor) + land->distance;
+      for_each_behind(*land_, layout_, sources_.sun, *land, range_m, fraction, visit);
+      return;
+    }
+  BackgroundDirections::Share share[2];
+  const int count = sources_.behind->shares(static_cast<float>(direction.z), share);
+  for (int k = 0; k < count; ++k) visit(layout_.behind(share[k].node), share[k].weight);
+}
+
+// Of rays through the target's rectangle, from behind its centre on.
+void PathTracer::find_mean_behind() {
+  constexpr int kRays = 16;  // along each side
+  const ViewFrame& frame = view_.frame;
+  std::vector<float> fraction(land_->materials());
+  std::vector<float> sum(layout_.behind().size(), 0.0f);
+  for (int i = 0; i < kRays; ++i)
+    for (int k = 0; k < kRays; ++k) {
+      const double x_m = frame.x0_m + (i + 0.5) / kRays * frame.width_m,
+                   y_m = frame.y0_m + (k + 0.5) / kRays * frame.height_m;
+      const Vec<Body> direction =
+          normalized(frame.plane_m * frame.forward + x_m * frame.right + y_m * frame.up);
+      const Vec<Body> from = frame.sensor + length(frame.sensor) * direction;
+      if (land_->covers(from)) continue;
+      for_each_behind_target(from, direction, fraction, [&](SourceId source, float weight) {
+        sum[index_of(source) - layout_.behind().first] += weight;
+      });
+    }
+  // Any mean will do: rays that meet something else correct it.
+  for (const SourceId source : layout_.behind())
+    if (const float w = sum[index_of(source) - layout_.behind().first]; w > 0)
+      mean_behind_.emplace_back(source, w / (kRays * kRays));
+}
+
+// The silhouette, by what stands behind it. Where there are no pictures, all rays have the mean of
+// what is there, and the first samples of each replicate, which are spread as all are, what they
+// meet instead.
+void PathTracer::add_land_behind(Work& work, const PathState& path, Float3 from,
                                  Float3 direction) const {
-  if (layout_.behind_ranges() == 0) return false;
-  const std::optional<LandPoint> land =
-      land_->meet(to_double(from), to_double(direction), work.land_fraction);
-  if (!land) return false;
-  const double range_m = length(to_double(from) - view_.frame.sensor) + land->distance;
-  for_each_behind(
-      *land_, layout_, sources_.sun, *land, range_m, work.land_fraction,
-      [&](SourceId source, float weight) { add_behind_to(work, path, source, weight); });
-  return true;
+  float scale = 1;
+  if (!mean_behind_.empty()) {
+    double& mean = work.mean_behind[path.replicate * parts_ + path.first];
+    mean += static_cast<double>(path.weight);
+    if (path.sample >= work.behind_samples) return;
+    scale = work.behind_scale;
+    mean -= static_cast<double>(scale * path.weight);
+  }
+  for_each_behind_target(
+      to_double(from), to_double(direction), work.land_fraction,
+      [&](SourceId source, float weight) { add_behind_to(work, path, source, scale * weight); });
+}
+
+void PathTracer::add_mean_behind(Work& work) const {
+  for (std::uint32_t r = 0; r < settings_.replicates; ++r)
+    for (std::uint32_t part = 0; part < parts_; ++part) {
+      const double mean = work.mean_behind[std::size_t{r} * parts_ + part];
+      if (mean == 0) continue;
+      for (const auto& [source, weight] : mean_behind_) {
+        double* out = work.weight[r * work.orders].row(part, source);
+        for (std::size_t i = 0; i < nodes_; ++i) out[i] += mean * static_cast<double>(weight);
+      }
+    }
 }
 
 template bool PathTracer::end_on_land<false>(Work&, std::uint32_t, const PathState&, Float3, Float3,

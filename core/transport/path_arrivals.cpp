@@ -348,7 +348,7 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
 // The silhouette, by what stands behind it.
 void PathTracer::add_behind(Work& work, const PathState& path, Float3 from,
                             Float3 direction) const {
-  if (land_ != nullptr && add_land_behind(work, path, from, direction)) return;
+  if (land_ != nullptr) return add_land_behind(work, path, from, direction);
   BackgroundDirections::Share share[2];
   const int count = sources_.behind->shares(direction.z, share);
   for (int k = 0; k < count; ++k)

@@ -15,6 +15,8 @@ namespace {
 
 // Pairs of later orders are made when they are needed.
 constexpr std::uint32_t kSeedOrders = 33;
+// One in so many samples finds the land behind the target; at least so many of a replicate.
+constexpr std::uint64_t kBehindEvery = 8, kLeastBehind = 64;
 
 }  // namespace
 
@@ -39,6 +41,7 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       clear_of_sun_m_.push_back(land_->clear_beyond_m(s.direction, target.radius_m,
                                                       1.1 * std::tan(s.angular_radius_rad)));
   }
+  if (land_ != nullptr && sources_.behind && settings_.pixel_samples == 0) find_mean_behind();
   any_glint_ = sources_.glitters();
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
@@ -159,6 +162,13 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
     work.area.assign(settings_.replicates, 0.0);
     work.background_area.assign(settings_.replicates, 0.0);
     work.hidden_area.assign(settings_.replicates, 0.0);
+    if (!mean_behind_.empty()) {
+      const std::uint64_t samples = view_.samples(s, settings_.samples);
+      work.mean_behind.assign(std::size_t{settings_.replicates} * parts_, 0.0);
+      work.behind_samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(
+          std::min<std::uint64_t>(samples, kLeastBehind), samples / kBehindEvery));
+      work.behind_scale = static_cast<float>(samples) / static_cast<float>(work.behind_samples);
+    }
     work.beyond.assign(settings_.replicates * orders, 0.0);
     if (const RayMedium* gas = gas_ != nullptr ? gas_ : gas_around_) {
       work.gas_measure.resize(gas->measures());
@@ -173,6 +183,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
       trace_stratum<true>(work, s);
     else
       trace_stratum<false>(work, s);
+    if (!mean_behind_.empty()) add_mean_behind(work);
     for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
       if (settings_.by_order)
         for (std::size_t k = 0; k < orders; ++k)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/materials/material.h"
@@ -252,8 +253,12 @@ class PathTracer {
                                  Float3 from, Float3 direction, const float* spectrum) const;
   template <bool kSpectral>
   void trace_land_suns(Work& work, std::uint32_t order) const;
-  [[nodiscard]] bool add_land_behind(Work& work, const PathState& path, Float3 from,
-                                     Float3 direction) const;
+  void find_mean_behind();
+  template <typename Visit>
+  void for_each_behind_target(Vec<Body> from, Vec<Body> direction, std::span<float> fraction,
+                              Visit&& visit) const;
+  void add_land_behind(Work& work, const PathState& path, Float3 from, Float3 direction) const;
+  void add_mean_behind(Work& work) const;
   void add_behind(Work& work, const PathState& path, Float3 from, Float3 direction) const;
   void add_behind_to(Work& work, const PathState& path, SourceId source, float fraction) const;
   void add_behind_to_image(Work& work, const PathState& path, std::uint32_t first, SourceId source,
@@ -286,6 +291,8 @@ class PathTracer {
   // Land::clear_beyond_m of the sensor and of each sun.
   double clear_of_sensor_m_ = 0;
   std::vector<double> clear_of_sun_m_;
+  // What a mean ray meets behind the target: sources and their weights.
+  std::vector<std::pair<SourceId, float>> mean_behind_;
   const RayMedium *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
   PathSettings settings_;
   std::uint32_t parts_;

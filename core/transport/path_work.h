@@ -149,6 +149,11 @@ struct PathTracer::Work {
   std::vector<double> area;                 // [replicate]
   std::vector<double> background_area;      // [replicate]
   std::vector<double> hidden_area;          // [replicate]
+  // Weights of primary rays for which the mean of what is behind the target stands in, and how many
+  // samples of each replicate have what they meet themselves.
+  std::vector<double> mean_behind;  // [replicate][part]
+  std::uint32_t behind_samples = 0;
+  float behind_scale = 1;  // what such a sample stands for
   std::vector<double> beyond;               // [replicate][order]: PathWeights::beyond_order_m2
   std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
   std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names
