@@ -199,7 +199,7 @@ absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& ta
   }
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (const absl::Status status =
-            check_in_sight(target, conditions, environment,
+            check_in_sight(target, conditions, environment, nullptr,
                            {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()});
         !status.ok())
       return absl::InvalidArgumentError(absl::StrCat("viewpoints: ", status.message()));

@@ -123,6 +123,7 @@ void PathTracer::find_mean_behind() {
   const ViewFrame& frame = view_.frame;
   std::vector<float> fraction(land_->materials());
   std::vector<float> sum(layout_.behind().size(), 0.0f);
+  int rays = 0;
   for (int i = 0; i < kRays; ++i)
     for (int k = 0; k < kRays; ++k) {
       const double x_m = frame.x0_m + (i + 0.5) / kRays * frame.width_m,
@@ -131,14 +132,16 @@ void PathTracer::find_mean_behind() {
           normalized(frame.plane_m * frame.forward + x_m * frame.right + y_m * frame.up);
       const Vec<Body> from = frame.sensor + length(frame.sensor) * direction;
       if (land_->covers(from)) continue;
+      ++rays;
       for_each_behind_target(from, direction, fraction, [&](SourceId source, float weight) {
         sum[index_of(source) - layout_.behind().first] += weight;
       });
     }
-  // Any mean will do: rays that meet something else correct it.
+  // Any mean will do whose weights without sunlight add up to 1: rays that meet something else
+  // correct it.
   for (const SourceId source : layout_.behind())
     if (const float w = sum[index_of(source) - layout_.behind().first]; w > 0)
-      mean_behind_.emplace_back(source, w / (kRays * kRays));
+      mean_behind_.emplace_back(source, w / static_cast<float>(rays));
 }
 
 // The silhouette, by what stands behind it. Where there are no pictures, all rays have the mean of

@@ -16,6 +16,7 @@ namespace irsig {
 [[nodiscard]] std::vector<HardCase> heat_cases();
 [[nodiscard]] std::vector<HardCase> honesty_cases();
 [[nodiscard]] std::vector<HardCase> image_cases();
+[[nodiscard]] std::vector<HardCase> land_cases();
 [[nodiscard]] std::vector<HardCase> material_cases();
 [[nodiscard]] std::vector<HardCase> planck_cases();
 [[nodiscard]] std::vector<HardCase> plume_cases();
