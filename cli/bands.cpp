@@ -44,10 +44,12 @@ struct BandsCommand {
   std::vector<double> range_m, window_um;
   double percentile = 10, threshold = 5;
   std::optional<double> min_width_um, nei_w_m2;
+  bool clutter = false;
   std::size_t top = 10;
 
   [[nodiscard]] absl::StatusOr<MeritOf> asked_merit() const {
-    MeritOf out{merit_named(merit).value_or(Merit::kMean), percentile, threshold};
+    MeritOf out{merit_named(merit).value_or(Merit::kMean), percentile, threshold,
+                clutter ? "SCNR" : "SNR"};
     if (!(percentile > 0 && percentile <= 100))
       return absl::InvalidArgumentError(
           fmt::format("--percentile {}: expected more than 0, at most 100", percentile));
@@ -196,7 +198,7 @@ struct BandsCommand {
     ASSIGN_OR_RETURN(auto population, band_population(*reader, rows, other.get(), their_rows,
                                                       weight == "rows" ? AspectWeight::kRows
                                                                        : AspectWeight::kSolidAngle,
-                                                      weights));
+                                                      weights, clutter));
     ASSIGN_OR_RETURN(const auto filters, read_filters());
     const auto search =
         BandSearch::make(std::move(population), read.detector, asked_pairing(), filters);
@@ -270,6 +272,7 @@ struct BandsCommand {
   [[nodiscard]] Pairing asked_pairing() const {
     return pairs.empty()           ? Pairing::kNone
            : pairs == "difference" ? Pairing::kDifference
+           : pairs == "matched"    ? Pairing::kMatched
                                    : Pairing::kRatio;
   }
 
@@ -379,10 +382,15 @@ void add_bands(CLI::App& app, int& exit_code) {
                    "aspect_azimuth_deg, aspect_elevation_deg; may be repeated")
       ->type_name("FILE");
   command
-      ->add_option("--pairs", o->pairs,
-                   "Two windows at once: their difference with the background taken away, or what "
-                   "their ratio tells of two targets (--against)")
-      ->check(CLI::IsMember({"difference", "ratio"}));
+      ->add_option(
+          "--pairs", o->pairs,
+          "Two windows at once: their difference with the background taken away, their best "
+          "weighted sum of each row (matched), or what their ratio tells of two targets "
+          "(--against)")
+      ->check(CLI::IsMember({"difference", "matched", "ratio"}));
+  command->add_flag("--clutter", o->clutter,
+                    "Count the structure of the background around the target as noise: signal to "
+                    "clutter and noise (SCNR)");
   command
       ->add_option("--range-m", o->range_m,
                    "At these ranges instead of the stored one, without tracing (docs of query)")

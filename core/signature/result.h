@@ -75,12 +75,13 @@ struct BackgroundClutter {
   // [W/(m2 sr um)], and the modes of their covariance.
   std::vector<double> patch_sigma;
   SpectralSet modes;
-  // Of the window, by the land's materials in the order of the sweep; the rest is no land.
+  // Fractions of the window by the land's materials, in the order of the sweep; the rest is no
+  // land.
   std::vector<double> material_fraction;
 };
 
-// What the catalogue calls the numbers of core/clutter. visible_fraction: of the target's
-// silhouette, in [0, 1].
+// Returns the numbers of core/clutter under the catalogue's names. band: index in `modes`;
+// visible_fraction: of the target's silhouette, in [0, 1].
 [[nodiscard]] BackgroundClutter background_clutter(const ClutterField& field,
                                                    const ClutterStatistics& statistics,
                                                    const ClutterModes& modes, std::size_t band,

@@ -405,6 +405,60 @@ class Bands(unittest.TestCase):
         same = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--pairs", "ratio", "--against", self.db, "--window", "3.4,3.9", "--window", "4.4,4.9")
         self.assertLess(float(same[0]["merit"]), 1e-6 * float(table[0]["merit"]))
 
+    def test_clutter(self):
+        """Windows and pairs against a background of two modes, by the reference."""
+        lambda_um, contrast, *_ = self.spectra(self.db)
+        bins = len(lambda_um)
+        sigma = (0.02 * (1 + numpy.arange(bins) / bins)).astype("<f4")
+        modes = numpy.array([numpy.full(bins, 26214), 19660 * numpy.where(numpy.arange(bins) < bins // 2, 1, -1)]).astype("<i2")
+        land = self.path / "land.sigdb"
+        shutil.copy(self.db, land)
+        sql = sqlite3.connect(land)
+        names = [n for (n,) in sql.execute("SELECT name FROM pragma_table_info('signature') WHERE name LIKE 'clutter%' OR name = 'visible_fraction'")]
+        sql.execute("UPDATE signature SET " + ", ".join(f"{n} = 1" for n in names) + " WHERE band_id IN (SELECT band_id FROM band WHERE name = 'mwir')")
+        sql.execute("UPDATE signature SET clutter_patch_sigma_stderr_w_m2_sr = 0.1 WHERE clutter_cells = 1")
+        sql.execute("INSERT INTO clutter SELECT signature_id, ?, ? FROM signature WHERE clutter_cells = 1", (sigma.tobytes(), modes.tobytes()))
+        sql.commit()
+        sql.close()
+        with irsig.open(land) as opened:
+            rows = opened.query(band="mwir")
+            order = sorted(range(len(rows)), key=lambda i: (rows["time_utc"][i], rows["aspect_azimuth_deg"][i], rows["aspect_elevation_deg"][i]))
+            area = numpy.array(rows["projected_area_m2"])[order]
+        found = self.map(land, "--band", "mwir", "--detector", self.nei, "--weight", "rows", "--clutter")
+        edges = sorted({um for window in found for um in window})
+        weights = integrals(lambda_um, RESPONSE, edges)
+
+        def seen(window):
+            w = (weights[window[1]] - weights[window[0]]) / 5000 ** 2
+            return contrast @ w, numpy.outer(area, (modes / 32767 * sigma) @ w)
+        for options, merit in self.MERITS:
+            def scnr(a, b, _):
+                signal, mode = seen((a, b))
+                return abs(signal) / numpy.sqrt(2e-8 ** 2 + (mode ** 2).sum(1))
+            found = self.map(land, "--band", "mwir", "--detector", self.nei, "--weight", "rows", "--clutter", *options)
+            self.check(found, merit, lambda_um, scnr)
+        plain = self.map(self.db, "--band", "mwir", "--detector", self.nei, "--weight", "rows")
+        self.assertLess(float(found[edges[0], edges[-1]]["merit"]), 0.5 * float(plain[edges[0], edges[-1]]["merit"]))
+
+        def matched(one, other):
+            (s1, m1), (s2, m2) = seen(one), seen(other)
+            v1, v2, w = (2e-8 ** 2 + (m1 ** 2).sum(1)), (2e-8 ** 2 + (m2 ** 2).sum(1)), (m1 * m2).sum(1)
+            return numpy.array([math.sqrt(numpy.array([a, b]) @ numpy.linalg.solve([[x, z], [z, y]], [a, b])) for a, b, x, y, z in zip(s1, s2, v1, v2, w)])
+        options = "--detector", self.nei, "--min-width-um", "0.4", "--clutter"
+        table = self.table(land, "--band", "mwir", "--pairs", "matched", "--weight", "rows", *options)
+        all_rows = list(csv.DictReader(io.StringIO(self.irsig("bands", land, "--band", "mwir", "--pairs", "matched", "--weight", "rows", *options,
+                                                              "--map", self.path / "pairs.csv", "--csv").stdout)))
+        self.assertEqual(all_rows, table)
+        self.check_pairs(list(csv.DictReader(io.StringIO((self.path / "pairs.csv").read_text()))), table, edges, matched)
+        for row in table:
+            self.assertTrue(0 <= float(row["clutter_fraction"]) <= 1)
+        # Its own standard error of a tenth is in the merit's.
+        one = self.table(land, "--band", "mwir", "--detector", self.nei, "--weight", "rows", "--clutter", "--window", "3.05,4.95")[0]
+        self.assertGreater(float(one["numerical_error"]), 0.01 * float(one["merit"]))
+        # Without air, contrast and clutter fall alike.
+        far = self.irsig("bands", land, "--band", "mwir", "--detector", self.nei, "--clutter", "--range-m", "4000,8000", "--csv").stderr
+        self.assertIn("SCNR 5 of ", far)
+
     def test_filters(self):
         """A filter that is a window is that window; a slope is that of the reference."""
         lambda_um, contrast, *_ = self.spectra(self.db)
@@ -538,6 +592,7 @@ class Bands(unittest.TestCase):
         refused(self.nei, "lengths of the target", "--band", "mwir", "--range-m", "500")
         refused(self.nei, "at 5000 m alone: ask for several (--range-m)", "--band", "mwir", "--merit", "range")
         refused(self.nei, "--ranges is the merit at each range", "--band", "mwir", "--merit", "range", "--range-m", "6000,8000", "--ranges", "ranges.csv")
+        refused(self.nei, "has no clutter: its sweep has no land around the target", "--band", "mwir", "--clutter")
         refused(self.nei, "give the other one", "--band", "mwir", "--pairs", "ratio")
         refused(self.nei, "expected two or more", "--band", "mwir", "--pairs", "difference", "--window", "3.1,3.9")
         refused(self.nei, "not with --window", "--band", "mwir", "--window", "3.1,3.9", "--map", "map.svg")

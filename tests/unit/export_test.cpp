@@ -165,7 +165,8 @@ import sys, numpy as np, xarray as xr
 d = xr.open_dataset(sys.argv[1], decode_times=False)
 UNITS = {"_w_m2_sr_um": "W m-2 sr-1 um-1", "_w_sr_um": "W sr-1 um-1", "_w_m2_sr": "W m-2 sr-1", "_w_sr": "W sr-1", "_w_m2": "W m-2",
          "_m2": "m2", "_m_s": "m s-1", "_deg": "degree", "_percent": "percent", "_pa": "Pa", "_um": "um", "_k": "K", "_m": "m"}
-NONE = {"row", "samples", "path_transmittance", "spectral_path_transmittance", "backface_fraction", "response", "response_at_point"}
+NONE = {"row", "samples", "path_transmittance", "spectral_path_transmittance", "backface_fraction", "response", "response_at_point",
+        "clutter_skewness", "clutter_skewness_stderr", "clutter_cells", "clutter_modes_fraction", "visible_fraction"}
 for name, v in d.variables.items():
     if v.dtype == object:
         assert "units" not in v.attrs, name

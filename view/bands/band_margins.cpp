@@ -47,7 +47,8 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
   const bool of_angles = pairing_ == Pairing::kRatio;  // which have no direction without signals
   std::size_t views = 0;
   for (const BandCase& row : population_.row) views = std::max(views, row.view + 1);
-  const std::size_t numbers = modes + 2;  // that are drawn for a view
+  const bool clutter = !clutter_mode_.empty();
+  const std::size_t numbers = modes + 2 + (clutter ? 1 : 0);  // that are drawn for a view
   std::mt19937_64 random(kSeed);
   // Of a library's distributions the numbers are its own; these are the same everywhere.
   const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
@@ -141,6 +142,11 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
           error[kind].against[k] = other[kind];
         }
       }
+      // Errors of samples alone leave the clutter as it is.
+      if (clutter)
+        for (const auto kind : {Draws::kNumerical, Draws::kAll})
+          error[kind].log_clutter = of_target.z[(population_.row[i].view + 1) * numbers - 1] *
+                                    population_.row[i].clutter->relative_stderr;
       for (std::size_t kind = 0; kind < Draws::kKinds; ++kind) {
         of_rows[kind][i] = of_row(c, i, error[kind]);
         opposite[kind][i] = of_row(c, i, error[kind] * -1.0);

@@ -123,6 +123,42 @@ absl::StatusOr<Contrast> stored_contrast(StoreReader& reader, const QueryRow& ro
                   {behind.begin(), behind.end()}};
 }
 
+// The background around a row's target. At another range than the stored one the air between the
+// target and the sensor scales it, bin by bin: clutter stands near the target's range.
+absl::StatusOr<TargetClutter> stored_clutter(StoreReader& reader, const QueryRow& row) {
+  const StoredSignature& s = row.signature;
+  ASSIGN_OR_RETURN(const auto stored, reader.clutter(s.signature_id));
+  if (!stored)
+    return absl::InvalidArgumentError(fmt::format(
+        "row {} has no clutter: its sweep has no land around the target, or an older irsig ran it; "
+        "add [land] to the sweep file and run it again, or leave out --clutter",
+        s.row));
+  const auto& sigma = stored->patch_sigma_w_m2_sr_um();
+  ASSIGN_OR_RETURN(
+      const auto errors,
+      SumErrors::make({sigma.data(), static_cast<std::size_t>(sigma.size())}, stored->modes()));
+  TargetClutter out{errors.modes(), errors.rest(), 0};
+  const std::int64_t id[] = {s.signature_id};
+  ASSIGN_OR_RETURN(const auto found, reader.read(id));  // a moved row has no clutter of its own
+  const double value = found.front().clutter_patch_sigma_w_m2_sr;
+  if (value > 0) out.relative_stderr = found.front().clutter_patch_sigma_stderr_w_m2_sr / value;
+  std::vector<double> factor(out.rest.size(), s.projected_area_m2);
+  if (row.range_change) {
+    ASSIGN_OR_RETURN(const auto from, reader.spectrum(s.signature_id));
+    ASSIGN_OR_RETURN(const auto to, spectrum_of(reader, row));
+    for (std::size_t i = 0; i < factor.size(); ++i) {
+      const int k = static_cast<int>(i);
+      const double before = from.path_transmittance(k), after = to.spectrum.path_transmittance(k);
+      factor[i] *= before > 0 ? after / before : 0;
+    }
+  }
+  for (std::size_t i = 0; i < factor.size(); ++i) {
+    out.rest[i] *= factor[i];
+    for (auto& mode : out.modes) mode[i] *= factor[i];
+  }
+  return out;
+}
+
 // What each row counts, of all together 1. aspect_of: [row], aspects by their places.
 absl::StatusOr<std::vector<double>> weights_of(std::span<const QueryRow> rows,
                                                const std::vector<AspectDeg>& aspects,
@@ -162,7 +198,8 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
                                                StoreReader* other,
                                                std::span<const QueryRow> against,
                                                AspectWeight weight,
-                                               std::span<const RowWeights> own_weights) {
+                                               std::span<const RowWeights> own_weights,
+                                               bool clutter) {
   if (rows.empty()) return absl::InvalidArgumentError("no signature matches");
   std::map<std::pair<double, double>, std::size_t> aspects;
   std::vector<AspectDeg> aspect;
@@ -212,6 +249,9 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
                   std::move(own.target),
                   std::nullopt,
                   std::move(own.background_w_m2_sr_um)};
+    if (clutter) {
+      ASSIGN_OR_RETURN(made.clutter, stored_clutter(reader, rows[i]));
+    }
     if (other != nullptr) {
       const auto found = partner.find(place_of(s));
       if (found == partner.end())

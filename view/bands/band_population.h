@@ -20,7 +20,15 @@ struct TargetContrast {
   SpectralSet modes;          // of its errors, and what they leave over
   std::vector<double> rest;
   double bias_bound_w_sr, undersampling_stderr_w_sr;  // of the whole band
-  double model_error_w_sr;                     // one sigma, with that of uncertain inputs
+  double model_error_w_sr;                            // one sigma, with that of uncertain inputs
+};
+
+// Background around a target as a detector compares it with the target's contrast: means over
+// squares of the target's projected area, times this area.
+struct TargetClutter {
+  SpectralSet modes;           // of their covariance [W/(sr um)]
+  std::vector<double> rest;    // standard deviation that the modes leave over, by bin
+  double relative_stderr = 0;  // of the in-band standard deviation
 };
 
 // One row of the population.
@@ -33,6 +41,7 @@ struct BandCase {
   TargetContrast target;
   std::optional<TargetContrast> against;  // of another target in the same place; independent paths
   std::vector<double> background_w_m2_sr_um;
+  std::optional<TargetClutter> clutter = {};  // nullopt: not asked for
 };
 struct BandPopulation {
   std::vector<double> lambda_um;
@@ -48,10 +57,13 @@ enum class AspectWeight { kRows, kSolidAngle };
 // Rows of one band, as run_query gives them. against: rows of another target at the same places,
 // empty: none. Weights of one's own: of aspects instead of those of `weight`; of conditions, as
 // shares of their aspect (kRows: of all). Rows of weight 0 are left out. INVALID_ARGUMENT: no rows,
-// several bands, interpolated rows, rows that have no partner or no weight, other wavelengths.
+// several bands, interpolated rows, rows that have no partner or no weight, other wavelengths, with
+// `clutter` a row without it.
+// clutter: with the background around the target of each row; at another range as much of it as the
+// air between lets through.
 [[nodiscard]] absl::StatusOr<BandPopulation> band_population(
     StoreReader& reader, std::span<const QueryRow> rows, StoreReader* other,
     std::span<const QueryRow> against, AspectWeight weight,
-    std::span<const RowWeights> own_weights = {});
+    std::span<const RowWeights> own_weights = {}, bool clutter = false);
 
 }  // namespace irsig

@@ -24,16 +24,16 @@ Cell number_cell(double value) { return std::isfinite(value) ? Cell(value) : Cel
 std::string merit_name(const MeritOf& merit) {
   switch (merit.merit) {
     case Merit::kMean:
-      return "mean SNR";
+      return fmt::format("mean {}", merit.ratio);
     case Merit::kPercentile:
-      return fmt::format("SNR that all but {:g} % exceed", merit.percentile);
+      return fmt::format("{} that all but {:g} % exceed", merit.ratio, merit.percentile);
     case Merit::kWorst:
-      return "worst SNR";
+      return fmt::format("worst {}", merit.ratio);
     case Merit::kAbove:
-      return fmt::format("share with SNR >= {:g}", merit.threshold);
+      return fmt::format("share with {} >= {:g}", merit.ratio, merit.threshold);
     case Merit::kRange:
-      return fmt::format("range [m] up to which all but {:g} % have SNR >= {:g}", merit.percentile,
-                         merit.threshold);
+      return fmt::format("range [m] up to which all but {:g} % have {} >= {:g}", merit.percentile,
+                         merit.ratio, merit.threshold);
   }
   return "";
 }
@@ -90,8 +90,10 @@ std::vector<double> ranges_of(const BandPopulation& population) {
 absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                           std::string_view format, std::ostream& out) {
   const bool filters = any_filter(search, choice);
+  const bool clutter = search.population().row.front().clutter.has_value();
   std::vector<Column> columns = {{"rank"}};
   add_columns(search, filters, columns);
+  if (clutter) columns.push_back({"clutter_fraction"});
   columns.insert(columns.end(), {{"merit"},
                                  {"samples_stderr"},
                                  {"numerical_error"},
@@ -107,6 +109,7 @@ absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
   for (const CandidateMerit& m : choice.candidate) {
     std::vector<Cell> line = {++rank};
     add_cells(search, filters, m.of, line);
+    if (clutter) line.emplace_back(search.clutter_fraction(m.of));
     line.insert(line.end(), {number_cell(m.of.merit), number_cell(m.samples_stderr),
                              number_cell(m.numerical_error), number_cell(m.total_error),
                              number_cell(m.best_numerical), number_cell(m.best),
@@ -223,8 +226,9 @@ std::string note_on_detection(const BandSearch& search, const WindowChoice& choi
            : std::isinf(m) ? std::string("beyond the farthest")
                            : fmt::format("{:.4g} m", m);
   };
-  return fmt::format("SNR {:g} of {} is reached up to: 10 % of the population {}, half {}, 90 % {}",
-                     threshold, title_of(search, best), at(0.1), at(0.5), at(0.9));
+  return fmt::format("{} {:g} of {} is reached up to: 10 % of the population {}, half {}, 90 % {}",
+                     search.population().row.front().clutter ? "SCNR" : "SNR", threshold,
+                     title_of(search, best), at(0.1), at(0.5), at(0.9));
 }
 
 std::string plot_map_of_windows(const BandSearch& search, const MeritOf& merit,

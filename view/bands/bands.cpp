@@ -39,6 +39,16 @@ double product_sum(const std::vector<double>& a, const std::vector<double>& b) {
 
 double squared(double x) { return x * x; }
 
+// sqrt(s^T M^-1 s) of a symmetric 2 x 2 matrix. Of one without an inverse, such as clutter without
+// noise whose passbands vary as one, what its larger element alone gives.
+double matched_snr(double s1, double s2, double v1, double v2, double w) {
+  const double determinant = v1 * v2 - w * w;
+  if (determinant > 1e-12 * v1 * v2)
+    return std::sqrt(std::max(0.0, (s1 * s1 * v2 - 2 * s1 * s2 * w + s2 * s2 * v1) / determinant));
+  if (!(v1 > 0) && !(v2 > 0)) return 0;
+  return v1 >= v2 ? std::abs(s1) / std::sqrt(v1) : std::abs(s2) / std::sqrt(v2);
+}
+
 double ratio_snr(double a1, double a2, double b1, double b2) {
   const double a = std::hypot(a1, a2), b = std::hypot(b1, b2);
   if (!(a > 0 && b > 0)) return 0;
@@ -48,7 +58,9 @@ double ratio_snr(double a1, double a2, double b1, double b2) {
 // How much dearer than a mean: a selection of rows, an arc.
 double cost_of(const MeritOf& merit, Pairing pairing) {
   return (merit.merit == Merit::kPercentile || merit.merit == Merit::kRange ? 20.0 : 1.0) *
-         (pairing == Pairing::kRatio ? 20.0 : 1.0);
+         (pairing == Pairing::kRatio     ? 20.0
+          : pairing == Pairing::kMatched ? 5.0
+                                         : 1.0);
 }
 
 }  // namespace
@@ -166,6 +178,20 @@ absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Det
       out.background_[e].push_back(known ? product_sum(signal[e], r.background_w_m2_sr_um) : 0);
       lit |= out.background_[e].back() > 0;
     }
+  if (row.front().clutter) {
+    out.clutter_mode_.resize(row.size());
+    out.clutter_rest_.resize(limits);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const double per_m2 = 1 / squared(row[i].range_m);
+      for (const auto& mode : row[i].clutter->modes) {
+        auto& by_limit = out.clutter_mode_[i].emplace_back();
+        for (std::size_t e = 0; e < limits; ++e)
+          by_limit.push_back(per_m2 * product_sum(signal[e], mode));
+      }
+      for (std::size_t e = 0; e < limits; ++e)
+        out.clutter_rest_[e].push_back(per_m2 * product_sum(signal[e], row[i].clutter->rest));
+    }
+  }
   if (pairing != Pairing::kDifference) return out;
   if (!lit)
     return absl::InvalidArgumentError(
@@ -217,6 +243,58 @@ double BandSearch::background_left(const Candidate& c) const {
   return all > 0 ? std::sqrt(left / all) : 0;
 }
 
+BandSearch::Variances BandSearch::clutter_of(const Candidate& c, std::size_t row) const {
+  Variances out;
+  if (clutter_mode_.empty()) return out;
+  const auto in = [](const std::vector<double>& by_limit, Passband p) {
+    return by_limit[p.last] - by_limit[p.first];
+  };
+  out.one = squared(of(clutter_rest_, c.one, row));
+  if (c.other) out.other = squared(of(clutter_rest_, *c.other, row));
+  for (const auto& mode : clutter_mode_[row]) {
+    const double one = in(mode, c.one), other = c.other ? in(mode, *c.other) : 0;
+    out.one += one * one;
+    out.other += other * other;
+    out.both += one * other;
+  }
+  return out;
+}
+
+BandSearch::Variances BandSearch::variances(const Candidate& c, std::size_t row,
+                                            double larger) const {
+  const double noise = detector_.variance(of(photons_, c.one, row)),
+               other_noise = c.other ? detector_.variance(of(photons_, *c.other, row)) : 0;
+  if (clutter_mode_.empty()) return {noise, other_noise, 0};
+  const Variances clutter = clutter_of(c, row);
+  const double factor = larger * larger;
+  return {noise + factor * clutter.one, other_noise + factor * clutter.other,
+          factor * clutter.both};
+}
+
+double BandSearch::clutter_fraction(const Candidate& c) const {
+  if (clutter_mode_.empty()) return 0;
+  double sum = 0;
+  for (std::size_t i = 0; i < weight_.size(); ++i) {
+    const Variances clutter = clutter_of(c, i), all = variances(c, i);
+    double a = 1, b = 0;  // the weights of both passbands
+    if (c.other && pairing_ == Pairing::kDifference) b = -c.gain;
+    if (c.other && pairing_ != Pairing::kDifference) {
+      const bool two = population_.row[i].against.has_value();
+      const auto signal = [&](Passband p) {
+        return of(target_.signal, p, i) - (two ? of(against_.signal, p, i) : 0);
+      };
+      const double s1 = signal(c.one), s2 = signal(*c.other);
+      a = all.other * s1 - all.both * s2;
+      b = all.one * s2 - all.both * s1;
+    }
+    const auto seen = [&](const Variances& v) {
+      return a * a * v.one + b * b * v.other + 2 * a * b * v.both;
+    };
+    if (seen(all) > 0) sum += weight_[i] * std::clamp(seen(clutter) / seen(all), 0.0, 1.0);
+  }
+  return sum;
+}
+
 double BandSearch::of_row(const Candidate& c, std::size_t row, const Errors& error,
                           double signals) const {
   const bool two = population_.row[row].against.has_value();
@@ -226,22 +304,29 @@ double BandSearch::of_row(const Candidate& c, std::size_t row, const Errors& err
   const auto against = [&](std::size_t k, Passband p) {
     return two ? signals * of(against_.signal, p, row) + error.against[k] : 0.0;
   };
-  const double v1 = detector_.variance(of(photons_, c.one, row));
+  const auto [v1, v2, w] =
+      variances(c, row, error.log_clutter != 0 ? std::exp(error.log_clutter) : 1);
   if (!c.other) {
     const double s = target(0, c.one) - against(0, c.one);
     return v1 > 0 ? std::abs(s) / std::sqrt(v1) : 0;
   }
-  const double v2 = detector_.variance(of(photons_, *c.other, row));
+  if (pairing_ == Pairing::kMatched)
+    return matched_snr(target(0, c.one) - against(0, c.one),
+                       target(1, *c.other) - against(1, *c.other), v1, v2, w);
   if (pairing_ == Pairing::kDifference) {
-    const double variance = v1 + squared(c.gain) * v2;
+    const double variance = v1 + squared(c.gain) * v2 - 2 * c.gain * w;
     const double s = target(0, c.one) - against(0, c.one) -
                      c.gain * (target(1, *c.other) - against(1, *c.other));
     return variance > 0 ? std::abs(s) / std::sqrt(variance) : 0;
   }
   if (!(v1 > 0 && v2 > 0)) return 0;
-  const double n1 = 1 / std::sqrt(v1), n2 = 1 / std::sqrt(v2);
-  return ratio_snr(n1 * target(0, c.one), n2 * target(1, *c.other), n1 * against(0, c.one),
-                   n2 * against(1, *c.other));
+  // Axes of unit variance: the first passband, and what of the second does not go with it.
+  const double n1 = 1 / std::sqrt(v1), rest = v2 - w * w / v1;
+  if (!(rest > 0)) return 0;
+  const double n2 = 1 / std::sqrt(rest), goes = w / v1;
+  const double t1 = target(0, c.one), a1 = against(0, c.one);
+  return ratio_snr(n1 * t1, n2 * (target(1, *c.other) - goes * t1), n1 * a1,
+                   n2 * (against(1, *c.other) - goes * a1));
 }
 
 std::vector<double> BandSearch::snr(const Candidate& c) const {
@@ -327,7 +412,10 @@ void BandSearch::search_pairs(const MeritOf& merit, double least_width_um, std::
       if (fast) {
         c.gain = gain(window[w], p);
         for (std::size_t i = 0; i < rows; ++i) {
-          const double variance = v1[i] + c.gain * c.gain * detector_.variance(of(photons_, p, i));
+          const Variances clutter = clutter_of(c, i);
+          const double v2 = detector_.variance(of(photons_, p, i)) + clutter.other;
+          const double variance =
+              v1[i] + clutter.one + c.gain * c.gain * v2 - 2 * c.gain * clutter.both;
           s[i] = variance > 0 ? std::abs(s1[i] - c.gain * signal(p, i)) / std::sqrt(variance) : 0;
         }
       } else {
@@ -405,7 +493,7 @@ double BandSearch::mean_stderr(Passband p) const {
   for (std::size_t i = 0; i < population_.row.size(); ++i) {
     const bool two = population_.row[i].against.has_value();
     const double signal = of(target_.signal, p, i) - (two ? of(against_.signal, p, i) : 0);
-    const double variance = detector_.variance(of(photons_, p, i));
+    const double variance = variances({p}, i).one;
     if (!(variance > 0)) continue;
     const double per = weight_[i] * (signal < 0 ? -1 : 1) / std::sqrt(variance);
     add(target_, 0, i, per);

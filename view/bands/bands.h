@@ -26,15 +26,19 @@ struct Passband {
 };
 
 // Ways of pairing passbands. With S the signal of a row (of a target, or of the target less the
-// other one), V the variance of the noise, 1 and 2 the two passbands:
+// other one), V the variance of the noise and of the clutter, if rows have any, W the covariance of
+// the clutter in both passbands (0 without), 1 and 2 the two passbands:
 //
 //   kNone        s = |S| / sqrt(V)
-//   kDifference  s = |S1 - g S2| / sqrt(V1 + g^2 V2),  g = sqrt(<B1^2> / <B2^2>): the gain with
-//                which both see as much of the population's backgrounds B, which then cancel
+//   kDifference  s = |S1 - g S2| / sqrt(V1 + g^2 V2 - 2 g W),  g = sqrt(<B1^2> / <B2^2>): the gain
+//                with which both see as much of the population's backgrounds B, which then cancel
+//   kMatched     s = sqrt((S1, S2) (V1 W; W V2)^-1 (S1, S2)^T): what the best weighted sum of both
+//                reaches, for each row its own [fukunaga1990, 4.2]
 //   kRatio       s = |angle between a and b| / sqrt(1 / |a|^2 + 1 / |b|^2),  a = (S1 / sqrt(V1),
 //                S2 / sqrt(V2)) of the target, b of the other: where both ratios S1 / S2 differ
-//                little, their difference over its noise; no ratio of a signal that may be 0
-enum class Pairing { kNone, kDifference, kRatio };
+//                little, their difference over its noise; no ratio of a signal that may be 0. With
+//                clutter, signals in axes in which noise and clutter are alike and independent
+enum class Pairing { kNone, kDifference, kRatio, kMatched };
 
 struct Candidate {
   Passband one;
@@ -120,6 +124,9 @@ class BandSearch {
   [[nodiscard]] std::vector<double> snr(const Candidate& c) const;  // [row]
   // Merit of the rows at one of the population's ranges alone.
   [[nodiscard]] double merit_at(const MeritOf& merit, const Candidate& c, double range_m) const;
+  // Returns the fraction of the variance of noise and clutter that is clutter, mean over rows: in
+  // one passband, in the difference of two, or in their best weighted sum. 0: rows without clutter.
+  [[nodiscard]] double clutter_fraction(const Candidate& c) const;
   // The standard error that samples leave of the mean's merit, to first order. One passband only.
   [[nodiscard]] double mean_stderr(Passband p) const;
   // Fraction of the first passband's background that a difference leaves: rms over rows.
@@ -127,6 +134,8 @@ class BandSearch {
 
   // Candidates compared by drawing their errors:
   // samples   by mode, the same draw for all rows of a view (they share its paths);
+  // clutter   the standard error of its standard deviation, one draw for all rows of a view: their
+  //           windows show the same pixels; a numerical error
   // bounds    uniform within them, models and inputs normal: one draw for all rows, spread over
   //           wavelengths as |contrast| is, half of the variance level and half a slope. Of two
   //           targets bounds err in opposite ways, models each for itself.
@@ -158,13 +167,24 @@ class BandSearch {
   };
   struct Errors {  // of the signals of both targets in both passbands
     std::array<double, 2> target{}, against{};
+    double log_clutter = 0;  // of the clutter's standard deviation
     Errors operator*(double factor) const {
-      return {{target[0] * factor, target[1] * factor}, {against[0] * factor, against[1] * factor}};
+      return {{target[0] * factor, target[1] * factor},
+              {against[0] * factor, against[1] * factor},
+              log_clutter * factor};
     }
   };
   static double of(const ByLimit& by_limit, Passband p, std::size_t row) {
     return by_limit[p.last][row] - by_limit[p.first][row];
   }
+  // Variances V1 and V2 in a candidate's passbands and the covariance W of both.
+  struct Variances {
+    double one = 0, other = 0, both = 0;
+  };
+  // Clutter alone.
+  [[nodiscard]] Variances clutter_of(const Candidate& c, std::size_t row) const;
+  // Noise and clutter together. larger: factor on the clutter's standard deviation.
+  [[nodiscard]] Variances variances(const Candidate& c, std::size_t row, double larger = 1) const;
   // One row at all its ranges, the nearest first.
   struct Place {
     std::size_t first_row;
@@ -199,6 +219,9 @@ class BandSearch {
   double step_um_ = 0,
          ratio_ = 1;  // the most that the detector's signal has of the band's response
   Cumulated target_, against_;
+  // Clutter as signals, per R^2: [row][mode][limit], and what the modes leave over.
+  std::vector<std::vector<std::vector<double>>> clutter_mode_;
+  ByLimit clutter_rest_;
   ByLimit photons_, background_;
   std::vector<std::vector<double>> gram_;  // [limit][limit] <B B>
 };

@@ -20,6 +20,7 @@ enum class Merit {
 struct MeritOf {
   Merit merit = Merit::kMean;
   double percentile = 10, threshold = 5;
+  std::string_view ratio = "SNR";  // what s is called: "SCNR" in clutter
 };
 
 // Computes the merit of rows with these weights, which sum to 1. kRange: of ranges that are
