@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
+#include "core/land/raster_frame.h"
 
 namespace irsig {
 namespace {
@@ -58,7 +59,8 @@ double sample(const HeightRaster& raster, double column, double row) {
 
 class HeightPlacer {
  public:
-  HeightPlacer(const HeightRaster& raster, const LandMap& map) : raster_(raster), map_(map) {
+  HeightPlacer(const HeightRaster& raster, const LandMap& map)
+      : raster_(raster), map_(map), frame_(raster, map.origin) {
     for (const float height : raster.height_m) {
       if (std::isnan(height)) continue;
       lowest_m_ = std::min(lowest_m_, double(height));
@@ -69,9 +71,6 @@ class HeightPlacer {
       highest_m_ = std::max(highest_m_, *map.fill_m);
     }
     highest_m_ = std::max(highest_m_, lowest_m_ + 1);
-    const double middle = raster.x0 + 0.5 * (raster.columns - 1) * raster.x_step;
-    // Of the origin's longitudes, the one nearest to the raster's middle.
-    origin_longitude_deg_ = middle + std::remainder(map.origin.longitude_deg - middle, 360.0);
   }
 
   absl::StatusOr<HeightGrid> place() {
@@ -114,18 +113,9 @@ class HeightPlacer {
       out.z_m += height_m - at.height_m;
     }
     too_far_north_ = too_far_north_ || std::abs(at.latitude_deg) > kMostLatitudeDeg;
-    double x = x_m, y = y_m;
-    if (std::holds_alternative<GeographicDegrees>(raster_.system)) {
-      x = origin_longitude_deg_ +
-          std::remainder(at.longitude_deg - map_.origin.longitude_deg, 360.0);
-      y = at.latitude_deg;
-    } else if (const UtmZone* zone = std::get_if<UtmZone>(&raster_.system)) {
-      const UtmPoint point = utm_point(*zone, at.latitude_deg, at.longitude_deg);
-      x = point.easting_m;
-      y = point.northing_m;
-    }
-    out.column = (x - raster_.x0) / raster_.x_step;
-    out.row = (y - raster_.y0) / raster_.y_step;
+    const RasterPlace place = frame_.place(x_m, y_m, at);
+    out.column = place.column;
+    out.row = place.row;
     return out;
   }
 
@@ -185,9 +175,9 @@ class HeightPlacer {
 
   const HeightRaster& raster_;
   const LandMap& map_;
+  RasterFrame frame_;
   double lowest_m_ = std::numeric_limits<double>::infinity();
   double highest_m_ = -std::numeric_limits<double>::infinity();
-  double origin_longitude_deg_ = 0;
   bool too_far_north_ = false;
   std::size_t missing_ = 0;
   Vec<Enu> first_missing_;
