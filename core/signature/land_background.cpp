@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/base/check.h"
 #include "core/base/status_macros.h"
@@ -37,14 +38,16 @@ absl::StatusOr<LandBackground> LandBackground::make(
       }
   const Viewpoint& v = request.viewpoint;
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
-  const BackgroundDirections directions = BackgroundDirections::spanning(
-      least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
-      std::atan2(-towards.y, -towards.x));
+  std::optional<BackgroundDirections> directions;  // without an atmosphere: one above, one below
+  if (request.environment != nullptr)
+    directions = BackgroundDirections::spanning(
+        least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
+        std::atan2(-towards.y, -towards.x));
   const Land flat = land_of(request, scene.target);
   const std::vector<double> range_m = land_ranges_m(flat, frame.sensor, direction, 1);
   ASSIGN_OR_RETURN(auto surroundings,
                    ViewSurroundings::make(request, scene.target, v.range_m, scene.axis.node_um(),
-                                          &directions, &range_m));
+                                          directions ? &*directions : nullptr, &range_m));
   EffectSet without_reflections = effects;
   without_reflections.max_reflections = 0;
   ASSIGN_OR_RETURN(auto environments,

@@ -331,25 +331,25 @@ void leave_out_late_reflections(MeasuredView& pilot, EffectPlanner& planner, Vie
   }
 }
 
-// The light of land is that of an embedded atmosphere above one surface, and is in no gas.
+// Land goes on as the ground, at one height, and is in no gas.
 absl::Status check_land(const PreparedScene& scene, const ViewRequest& request) {
   const std::uint32_t materials = request.land->cover.materials();
   if (scene.land_emissivity.size() != materials)
-    return absl::InvalidArgumentError(
-        absl::StrCat("land of ", materials, " materials, and ", scene.land_emissivity.size(),
-                     " of them in the scene"));
-  if (request.environment == nullptr ||
-      request.condition.front().surroundings.kind != SurroundingsKind::kGround)
+    return absl::InvalidArgumentError(absl::StrCat("land of ", materials, " materials, and ",
+                                                   scene.land_emissivity.size(),
+                                                   " of them in the scene"));
+  if (request.condition.front().surroundings.kind != SurroundingsKind::kGround)
     return keyed_problem("land",
-                         "land needs [air] model = \"atmosphere\" and [surroundings] kind = "
-                         "\"ground\", which lies beyond its map");
+                         "land needs [surroundings] kind = \"ground\", which lies beyond "
+                         "its map");
   for (const ConditionSpec& c : request.condition) {
     if (c.land_temperature_k.size() != materials)
       return absl::InvalidArgumentError(
           "a condition does not state one temperature for each material of the land");
     if (c.gas != nullptr)
-      return keyed_problem("plume", "hot gas before land is not modelled; leave out [plume] or "
-                                    "[land]");
+      return keyed_problem("plume",
+                           "hot gas before land is not modelled; leave out [plume] or "
+                           "[land]");
     if (c.above_surface_m != request.condition.front().above_surface_m)
       return keyed_problem("above_surface_m",
                            "on land all conditions of a sweep need the same above_surface_m; put "

@@ -20,7 +20,8 @@ constexpr double kGrazing = 1e-4;
 // What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
 // homogeneous air or none.
 ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air, double range_m,
-                                  std::span<const Environment::Line::End> ends, bool sun,
+                                  std::span<const Environment::Line::End> ends,
+                                  std::span<const double> land_range_m, bool sun,
                                   const std::vector<double>& node_um) {
   const std::size_t n = node_um.size();
   AirPath path = air_path(air, condition.air_temperature_k, range_m, node_um);
@@ -52,6 +53,25 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   out.sun_apparent = background_air(out.sun);
   out.background_apparent = {background_air(sky), background_air(lower)};
   out.around = IncidentRadiance::of_spectra({sky, lower}, out.background_apparent);
+  // Around the target the air is clear.
+  const std::vector<double> clear(n, 1.0), dark(n, 0.0);
+  if (!condition.land_temperature_k.empty()) {
+    out.land.at_target.assign(kLandRangeM.size(), {clear, dark, sky, out.sun});
+    out.land.apparent.assign(
+        kLandRangeM.size(),
+        {path.transmittance, dark, out.background_apparent.front(), out.sun_apparent});
+  }
+  for (const double land_m : land_range_m) {
+    AirPath seen = air_path(air, condition.air_temperature_k, land_m, node_um);
+    LandAir& behind = out.land.behind.emplace_back();
+    for (std::size_t i = 0; i < n; ++i) {
+      behind.path_radiance.push_back(seen.path_radiance_w_m2_sr_um[i] -
+                                     path.path_radiance_w_m2_sr_um[i]);
+      behind.sky.push_back(seen.transmittance[i] * sky[i]);
+      behind.sun.push_back(seen.transmittance[i] * out.sun[i]);
+    }
+    behind.transmittance = std::move(seen.transmittance);
+  }
   out.transmittance = std::move(path.transmittance);
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   return out;
@@ -142,7 +162,8 @@ ViewSurroundings::ViewSurroundings(const ViewRequest& request, double range_m,
     : request_(&request),
       range_m_(range_m),
       node_um_(&node_um),
-      plain_bounds_(request.condition.size()) {}
+      plain_bounds_(request.condition.size()),
+      land_bounds_(request.condition.size()) {}
 
 absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& request,
                                                         const Target& target, double range_m,
@@ -155,6 +176,11 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
   const auto ends = target_ends(target, range_m * towards);
   out.end_.assign(ends.begin(), ends.end());
+  if (request.land != nullptr)
+    out.land_range_m_ =
+        land_range_m != nullptr
+            ? *land_range_m
+            : land_ranges_behind_m(request, target, range_m * towards - target.centre);
   if (request.environment == nullptr) {
     if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
     const GrazingRay straight;
@@ -183,13 +209,8 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                                         std::sin(std::min(elevation + reach, quarter)),
                                         request.environment->horizons_z(line),
                                         std::atan2(-towards.y, -towards.x));
-  if (request.land != nullptr) {
-    line.land = true;
-    line.land_range_m = out.land_range_m_ =
-        land_range_m != nullptr
-            ? *land_range_m
-            : land_ranges_behind_m(request, target, range_m * towards - target.centre);
-  }
+  line.land = request.land != nullptr;
+  line.land_range_m = out.land_range_m_;
   out.behind_ = line.behind;
   out.horizon_ = request.environment->horizon(line);
   ASSIGN_OR_RETURN(auto look, request.environment->sight_line(line));
@@ -199,9 +220,9 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
 
 // Land is as warm as its warmest material, and reflects all sunlight at most.
 const LightBounds& ViewSurroundings::land_bounds(std::uint32_t condition) {
-  std::optional<LightBounds>& known = plain_bounds_[condition];
+  std::optional<LightBounds>& known = land_bounds_[condition];
   if (known) return *known;
-  LightBounds& b = known.emplace(look_->bounds(condition));
+  LightBounds& b = known.emplace(surrounding_bounds(condition));
   const std::vector<double>& kelvin = request_->condition[condition].land_temperature_k;
   const double warmest_k = *std::max_element(kelvin.begin(), kelvin.end());
   for (std::size_t i = 0; i < b.thermal.size(); ++i) {
@@ -215,13 +236,17 @@ const LightBounds& ViewSurroundings::land_bounds(std::uint32_t condition) {
 }
 
 const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
-  if (look_ && request_->land == nullptr) return look_->bounds(condition);
-  if (look_) return land_bounds(condition);
+  if (request_->land != nullptr) return land_bounds(condition);
+  return surrounding_bounds(condition);
+}
+
+const LightBounds& ViewSurroundings::surrounding_bounds(std::uint32_t condition) {
+  if (look_) return look_->bounds(condition);
   std::optional<LightBounds>& known = plain_bounds_[condition];
   if (known) return *known;
   const ConditionSpec& c = request_->condition[condition];
   ViewEnvironment plain =
-      plain_environment(c, request_->air, range_m_, {}, sun_shines(c), *node_um_);
+      plain_environment(c, request_->air, range_m_, {}, {}, sun_shines(c), *node_um_);
   LightBounds& b = known.emplace();
   const std::size_t n = node_um_->size();
   b.transmittance = std::move(plain.transmittance);
@@ -265,8 +290,8 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
   if (!look_) {
     for (const std::uint32_t c : conditions) {
       const ConditionSpec& spec = request_->condition[c];
-      out.condition[c] =
-          plain_environment(spec, request_->air, range_m_, end_, sun_shines(spec), *node_um_);
+      out.condition[c] = plain_environment(spec, request_->air, range_m_, end_, land_range_m_,
+                                           sun_shines(spec), *node_um_);
     }
     return out;
   }
@@ -290,7 +315,8 @@ absl::StatusOr<ViewEnvironment> ViewSurroundings::see_like(const ViewEnvironment
                                                            const EffectSet& effects) {
   const ConditionSpec& spec = request_->condition[condition];
   if (!look_)
-    return plain_environment(spec, request_->air, range_m_, end_, sun_shines(spec), *node_um_);
+    return plain_environment(spec, request_->air, range_m_, end_, land_range_m_, sun_shines(spec),
+                             *node_um_);
   const bool with_azimuths = other.directions.azimuths() > 1;
   EffectSet wanted = effects;
   if (!with_azimuths)

@@ -61,6 +61,7 @@ class ViewSurroundings {
  private:
   ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);
   [[nodiscard]] const LightBounds& land_bounds(std::uint32_t condition);
+  [[nodiscard]] const LightBounds& surrounding_bounds(std::uint32_t condition);  // without land
 
   const ViewRequest* request_;
   double range_m_;
@@ -70,8 +71,8 @@ class ViewSurroundings {
   std::vector<double> land_range_m_;  // SensorLine::land_range_m
   std::optional<Environment::Horizon> horizon_;
   std::optional<Environment::SightLine> look_;
-  // [condition] Without an atmosphere, or with land.
-  std::vector<std::optional<LightBounds>> plain_bounds_;
+  // [condition] Without an atmosphere; with land.
+  std::vector<std::optional<LightBounds>> plain_bounds_, land_bounds_;
 };
 
 // Everything on, for these conditions.

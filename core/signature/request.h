@@ -40,8 +40,8 @@ struct ViewRequest {
   // The embedded atmosphere, for the same conditions in the same order: takes the place of `air`
   // and of the conditions' surroundings but for their kind, and of sun_scale. Null: none.
   std::shared_ptr<const Environment> environment;
-  // Land around the target, instead of the ground as far as its map reaches: needs `environment`
-  // and surroundings of kind kGround. Null: none.
+  // Land around the target, instead of the ground as far as its map reaches: needs surroundings of
+  // kind kGround. Null: none.
   std::shared_ptr<const LandScene> land = nullptr;
   std::vector<std::uint32_t> selected_condition, selected_band;
   AccuracySpec accuracy;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/constants.h"
 #include "core/spectral/planck.h"
@@ -47,6 +48,44 @@ bool ReferenceView::Parts::meets_earth(Body3 from, Body3 v, double end) const {
   return height < 0;
 }
 
+bool ReferenceView::Parts::buried(Body3 x) const {
+  return land ? land->covers(x) : surface && x.z > 0;
+}
+
+bool ReferenceView::Parts::hidden(Body3 x, Body3 towards, double distance_m) const {
+  if (!land) return surface && meets_earth(x, towards, distance_m);
+  return land->hides(x - Body3{0, 0, 1e-9 * size_m}, towards, distance_m);
+}
+
+std::optional<double> ReferenceView::Parts::see_land(Path& p, Body3 from, Body3 towards,
+                                                     bool shaded,
+                                                     std::vector<double>& radiance) const {
+  if (!land) return std::nullopt;
+  std::vector<float> fraction(land_emissivity.size());
+  const std::optional<LandPoint> at = land->meet(from, towards, fraction);
+  if (!at) return std::nullopt;
+  double sunlit = sun ? land->sun_cosine(*at, condition.sun_direction) : 0;
+  const Body3 place = from + at->distance * towards;
+  if (sunlit > 0 && shaded &&
+      blocked(place, condition.sun_direction, std::numeric_limits<std::uint32_t>::max(), 1e30,
+              p.rays))
+    sunlit = 0;
+  const double open = 0.5 * (1 + at->normal.z);
+  for (std::size_t i = 0; i < channels(); ++i) {
+    radiance[i] = 0;
+    for (std::size_t m = 0; m < fraction.size(); ++m) {
+      const double e = land_emissivity[m],
+                   black = grey ? land_in_band[i][m]
+                                : planck_radiance_w_m2_sr_um(p.lambda_um[i],
+                                                             condition.land_temperature_k[m]);
+      radiance[i] += static_cast<double>(fraction[m]) *
+                     (e * black + (1 - e) * (open * p.sky[i] + (1 - open) * black +
+                                             sunlit * p.sunlight[i] / kPi));
+    }
+  }
+  return at->distance;
+}
+
 ReferenceTracer::Hit ReferenceView::Parts::meet(Body3 from, Body3 towards, std::uint32_t own,
                                                 double t_max) const {
   double t_min = 1e-9 * size_m;
@@ -84,14 +123,14 @@ void ReferenceView::Parts::trace(Path& p) const {
     normal = -1.0 * normal;
     cos_o = -cos_o;
   }
-  if (cos_o <= 0 || (surface && x.z > 0)) return;
-  if (surface && meets_earth(x, to_eye, distance_m)) return;
+  if (cos_o <= 0 || buried(x)) return;
+  if (hidden(x, to_eye, distance_m)) return;
   if (blocked(x, to_eye, own, distance_m, p.rays)) return;
   const double range_m = viewpoint.range_m;
   const double w0 = cos_o * (range_m / distance_m) * (range_m / distance_m) * first.area_m2 /
                     primary.share(picked);
   p.area_m2 = w0;
-  const Body3 look = -1.0 * to_eye;
+  const Body3 look = -1.0 * to_eye, seen_at = x;
 
   if (!grey) {
     for (std::size_t b = 0; b < bands; ++b)
@@ -152,7 +191,7 @@ void ReferenceView::Parts::trace(Path& p) const {
           p.source[i] *= p.through[i] * share * p.sunlight[i] / sun_solid_angle;
           most = std::max(most, p.source[i]);
         }
-        if (most > 0 && !blocked(x, wi, own, 1e30, p.rays))
+        if (most > 0 && !blocked(x, wi, own, 1e30, p.rays) && !(land && hidden(x, wi, 1e9)))
           for (std::size_t i = 0; i < n; ++i) p.sum[i] += p.source[i];
       }
     }
@@ -172,8 +211,7 @@ void ReferenceView::Parts::trace(Path& p) const {
         lamp_normal = -1.0 * lamp_normal;
       }
       ReflectionGeometry at{};
-      if (target != own && cos_l > 0 && d > 1e-9 * size_m && !(surface && y.z > 0) &&
-          reflected(wi, at)) {
+      if (target != own && cos_l > 0 && d > 1e-9 * size_m && !buried(y) && reflected(wi, at)) {
         const double aimed = hot_density[target] * d * d / cos_l;
         const double share = at.cos_i * (1 - drawn_fraction(f.density_per_sr(at), aimed)) / aimed;
         f.brdf_per_sr(at, p.lambda_um, p.source);
@@ -210,11 +248,17 @@ void ReferenceView::Parts::trace(Path& p) const {
     ++p.rays;
     const auto hit = meet(x, wi, own, 1e30);
     const Body3 next = hit.met() ? x + hit.t * wi : Body3{};
-    if (!hit.met() || (surface && next.z > 0)) {
-      const std::vector<double>& beyond = wi.z < 0 ? p.sky : p.lower;
+    const std::optional<double> land_m = see_land(p, x, wi, true, p.land);
+    if (land_m && (!hit.met() || *land_m < hit.t)) {
+      for (std::size_t i = 0; i < n; ++i) p.sum[i] += p.through[i] * p.land[i];
+      break;
+    }
+    if (!hit.met() || (!land && surface && next.z > 0)) {
+      const std::vector<double>& beyond =
+          wi.z < sine_of_dip(land ? condition.above_surface_m : 0) ? p.sky : p.lower;
       for (std::size_t i = 0; i < n; ++i) p.sum[i] += p.through[i] * beyond[i];
       if (of_sun && !hit.met() && !(surface && wi.z > 0) &&
-          dot(wi, condition.sun_direction) > cos_sun) {
+          dot(wi, condition.sun_direction) > cos_sun && !(land && hidden(x, wi, 1e9))) {
         const double share = drawn_fraction(drawn.density_per_sr, 1 / sun_solid_angle);
         for (std::size_t i = 0; i < n; ++i)
           p.sum[i] += p.through[i] * share * p.sunlight[i] / sun_solid_angle;
@@ -242,11 +286,12 @@ void ReferenceView::Parts::trace(Path& p) const {
   }
 
   // At the sensor, through the air of this point's own distance.
+  const std::optional<double> behind_m = see_land(p, seen_at, look, false, p.land);
   const double extinction = extinction_per_m();
   const double seen = std::exp(-extinction * distance_m),
-               at_range = std::exp(-extinction * range_m);
+               at_range = std::exp(-extinction * (behind_m ? distance_m + *behind_m : range_m));
   const bool sea = surface ? meets_earth(sensor, look, 1e30) : look.z > 0;
-  const std::vector<double>& behind = sea ? p.lower : p.sky;
+  const std::vector<double>& behind = behind_m ? p.land : sea ? p.lower : p.sky;
   for (std::size_t b = 0; b < bands; ++b) {
     double radiance = 0, background = 0, column = 0;
     if (grey) {
@@ -283,7 +328,7 @@ void ReferenceView::Parts::trace_from_sun(Path& p) const {
                turn = 2 * kPi * p.u[kSunV];
   const Frame about(condition.sun_direction, {0.3, 0.5, 0.8});
   Body3 from = about.out(s * std::cos(turn), s * std::sin(turn), c);
-  if (surface && (from.z > 0 || x.z > 0)) return;
+  if ((surface && from.z > 0) || buried(x)) return;
   std::uint32_t part = facet[own].part;
   Body3 normal = facet[own].normal;
   double cos_i = dot(normal, from);
@@ -291,7 +336,7 @@ void ReferenceView::Parts::trace_from_sun(Path& p) const {
     normal = -1.0 * normal;
     cos_i = -cos_i;
   }
-  if (cos_i <= 0 || blocked(x, from, own, 1e30, p.rays)) return;
+  if (cos_i <= 0 || blocked(x, from, own, 1e30, p.rays) || (land && hidden(x, from, 1e9))) return;
   if (!grey) {
     for (std::size_t b = 0; b < bands; ++b)
       waves[b].draw(p.u[kWave], p.lambda_um.data() + b * kStrata, p.weight.data() + b * kStrata);
@@ -311,7 +356,7 @@ void ReferenceView::Parts::trace_from_sun(Path& p) const {
       const double distance_m = length(to_eye);
       to_eye = (1 / distance_m) * to_eye;
       const double out[3] = {dot(to_eye, frame.x), dot(to_eye, frame.y), dot(to_eye, frame.z)};
-      if (out[2] > 0 && !(surface && meets_earth(x, to_eye, distance_m)) &&
+      if (out[2] > 0 && !hidden(x, to_eye, distance_m) &&
           !blocked(x, to_eye, own, distance_m, p.rays)) {
         f.brdf_per_sr(geometry_between(in, out), p.lambda_um, p.source);
         const double ratio = viewpoint.range_m / distance_m;
@@ -345,7 +390,7 @@ void ReferenceView::Parts::trace_from_sun(Path& p) const {
     const auto hit = meet(x, wi, own, 1e30);
     if (!hit.met()) return;
     x = x + hit.t * wi;
-    if (surface && x.z > 0) return;
+    if (buried(x)) return;
     own = hit.facet;
     part = facet[own].part;
     normal = facet[own].normal;

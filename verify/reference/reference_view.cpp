@@ -89,6 +89,17 @@ absl::StatusOr<ReferenceView> ReferenceView::make(const SceneSpec& scene,
   // Irradiance of a disk of radiance 1 at normal incidence: pi sin^2; drawn evenly in solid angle.
   p.sun_solid_angle = 2 * kPi * 2 * std::pow(std::sin(radius / 2), 2);
 
+  if (request.land != nullptr) {
+    p.land = std::make_shared<const Land>(request.land, c.above_surface_m, Body3{},
+                                          std::vector<double>{});
+    for (const MaterialSpec& m : scene.land_material) {
+      ASSIGN_OR_RETURN(const auto brdf, ReferenceBrdf::make(m, least_um, most_um));
+      const auto* lambert = std::get_if<Lambert>(&m.model);
+      if (!brdf.grey() || lambert == nullptr || lambert->emissivity.size() != 1)
+        return absl::UnimplementedError("land whose materials are not grey and diffuse");
+      p.land_emissivity.push_back(lambert->emissivity.front().value);
+    }
+  }
   double coldest_k = 1e300;
   for (const double t : c.part_temperature_k) coldest_k = std::min(coldest_k, t);
   const auto of_temperature = [](double t) {
@@ -96,6 +107,9 @@ absl::StatusOr<ReferenceView> ReferenceView::make(const SceneSpec& scene,
   };
   for (const Band& b : scene.band) {
     std::vector<double>& of_band = p.part_in_band.emplace_back();
+    std::vector<double>& of_land = p.land_in_band.emplace_back();
+    for (std::size_t m = 0; m < p.land_emissivity.size(); ++m)
+      of_land.push_back(integral_in_band(b, of_temperature(c.land_temperature_k[m])));
     std::vector<std::function<double(double)>> spectra;
     for (const double t : c.part_temperature_k) {
       of_band.push_back(integral_in_band(b, of_temperature(t)));
@@ -187,9 +201,10 @@ ReferenceView::Result ReferenceView::run(std::uint64_t samples, std::uint64_t se
   ReplicateStatistics statistics(4 * bands);
   for (std::uint32_t batch = 0; batch < kBatches; ++batch) {
     Random random(mix64(seed) + batch);
-    Parts::Path path{random, {}, 0, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
-    for (auto* v : {&path.lambda_um, &path.weight, &path.through, &path.sum, &path.source,
-                    &path.factor, &path.end_factor, &path.sky, &path.lower, &path.sunlight})
+    Parts::Path path{random, {}, 0, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+    for (auto* v :
+         {&path.lambda_um, &path.weight, &path.through, &path.sum, &path.source, &path.factor,
+          &path.end_factor, &path.sky, &path.lower, &path.sunlight, &path.land})
       v->assign(n, 1.0);
     for (auto* v : {&path.total, &path.apparent, &path.contrast}) v->assign(bands, 0.0);
     path.part.resize(all.scene.part.size());

@@ -30,6 +30,9 @@ namespace irsig {
 // Sunlight that mirrors (lobes of slopes below 0.15) send on to matt surfaces is followed from the
 // sun, and joined to the sensor wherever it arrives; no path from the sensor counts it.
 //
+// Land: that of the program's own walker (core/land, judged by itself), whose light is summed here
+// again; of grey, diffuse materials (others: UNIMPLEMENTED).
+//
 // Limits: one condition; no embedded atmosphere (UNIMPLEMENTED).
 class ReferenceView {
  public:

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "core/base/sobol.h"
 #include "core/environment/air.h"
 #include "core/scene/trace/reference_tracer.h"
+#include "core/sources/land.h"
 #include "verify/reference/reference_brdf.h"
 #include "verify/reference/reference_light.h"
 #include "verify/reference/reference_view.h"
@@ -104,6 +107,11 @@ struct ReferenceView::Parts {
   std::vector<std::vector<double>> part_in_band;
   std::vector<double> sky_in_band, lower_in_band, sun_in_band, air_in_band;
 
+  // Land in place of the surface, of grey materials; null: none.
+  std::shared_ptr<const Land> land;
+  std::vector<double> land_emissivity;            // [material]
+  std::vector<std::vector<double>> land_in_band;  // [band][material] Planck's function
+
   struct Path;
   [[nodiscard]] std::uint64_t channels() const {
     return grey ? scene.band.size() : scene.band.size() * reference_view::kStrata;
@@ -114,6 +122,15 @@ struct ReferenceView::Parts {
                              std::uint32_t own, double t_max, std::uint64_t& rays) const;
   [[nodiscard]] ReferenceTracer::Hit meet(reference_view::Body3 from, reference_view::Body3 towards,
                                           std::uint32_t own, double t_max) const;
+  // Returns true if the surface covers a point, or lies between it and a sensor.
+  [[nodiscard]] bool buried(reference_view::Body3 x) const;
+  [[nodiscard]] bool hidden(reference_view::Body3 x, reference_view::Body3 towards,
+                            double distance_m) const;
+  // Sets the radiance of land where a ray meets it, in each channel, and returns how far away that
+  // is; nullopt: it meets none. shaded: whether the target's shadow counts.
+  [[nodiscard]] std::optional<double> see_land(Path& path, reference_view::Body3 from,
+                                               reference_view::Body3 towards, bool shaded,
+                                               std::vector<double>& radiance) const;
   void trace(Path& path) const;
   void trace_from_sun(Path& path) const;
   // Bouguer's law: density x mass coefficient.
@@ -136,7 +153,7 @@ struct ReferenceView::Parts::Path {
   // [channel]
   std::vector<double> lambda_um, weight, through, sum, source, factor, end_factor;
   std::vector<std::vector<double>> part;  // Planck's, made when needed
-  std::vector<double> sky, lower, sunlight;
+  std::vector<double> sky, lower, sunlight, land;
   // Results of the last path. [band]
   std::vector<double> total, apparent, contrast;
   double area_m2 = 0;
