@@ -13,6 +13,7 @@
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
 #include "jobs/size_bounds.h"
@@ -234,6 +235,7 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   schema::ResolvedSweep resolved;
   *resolved.mutable_sweep() = as_written(as_sent.sweep());
   schema::Sweep& sweep = *resolved.mutable_sweep();
+  if (sweep.has_land()) *sweep.mutable_land() = land_as_written(as_sent);
   if (is_formula(sweep.name()))
     findings.add("name", absl::StrCat("name = \"", sweep.name(), "\": ", kFormulaName));
   if (sweep.name().empty() || !is_one_line(sweep.name()))
@@ -252,6 +254,7 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   check_effect_names(sweep.effects(), findings);
   check_heat(sweep, findings);
   check_plume(sweep, findings);
+  check_land(sweep, findings);
   check_heights(sweep, findings);
   check_place(sweep, findings);
   check_air(sweep, findings);
@@ -277,6 +280,7 @@ absl::Status check_resolved(const schema::ResolvedSweep& sweep) {
   for (int i = 0; i < sweep.condition_size(); ++i) check_condition(sweep, i, air, findings);
   for (int i = 0; i < sweep.heat_size(); ++i) check_heat_run(sweep, i, air, findings);
   check_resolved_plumes(sweep, findings);
+  check_resolved_land(sweep, findings);
   check_uncertainty(sweep, findings);
   if (!findings.empty()) return findings.status();
   const double jobs = job_count(sweep);

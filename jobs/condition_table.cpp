@@ -124,11 +124,11 @@ class CsvConditions {
     std::string text;
     std::size_t at;  // column of its first character, from 1
   };
-  // Of a number or a text of a season, of its surroundings, or a part's temperature.
+  // Of a number or a text of a season, of its surroundings, or a temperature by name.
   struct Column {
     const FieldDescriptor* field = nullptr;
     bool of_surroundings = false;
-    std::string part, path;
+    std::string part, land, path;
   };
 
   static std::vector<Cell> cells_of(absl::string_view row) {
@@ -162,6 +162,8 @@ class CsvConditions {
           names.push_back(of->field(i)->name());
     for (const schema::Part& part : sweep_.part())
       names.push_back(absl::StrCat("part_temperature_k.", part.name()));
+    for (const schema::LandMaterial& material : sweep_.land().material())
+      names.push_back(absl::StrCat("land_temperature_k.", material.material()));
     for (const Cell& cell : cells) {
       Column column;
       absl::string_view name = cell.text;
@@ -178,10 +180,14 @@ class CsvConditions {
         column.part = std::string(name);
         column.path = absl::StrCat(".part_temperature_k.", name);
       }
+      if (absl::ConsumePrefix(&name, "land_temperature_k.")) {
+        column.land = std::string(name);
+        column.path = absl::StrCat(".land_temperature_k.", name);
+      }
       for (const Column& other : column_)
         if (other.path == column.path)
           add(line, cell.at, absl::StrCat("column \"", cell.text, "\" is there twice"));
-      if (column.field == nullptr && column.part.empty()) {
+      if (column.field == nullptr && column.part.empty() && column.land.empty()) {
         add(line, cell.at,
             absl::StrCat("unknown column \"", cell.text, "\", ",
                          cell.text.find_first_of(";\t") != std::string::npos
@@ -196,7 +202,7 @@ class CsvConditions {
   void set(int line, const Cell& cell, const Column& column, Written& w) {
     w.where[column.path] = place(line, cell.at);
     const bool text =
-        column.part.empty() && column.field->cpp_type() == FieldDescriptor::CPPTYPE_STRING;
+        column.field != nullptr && column.field->cpp_type() == FieldDescriptor::CPPTYPE_STRING;
     double value = 0;
     if (!text) {
       const char* end = cell.text.data() + cell.text.size();
@@ -210,6 +216,10 @@ class CsvConditions {
     }
     if (!column.part.empty()) {
       (*w.season.mutable_part_temperature_k())[column.part] = value;
+      return;
+    }
+    if (!column.land.empty()) {
+      (*w.season.mutable_land_temperature_k())[column.land] = value;
       return;
     }
     google::protobuf::Message& to =

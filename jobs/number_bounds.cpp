@@ -56,6 +56,8 @@ constexpr std::string_view kAbove = "on sea or ground to the end of the air";
 constexpr std::string_view kAboveHere = "lower it stands on sea or ground; the end of the air";
 constexpr std::string_view kInstrument = "far beyond any instrument";
 constexpr std::string_view kScene = "colder scenes have no light in a band of short waves";
+constexpr std::string_view kEpsg = "WGS 84 in degrees or a UTM zone";
+constexpr std::string_view kLandTemperature = "snow to hot lava";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -109,6 +111,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
 
     {"Part.temperature_k", 0, kHottestK, kTemperature},
     {"Season.part_temperature_k", 0, kHottestK, kTemperature},
+    {"Season.land_temperature_k", 150, 1500, kLandTemperature},
     {"BuildUp.inside_temperature_k", 100, 5000, "rooms, tanks and machines"},
     {"BuildUp.inside_h_w_m2_k", 0, 1e6, "boiling water"},
     {"BuildUp.inside_heat_flux_w_m2", -1e7, 1e7, "a flame's"},
@@ -227,6 +230,15 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Plume.unit_m", 1e-9, 1e6, "nanometres to thousands of kilometres"},
     {"GasQuantity.constant", -300, 1e7, "any of its units; what the gas's tables have is less"},
 
+    {"Land.epsg", 4326, 32760, kEpsg},
+    {"Land.inset_epsg", 4326, 32760, kEpsg},
+    {"Land.spacing_m", 0.1, 1e4, "stones to mountains"},
+    {"Land.width_m", 1, 8e5, "a map ends 400 km from the target"},
+    {"Land.geoid_m", -200, 200, "the geoid of the Earth"},
+    {"Land.fill_m", -1e4, 1e4, "the deepest sea to the highest mountain"},
+    {"LandMaterial.fraction_epsg", 4326, 32760, kEpsg},
+    {"LandMaterial.temperature_k", 150, 1500, kLandTemperature},
+
     {"Transport.max_reflections", 0, 1000, kReflections},
     {"Transport.job_size_vertices", 1, 1e18, "one path to more than a machine's lifetime"},
     {"Accuracy.relative_error", 1e-6, 1, "below, rounding is larger; above, there is no number"},
@@ -281,6 +293,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Condition.season_index", 0, kMostConditions, kIndexOfList},
     {"Condition.time_index", 0, kMostConditions, kIndexOfList},
     {"Condition.part_temperature_k", 0, kHottestK, kTemperature},
+    {"Condition.land_temperature_k", 150, 1500, kLandTemperature},
     {"Condition.sun_irradiance_w_m2", 0, 1e9, "beyond the sun's surface"},
     {"Condition.air_temperature_k", 0, kHottestK, kTemperature},
     {"Condition.plume", 0, kMostConditions, kIndexOfList},

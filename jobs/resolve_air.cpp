@@ -250,6 +250,7 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
                                     "surroundings",
                                     "sun_irradiance_w_m2",
                                     "air_temperature_k"};
+  if (check.has("land_temperature_k")) of_any_air.push_back("land_temperature_k");  // check_land()
   if (model == "homogeneous" && has_funnel_plume(sweep)) {
     of_any_air.insert(of_any_air.end(), {"wind_speed_m_s", "wind_from_deg"});
     require_wind(check, findings);

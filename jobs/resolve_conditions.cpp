@@ -9,6 +9,7 @@
 #include "jobs/resolve.h"
 #include "jobs/resolve_cloud.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/season_course.h"
 #include "jobs/time_of_day.h"
@@ -203,6 +204,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
         condition.add_part_temperature_k(
             stated != season.part_temperature_k().end() ? stated->second : part.temperature_k());
       }
+      take_land_temperatures(sweep, season, condition);
       take_temperature_field(fields, sweep, season, condition);
       *condition.mutable_surroundings() = surroundings[static_cast<std::size_t>(s)];
       resolve_sun(sweep, s, utc, condition, findings);

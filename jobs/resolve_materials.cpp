@@ -8,6 +8,7 @@
 #include "jobs/nearest_name.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_land.h"
 #include "jobs/sweep_materials.h"
 
 namespace irsig {
@@ -397,6 +398,7 @@ absl::StatusOr<std::vector<schema::Material>> resolved_materials(const SweepFile
     if (sweep.part(i).has_material())
       resolve_part_material(sweep.part(i).material(), check, known, sweep, findings);
   }
+  resolve_land_materials(known, sweep, findings);
   if (!findings.empty()) return findings.status();
   return std::vector<schema::Material>(sweep.material().begin(), sweep.material().end());
 }

@@ -7,6 +7,7 @@
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
 #include "jobs/size_bounds.h"
@@ -71,6 +72,7 @@ void write_defaults(schema::Sweep& sweep) {
   write_air_defaults(*sweep.mutable_air());
   write_heat_defaults(sweep);
   write_plume_defaults(sweep);
+  write_land_defaults(sweep);
 
   schema::Transport& transport = *sweep.mutable_transport();
   if (!transport.has_max_reflections()) transport.set_max_reflections(64);
@@ -165,6 +167,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_effects(file, findings);
   check_heat(file.sweep, findings);
   check_plume(file.sweep, findings);
+  check_land(file.sweep, findings);
   check_heights(file.sweep, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
@@ -181,6 +184,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   resolve_uncertainty(resolved, findings);
   if (!findings.empty()) return findings.status();
   forget_files(*resolved.mutable_sweep());
+  resolve_land(file, resolved);
   if (warnings != nullptr)
     for (const schema::Condition& condition : resolved.condition())
       for (const std::string& warning : condition.warning())

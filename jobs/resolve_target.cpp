@@ -8,6 +8,7 @@
 #include "jobs/keys/expand.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_land.h"
 
 namespace irsig {
 namespace {
@@ -137,7 +138,8 @@ void check_part_temperature(const schema::Part& part, const SectionCheck& check,
                            sweep.has_heat() ? ", or build_up here: then it is computed" : ""));
 }
 
-void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findings& findings) {
+// materials: the names that are known; library and built-in ones that parts name are added.
+void check_parts(schema::Sweep& sweep, std::vector<std::string>& materials, Findings& findings) {
   if (sweep.part_size() == 0) {
     findings.add(
         "part",
@@ -180,7 +182,9 @@ void resolve_target(std::string_view model_bytes, schema::ResolvedSweep& resolve
   if (resolved.sweep().has_model()) set_stated_frame(*resolved.mutable_sweep()->mutable_model());
   check_model(model_bytes, resolved, findings);
   schema::Sweep& sweep = *resolved.mutable_sweep();
-  check_parts(sweep, resolve_materials(sweep, findings), findings);
+  std::vector<std::string> materials = resolve_materials(sweep, findings);
+  check_parts(sweep, materials, findings);
+  resolve_land_materials(materials, sweep, findings);
 }
 
 }  // namespace irsig

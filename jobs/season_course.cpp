@@ -31,10 +31,15 @@ std::string alike(schema::Season season) {
   season.clear_time();
   const std::map<std::string, double> parts(season.part_temperature_k().begin(),
                                             season.part_temperature_k().end());
+  const std::map<std::string, double> land(season.land_temperature_k().begin(),
+                                           season.land_temperature_k().end());
   season.clear_part_temperature_k();  // in an order of its own
+  season.clear_land_temperature_k();
   std::string key = season.SerializeAsString();
   for (const auto& [part, k] : parts)
     absl::StrAppend(&key, "\n", part, " ", absl::Hex(std::bit_cast<std::uint64_t>(k)));
+  for (const auto& [material, k] : land)
+    absl::StrAppend(&key, "\nland ", material, " ", absl::Hex(std::bit_cast<std::uint64_t>(k)));
   return key;
 }
 

@@ -15,10 +15,11 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-constexpr std::size_t kTable = 100000;   // points of a table over wavelength
-constexpr std::size_t kParts = 10000;    // parts of a target, and what each of them has
-constexpr std::size_t kNames = 1000;     // what is written by hand
-constexpr std::size_t kText = 16 << 20;  // bytes of a file that is part of the sweep
+constexpr std::size_t kTable = 100000;      // points of a table over wavelength
+constexpr std::size_t kParts = 10000;       // parts of a target, and what each of them has
+constexpr std::size_t kNames = 1000;        // what is written by hand
+constexpr std::size_t kLandMaterials = 64;  // a byte of each at every place of the land
+constexpr std::size_t kText = 16 << 20;     // bytes of a file that is part of the sweep
 
 constexpr auto kSizes = std::to_array<SizeBound>({
     {"Sweep.description", 100000},
@@ -48,6 +49,7 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"BuildUp.inside_schedule", kNames},
     {"BuildUp.layer", kNames},
     {"Season.part_temperature_k", kParts},
+    {"Season.land_temperature_k", kLandMaterials},
     {"Season.cloud", 10},
     {"Vary.wind_speed_m_s", kNames},
     {"Vary.visibility_m", kNames},
@@ -68,6 +70,7 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"Effects.only", kNames},
     {"Effects.without", kNames},
     {"Plume.position_m", 3},
+    {"Land.material", kLandMaterials},
     {"Precompute.ambient_temperature_k", kMostConditions},
     {"Precompute.air_temperature_k", kMostConditions},
     {"Image.pixels", 2},
@@ -86,6 +89,8 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"ResolvedSweep.plume", kMostPlumes},
     {"ResolvedSweep.slice", 64},
     {"Condition.part_temperature_k", kParts},
+    {"Condition.land_temperature_k", kLandMaterials},
+    {"LandFiles.fraction", kLandMaterials},
     {"Condition.warning", kNames},
     {"ConditionField.part", kParts},
     {"WeatherCourse.record", 1000000},

@@ -97,12 +97,13 @@ class Checker {
  public:
   Checker(const schema::ResolvedSweep& sweep, const Simulator& simulator,
           std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
-          SweepPlumes plumes, std::vector<ViewRows> views, double times,
-          const std::function<void(const CheckedViewpoint&)>& seen)
+          std::shared_ptr<const LandScene> land, SweepPlumes plumes, std::vector<ViewRows> views,
+          double times, const std::function<void(const CheckedViewpoint&)>& seen)
       : sweep_(sweep),
         simulator_(simulator),
         environment_(std::move(environment)),
         temperatures_(std::move(temperatures)),
+        land_(std::move(land)),
         plumes_(std::move(plumes)),
         views_(std::move(views)),
         times_(times),
@@ -148,7 +149,7 @@ class Checker {
     schema::ViewJob job;
     job.set_viewpoint_index(view.viewpoint);
     ASSIGN_OR_RETURN(auto request,
-                     request_from_job(sweep_, job, environment_, temperatures_, plumes_));
+                     request_from_job(sweep_, job, environment_, temperatures_, land_, plumes_));
     LongerRun longer;
     longer.times = times_;
     // As the worker has it (runner/job_runner.cpp).
@@ -162,6 +163,7 @@ class Checker {
   const Simulator& simulator_;
   std::shared_ptr<const Environment> environment_;
   SweepTemperatures temperatures_;
+  std::shared_ptr<const LandScene> land_;
   SweepPlumes plumes_;
   std::vector<ViewRows> views_;
   double times_;
@@ -186,7 +188,7 @@ absl::StatusOr<CheckedDatabase> check_database_errors(
   ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
   ASSIGN_OR_RETURN(const auto environment, environment_from_sweep(sweep, simulator->band_grids()));
   ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, source.loaded.assets));
-  Checker checker(sweep, *simulator, environment, scene.temperatures, std::move(plumes),
+  Checker checker(sweep, *simulator, environment, scene.temperatures, scene.land, std::move(plumes),
                   std::move(views), asked.times, seen);
   const std::uint32_t workers =
       asked.workers > 0 ? asked.workers : std::max(std::thread::hardware_concurrency(), 1u);

@@ -59,7 +59,8 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
                                    std::pair{kAllEffects, EffectChoice::Mode::kAll}}) {
     // Each its own: what one has remembered of air and sky does not help the other.
     ASSIGN_OR_RETURN(const auto environment, environment_from_sweep(row, simulator->band_grids()));
-    ASSIGN_OR_RETURN(auto request, request_from_job(row, {}, environment, scene.temperatures, {}));
+    ASSIGN_OR_RETURN(auto request,
+                     request_from_job(row, {}, environment, scene.temperatures, scene.land, {}));
     request.viewpoint = viewpoint;
     request.selected_condition = request.selected_band = {0};
     request.effects = {mode, {}};

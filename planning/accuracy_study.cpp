@@ -68,8 +68,8 @@ absl::StatusOr<std::unique_ptr<BuiltScene>> build(const LoadedSweep& loaded, con
   ASSIGN_OR_RETURN(auto environment,
                    environment_from_sweep(resolved, out->simulator->band_grids()));
   // Of the target's own light: hot gas has samples of its own.
-  ASSIGN_OR_RETURN(auto request,
-                   request_from_job(resolved, {}, std::move(environment), scene.temperatures, {}));
+  ASSIGN_OR_RETURN(auto request, request_from_job(resolved, {}, std::move(environment),
+                                                  scene.temperatures, scene.land, {}));
   out->request = std::move(request);
   out->request.viewpoint = place.viewpoint;
   // The first view of a sweep also makes what all views share: air and sky remember it.

@@ -70,8 +70,8 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
     job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
     job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
     job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());
-    ASSIGN_OR_RETURN(auto request,
-                     request_from_job(sweep, job, for_chosen, scene.temperatures, plumes));
+    ASSIGN_OR_RETURN(auto request, request_from_job(sweep, job, for_chosen, scene.temperatures,
+                                                    scene.land, plumes));
     request.effects = {EffectChoice::Mode::kAuto, {}};
     ASSIGN_OR_RETURN(
         auto view,

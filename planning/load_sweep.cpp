@@ -14,6 +14,7 @@
 #include "core/scene/import/model_file.h"
 #include "jobs/keys/expand.h"
 #include "jobs/material_files.h"
+#include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/shard.h"
 #include "jobs/temperature_files.h"
@@ -89,6 +90,7 @@ absl::StatusOr<SweepFile> load_sweep_text(const std::string& text, const std::st
     RETURN_IF_ERROR(read(file, reader(kMostTableBytes)));
   RETURN_IF_ERROR(read_temperature_files(file, reader(kMostModelBytes)));
   RETURN_IF_ERROR(read_plume_file(file, reader(kMostModelBytes)));
+  RETURN_IF_ERROR(read_land_files(file, reader(kMostModelBytes)));
   return file;
 }
 
@@ -135,6 +137,8 @@ absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
   for (const auto& [name, bytes] : fields_of(loaded.file))
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
   if (const std::string_view bytes = plume_bytes(loaded.file); !bytes.empty())
+    loaded.assets[sha256_hex(bytes)] = std::string(bytes);
+  for (const auto& [key, bytes] : land_bytes(loaded.file))
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
   loaded.warnings = located_warnings(warnings, loaded.file);
   // Stored with the conditions as they were written.

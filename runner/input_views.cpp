@@ -156,8 +156,10 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
                                             const SceneSpec& scene, const Simulator& simulator,
                                             const std::shared_ptr<const Environment>& environment,
                                             const SweepTemperatures& temperatures,
+                                            std::shared_ptr<const LandScene> land,
                                             const HeatOutputs& heat) {
   InputViews out;
+  out.land_ = std::move(land);
   out.input_ = uncertain_inputs(sweep.sweep().uncertainty());
   FacetChanges changes(sweep, heat, simulator.target().facet.size());
   for (std::size_t i = 0; i < out.input_.size(); ++i)
@@ -192,7 +194,7 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
 absl::StatusOr<std::vector<MovedView>> InputViews::views(const schema::ViewJob& job) const {
   std::vector<MovedView> out;
   for (const Move& m : move_) {
-    auto request = request_from_job(m.sweep, job, m.environment, m.temperatures, {});
+    auto request = request_from_job(m.sweep, job, m.environment, m.temperatures, land_, {});
     if (!request.ok()) return input_error(input_[m.input], request.status());
     out.push_back({*std::move(request), m.scene});
   }

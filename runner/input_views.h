@@ -24,6 +24,7 @@ class InputViews {
                                          const Simulator& simulator,
                                          const std::shared_ptr<const Environment>& environment,
                                          const SweepTemperatures& temperatures,
+                                         std::shared_ptr<const LandScene> land,
                                          const HeatOutputs& heat);
 
   // Returns the moved views of one job, in the order of the moves.
@@ -48,6 +49,7 @@ class InputViews {
   std::vector<UncertainInput> input_;
   std::vector<Move> move_;
   std::vector<Effect> moved_effects_;
+  std::shared_ptr<const LandScene> land_;  // of all of them; null: none
 };
 
 // Returns the number of environments of a sweep's size that its moved inputs keep in memory.

@@ -49,7 +49,7 @@ std::uint64_t JobMemory::conditions_in(double bytes, std::uint32_t workers) cons
 
 JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
                      const Environment* environment, std::size_t emitters, std::size_t field_bytes,
-                     std::size_t plume_bytes) {
+                     std::size_t plume_bytes, std::size_t land_bytes) {
   double wavelengths = 0;
   for (const BandGrid& grid : simulator.band_grids())
     wavelengths += static_cast<double>(grid.node_um.size());
@@ -74,7 +74,7 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
       (environment == nullptr
            ? 0
            : kBytesPerWeather * weathers_of(sweep).count * (1 + moved_environments(sweep))) +
-      kAllocation * static_cast<double>(plume_bytes) +
+      kAllocation * static_cast<double>(plume_bytes) + static_cast<double>(land_bytes) +
       kFieldBytes * static_cast<double>(field_bytes);
   memory.fixed_bytes =
       memory.shared_bytes + row * (parts + directions) +

@@ -33,11 +33,13 @@ struct JobMemory {
 // and real air, 2 to 72 conditions, steps of 0.1 to 0.01 um, 5000 to 200 000 triangles), measured
 // when a worker also loaded 118 MB of libraries; without them 0.88, 0.86 and 0.82 in three sweeps.
 // environment: null without an atmosphere; emitters: those with temperatures of their own;
+// plume_bytes, land_bytes: of hot gas and of the land in memory;
 // field_bytes: of the files and the results of heat jobs that state them. Of heat jobs: 213 and 488
 // MB with 4000 and 20 000 facets and two and a half days in steps of 10 minutes, 227 and 498
 // stated, with those libraries.
 [[nodiscard]] JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
                                    const Environment* environment, std::size_t emitters,
-                                   std::size_t field_bytes, std::size_t plume_bytes);
+                                   std::size_t field_bytes, std::size_t plume_bytes,
+                                   std::size_t land_bytes);
 
 }  // namespace irsig

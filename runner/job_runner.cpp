@@ -42,13 +42,14 @@ class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
                 std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
-                SweepPlumes plumes, Assets assets, std::size_t field_bytes,
-                std::optional<ThumbnailEncoder> encoder, std::vector<Problem> warnings,
-                std::optional<InputViews> inputs)
+                std::shared_ptr<const LandScene> land, SweepPlumes plumes, Assets assets,
+                std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
+                std::vector<Problem> warnings, std::optional<InputViews> inputs)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
         temperatures_(std::move(temperatures)),
+        land_(std::move(land)),
         plumes_(std::move(plumes)),
         assets_(std::move(assets)),
         field_bytes_(field_bytes),
@@ -73,7 +74,7 @@ class CoreJobRunner final : public JobRunner {
     return job_memory(sweep_, *simulator_, environment_.get(),
                       temperatures_.emitters ? temperatures_.emitters->part.size()
                                              : temperatures_.awaited_emitters,
-                      field_bytes_, bytes_of(plumes_));
+                      field_bytes_, bytes_of(plumes_), bytes_of(land_.get()));
   }
 
   [[nodiscard]] std::size_t heat_bytes() const override {
@@ -106,7 +107,7 @@ class CoreJobRunner final : public JobRunner {
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) const {
     ASSIGN_OR_RETURN(auto request,
-                     request_from_job(sweep_, job, environment_, temperatures_, plumes_));
+                     request_from_job(sweep_, job, environment_, temperatures_, land_, plumes_));
     for (const auto& [what, asked] :
          {std::pair{"condition", &request.selected_condition}, {"band", &request.selected_band}})
       if (asked->empty())
@@ -173,6 +174,7 @@ class CoreJobRunner final : public JobRunner {
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
   SweepTemperatures temperatures_;
+  std::shared_ptr<const LandScene> land_;  // null: none
   SweepPlumes plumes_;
   Assets assets_;            // of a sweep with heat runs
   std::size_t field_bytes_;  // of the files of temperatures
@@ -245,15 +247,18 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, assets));
   std::optional<InputViews> inputs;
   if (sweep.sweep().has_uncertainty() && !scene.temperatures.awaited) {
-    ASSIGN_OR_RETURN(
-        inputs, InputViews::make(sweep, scene, *simulator, *environment, scene.temperatures, heat));
+    ASSIGN_OR_RETURN(inputs, InputViews::make(sweep, scene, *simulator, *environment,
+                                              scene.temperatures, scene.land, heat));
   }
+  std::vector<Problem> warnings = model_warnings(sweep, scene);
+  for (Problem& warning : land_warnings(sweep, scene.land.get()))
+    warnings.push_back(std::move(warning));
   return std::make_unique<CoreJobRunner>(
-      sweep, std::move(simulator), *std::move(environment), scene.temperatures, std::move(plumes),
-      sweep.heat_size() > 0 ? assets : Assets(),
+      sweep, std::move(simulator), *std::move(environment), scene.temperatures, scene.land,
+      std::move(plumes), sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
           bytes_left_by_heat(sweep, scene.mesh.triangle.size()),
-      std::move(encoder), model_warnings(sweep, scene), std::move(inputs));
+      std::move(encoder), std::move(warnings), std::move(inputs));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

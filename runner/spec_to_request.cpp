@@ -42,6 +42,7 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
     if (!sweep.part(p).has_hot() && scene.temperatures.emitters)
       scene.part[static_cast<std::size_t>(p)].hot =
           is_hot(resolved, scene.temperatures, static_cast<std::size_t>(p));
+  ASSIGN_OR_RETURN(scene.land, land_from_sweep(resolved, assets));
   return scene;
 }
 
@@ -80,6 +81,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
                                              const schema::ViewJob& job,
                                              std::shared_ptr<const Environment> environment,
                                              const SweepTemperatures& temperatures,
+                                             std::shared_ptr<const LandScene> land,
                                              const SweepPlumes& plumes) {
   const schema::Sweep& sweep = resolved.sweep();
   if (temperatures.awaited)
@@ -106,6 +108,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     ASSIGN_OR_RETURN(auto surroundings, surroundings_from_message(c.surroundings()));
     condition.surroundings = surroundings;
     condition.air_temperature_k = c.air_temperature_k();
+    condition.land_temperature_k.assign(c.land_temperature_k().begin(),
+                                        c.land_temperature_k().end());
     condition.above_surface_m = above_surface_m(resolved, c);
     if (c.has_plume() && !plumes.empty()) {
       if (c.plume() >= plumes.size())
@@ -141,6 +145,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   if (has_atmosphere(resolved) && environment == nullptr)
     return absl::InternalError("a job of a sweep with the embedded atmosphere has no environment");
   request.environment = std::move(environment);
+  request.land = std::move(land);
   request.emitters = temperatures.emitters;
   ASSIGN_OR_RETURN(auto air, air_from_message(sweep.air()));
   request.air = std::move(air);

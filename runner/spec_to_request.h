@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/signature/simulator.h"
+#include "runner/sweep_land.h"
 #include "runner/sweep_plumes.h"
 #include "runner/sweep_temperatures.h"
 #include "schema/job.pb.h"
@@ -14,9 +15,10 @@ namespace irsig {
 // Requests of a job to the core: its scene, air and view, made of converted messages (messages/) and
 // of the sweep's files. Errors name the key's path in the sweep.
 
-// Geometry, parts, materials, bands, and the temperatures of facets.
+// Geometry, parts, materials, bands, the temperatures of facets, and the land around the target.
 struct SweepScene : SceneSpec {
   SweepTemperatures temperatures;
+  std::shared_ptr<const LandScene> land;  // null: none
 };
 // assets: its files; heat: of its heat runs, or nothing for a scene that no view is asked of.
 [[nodiscard]] absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& sweep,
@@ -34,11 +36,12 @@ struct SweepScene : SceneSpec {
     const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
 
 // Everything of one view's job but the scene: the sun's position is computed here. `environment`:
-// of environment_from_sweep; `temperatures`: of its scene. FAILED_PRECONDITION: they are awaited.
+// of environment_from_sweep; `temperatures`, `land`: of its scene. FAILED_PRECONDITION: they are
+// awaited.
 // `plumes`: of plumes_from_sweep; or none, and hot gas is left out (of a sweep without it: none).
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
     const schema::ResolvedSweep& sweep, const schema::ViewJob& job,
     std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures,
-    const SweepPlumes& plumes);
+    std::shared_ptr<const LandScene> land, const SweepPlumes& plumes);
 
 }  // namespace irsig

@@ -10,6 +10,11 @@ std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep) {
       out.insert(condition.temperature_field().sha256());
   for (const schema::ConditionPlume& plume : sweep.plume())
     if (!plume.sha256().empty()) out.insert(plume.sha256());
+  const schema::LandFiles& land = sweep.land();
+  for (const std::string* sha256 : {&land.heights().sha256(), &land.inset().sha256()})
+    if (!sha256->empty()) out.insert(*sha256);
+  for (const schema::LandFile& file : land.fraction())
+    if (!file.sha256().empty()) out.insert(file.sha256());
   return out;
 }
 

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// What is asked of a map; the rest follows from its raster.
+// Properties that a user may state of a map. The rest follows from its raster.
 struct MapChoice {
   GeodeticPosition origin;
   double geoid_m = 0;

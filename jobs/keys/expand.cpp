@@ -165,6 +165,9 @@ void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   asked.clear_plume();
   asked.clear_time();
   asked.clear_surroundings();
+  if (asked.has_land())
+    for (schema::LandMaterial& material : *asked.mutable_land()->mutable_material())
+      material.clear_temperature_k();
   schema::Air& air = *asked.mutable_air();
   air.clear_profile();
   air.clear_aerosol();
@@ -173,6 +176,12 @@ void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   air.clear_co2_ppmv();
   air.clear_refraction();
   for (schema::Part& part : *asked.mutable_part()) part.clear_temperature_k();
+}
+
+// An .hgt's name states its place.
+void clear_file_name(schema::LandFile& file) {
+  if (const std::string ending = ending_of(file.file_name()); ending != ".hgt")
+    file.set_file_name(ending);
 }
 
 void clear_file_names(schema::Weather& weather) {
@@ -185,6 +194,11 @@ std::string encoding_for_views(schema::ResolvedSweep sweep) {
   clear_what_no_job_reads(sweep);
   sweep.clear_viewpoint();
   sweep.clear_heat();  // the keys of what views need stand for it
+  if (sweep.has_land()) {
+    clear_file_name(*sweep.mutable_land()->mutable_heights());
+    if (sweep.land().has_inset()) clear_file_name(*sweep.mutable_land()->mutable_inset());
+    for (schema::LandFile& file : *sweep.mutable_land()->mutable_fraction()) clear_file_name(file);
+  }
   for (schema::Condition& condition : *sweep.mutable_condition()) {
     condition.clear_warning();
     if (condition.has_temperature_field()) {

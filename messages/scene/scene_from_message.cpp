@@ -4,8 +4,20 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
+#include "core/base/status_macros.h"
 
 namespace irsig {
+namespace {
+
+// The number of the material of this name, which the key at `path` states.
+absl::StatusOr<std::uint32_t> material_named(const schema::Sweep& sweep, const std::string& name,
+                                             const std::string& path) {
+  for (int m = sweep.material_size() - 1; m >= 0; --m)
+    if (sweep.material(m).name() == name) return static_cast<std::uint32_t>(m);
+  return keyed_problem(path, absl::StrCat("no material is called \"", name, "\""));
+}
+
+}  // namespace
 
 absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& sweep) {
   std::vector<PartSpec> parts;
@@ -17,18 +29,21 @@ absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& swee
     part.two_sided = p.two_sided();
     part.hot = p.hot();
     part.rest = p.rest();
-    bool found = false;
-    for (int m = 0; m < sweep.material_size(); ++m)
-      if (sweep.material(m).name() == p.material()) {
-        part.material = static_cast<std::uint32_t>(m);
-        found = true;
-      }
-    if (!found)
-      return keyed_problem(absl::StrCat("part[", i, "].material"),
-                           absl::StrCat("no material is called \"", p.material(), "\""));
+    ASSIGN_OR_RETURN(part.material,
+                     material_named(sweep, p.material(), absl::StrCat("part[", i, "].material")));
     parts.push_back(std::move(part));
   }
   return parts;
+}
+
+absl::StatusOr<std::vector<std::uint32_t>> land_materials_from_sweep(const schema::Sweep& sweep) {
+  std::vector<std::uint32_t> out;
+  for (int i = 0; i < sweep.land().material_size(); ++i) {
+    ASSIGN_OR_RETURN(out.emplace_back(),
+                     material_named(sweep, sweep.land().material(i).material(),
+                                    absl::StrCat("land.material[", i, "].material")));
+  }
+  return out;
 }
 
 std::vector<Band> bands_from_sweep(const schema::Sweep& sweep) {

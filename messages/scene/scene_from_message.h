@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -11,6 +12,11 @@ namespace irsig {
 
 // [part], with their materials by number.
 [[nodiscard]] absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& sweep);
+
+// Returns the materials of [land] by number, in their order. INVALID_ARGUMENT
+// "land.material[i].material": a name that no material has.
+[[nodiscard]] absl::StatusOr<std::vector<std::uint32_t>> land_materials_from_sweep(
+    const schema::Sweep& sweep);
 
 [[nodiscard]] std::vector<Band> bands_from_sweep(const schema::Sweep& sweep);
 

@@ -111,8 +111,8 @@ absl::StatusOr<ReferenceView> reference_of(const Computed& program) {
   ASSIGN_OR_RETURN(
       const auto scene,
       scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat));
-  ASSIGN_OR_RETURN(const auto request,
-                   request_from_job(program.sweep, program.job, nullptr, scene.temperatures, {}));
+  ASSIGN_OR_RETURN(const auto request, request_from_job(program.sweep, program.job, nullptr,
+                                                        scene.temperatures, nullptr, {}));
   return ReferenceView::make(scene, request, 0);
 }
 

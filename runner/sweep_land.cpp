@@ -1,0 +1,133 @@
+#include "runner/sweep_land.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/problems.h"
+#include "core/base/status_macros.h"
+#include "core/land/choose_map.h"
+#include "core/land/place_heights.h"
+#include "core/land/read_heights.h"
+#include "messages/scene/scene_from_message.h"
+
+namespace irsig {
+namespace {
+
+// The sweep's author can mend it, at a key of the file.
+absl::Status land_error(const std::string& key, const absl::Status& status) {
+  return absl::IsInvalidArgument(status) ? at_key(key, status) : status;
+}
+
+absl::StatusOr<HeightRaster> raster_of(const schema::LandFile& file, std::optional<unsigned> epsg,
+                                       const Assets& assets, const std::string& key) {
+  std::optional<MapSystem> system;
+  if (epsg) {
+    auto known = map_system(*epsg);
+    if (!known.ok()) return land_error(key, known.status());
+    system = *known;
+  }
+  auto raster = read_heights(asset(assets, file.sha256()), file.file_name(), system);
+  if (!raster.ok()) return land_error(key, raster.status());
+  return raster;
+}
+
+std::optional<unsigned> stated(bool has, unsigned value) {
+  return has ? std::optional(value) : std::nullopt;
+}
+
+absl::StatusOr<HeightGrid> placed(const HeightRaster& raster, const absl::StatusOr<LandMap>& map,
+                                  const std::string& key) {
+  if (!map.ok()) return land_error(key, map.status());
+  auto grid = place_heights(raster, *map);
+  if (!grid.ok()) return land_error(key, grid.status());
+  return grid;
+}
+
+absl::StatusOr<HeightField> height_field_of(const schema::ResolvedSweep& sweep,
+                                            const Assets& assets, const MapChoice& choice) {
+  const schema::Land& land = sweep.sweep().land();
+  const std::string key = "land.heights";
+  ASSIGN_OR_RETURN(const auto raster, raster_of(sweep.land().heights(),
+                                                stated(land.has_epsg(), land.epsg()), assets, key));
+  ASSIGN_OR_RETURN(auto outer, placed(raster, choose_map(raster, choice), key));
+  if (!sweep.land().has_inset()) {
+    auto field = HeightField::create(std::move(outer));
+    return field.ok() ? std::move(field) : land_error(key, field.status());
+  }
+  const std::string inset_key = "land.inset";
+  ASSIGN_OR_RETURN(const auto finer,
+                   raster_of(sweep.land().inset(), stated(land.has_inset_epsg(), land.inset_epsg()),
+                             assets, inset_key));
+  ASSIGN_OR_RETURN(auto inset, placed(finer, choose_inset(finer, choice, outer), inset_key));
+  auto field = HeightField::create(std::move(outer), std::move(inset));
+  return field.ok() ? std::move(field) : land_error(inset_key, field.status());
+}
+
+absl::StatusOr<LandCover> cover_of(const schema::ResolvedSweep& sweep, const Assets& assets,
+                                   const HeightField& field, const GeodeticPosition& origin) {
+  const schema::Land& land = sweep.sweep().land();
+  std::vector<CoverLayer> layers;
+  for (int i = 0; i < land.material_size(); ++i) {
+    const schema::LandMaterial& material = land.material(i);
+    CoverLayer& layer = layers.emplace_back();
+    layer.key = absl::StrCat("land.material[", i, "].fraction_file");
+    if (i >= sweep.land().fraction_size() || sweep.land().fraction(i).sha256().empty()) continue;
+    ASSIGN_OR_RETURN(layer.fraction,
+                     raster_of(sweep.land().fraction(i),
+                               stated(material.has_fraction_epsg(), material.fraction_epsg()),
+                               assets, layer.key));
+  }
+  return LandCover::create(layers, field, origin);
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::ResolvedSweep& sweep,
+                                                                 const Assets& assets) {
+  if (!sweep.sweep().has_land()) return nullptr;
+  const schema::Land& land = sweep.sweep().land();
+  const schema::Place& place = sweep.sweep().place();
+  MapChoice choice;
+  choice.origin = {place.latitude_deg(), place.longitude_deg(), place.height_m()};
+  choice.geoid_m = land.geoid_m();
+  if (land.has_fill_m()) choice.fill_m = land.fill_m();
+  if (land.has_spacing_m()) choice.spacing_m = land.spacing_m();
+  if (land.has_width_m()) choice.width_m = land.width_m();
+  ASSIGN_OR_RETURN(auto field, height_field_of(sweep, assets, choice));
+  auto out = std::make_shared<LandScene>();
+  const auto surface_m = field.z_m(0, 0);
+  if (!surface_m)
+    return keyed_problem(
+        "land.heights",
+        "the largest rectangle of the map's middle does not contain the target's place, which lies "
+        "at the edge of the map; use a map that reaches farther there");
+  out->surface_m = *surface_m;
+  ASSIGN_OR_RETURN(out->cover, cover_of(sweep, assets, field, choice.origin));
+  out->field = std::make_shared<const HeightField>(std::move(field));
+  ASSIGN_OR_RETURN(out->material, land_materials_from_sweep(sweep.sweep()));
+  out->heading_deg = place.heading_deg();
+  return out;
+}
+
+std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep, const LandScene* land) {
+  constexpr double kMostDifferenceM = 10;
+  if (land == nullptr || std::abs(land->surface_m) <= kMostDifferenceM) return {};
+  const double height_m = sweep.sweep().place().height_m();
+  return {{"", "place.height_m",
+           absl::StrFormat("place.height_m = %.1f, but the map's height at the target is %.1f m "
+                           "above the ellipsoid: air and sky are those of %.1f m; write height_m = "
+                           "%.1f",
+                           height_m, height_m + land->surface_m, height_m,
+                           height_m + land->surface_m)}};
+}
+
+std::size_t bytes_of(const LandScene* land) {
+  return land == nullptr ? 0 : land->field->memory_bytes() + land->cover.memory_bytes();
+}
+
+}  // namespace irsig

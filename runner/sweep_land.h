@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/base/problems.h"
+#include "core/land/land_scene.h"
+#include "schema/assets.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// Returns the land of a sweep: its maps are read and placed around the target, its materials are
+// numbered as in SceneSpec::material. Null: the sweep has no [land]. One land serves all views.
+// INVALID_ARGUMENT "land...": a file that cannot be read, a map that does not contain the target or
+// that has no heights where they are needed, fractions that do not fit (LandCover::create).
+// assets: with the files of [land].
+[[nodiscard]] absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(
+    const schema::ResolvedSweep& sweep, const Assets& assets);
+
+// Returns a warning if the map's height at the target differs from that of [place] by more than
+// 10 m: air and sky begin at the latter. Null: none.
+[[nodiscard]] std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep,
+                                                 const LandScene* land);
+
+// Returns the size of the land's heights and fractions. [bytes] Null: 0.
+[[nodiscard]] std::size_t bytes_of(const LandScene* land);
+
+}  // namespace irsig

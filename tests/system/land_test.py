@@ -1,0 +1,136 @@
+"""Land in sweeps, at the front door: made-up terrain with an inset and five materials, and what is refused.
+
+usage: land_test.py <irsig>
+"""
+import pathlib, re, sqlite3, subprocess, sys, tempfile, unittest
+
+IRSIG = pathlib.Path(sys.argv[1]).resolve()
+LAYERS = {"asphalt": "asphalt", "bare_soil": "bare_soil_dry", "grass": "grass", "water": "sea_water", "wheat": "wheat"}
+
+SWEEP = """time = ["12:00Z"]
+[model]
+generate = "box"
+triangles = 100
+[place]
+latitude_deg = 48
+longitude_deg = 11
+height_m = 0
+heading_deg = 90
+[[part]]
+name = "box"
+material = "generic_grey_paint"
+temperature_k = 300
+[[season]]
+name = "summer"
+date = 2025-06-21
+land_temperature_k = { asphalt = 310 }
+[[band]]
+name = "lwir"
+lambda_min_um = 8
+lambda_max_um = 12
+step_um = 1
+[viewpoints]
+kind = "list"
+range_m = 1000
+aspect = [ { azimuth_deg = 0, elevation_deg = 20 } ]
+[surroundings]
+kind = "ground"
+ground_temperature_k = 290
+ground_emissivity = 0.95
+[air]
+model = "atmosphere"
+aerosol = "none"
+[transport]
+sun = false
+max_reflections = 1
+[accuracy]
+relative_error = 0.1
+[output]
+thumbnail_px = 0
+[land]
+heights = "maps/heights.asc"
+"""
+
+
+def materials(*without_file):
+    text = ""
+    for layer, material in LAYERS.items():
+        text += f'[[land.material]]\nmaterial = "{material}"\ntemperature_k = 295\n'
+        if layer not in without_file:
+            text += f'fraction_file = "maps/{layer}.asc"\n'
+    return text
+
+
+class Land(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.path = pathlib.Path(cls.folder.name)
+        (cls.path / "maps").mkdir()
+        for layer in ("heights", *LAYERS):
+            cls.terrain(f"maps/{layer}.asc", "--layer", layer, "--width-m", "2000", "--spacing-m", "20")
+        cls.terrain("maps/inset.asc", "--layer", "heights", "--width-m", "500", "--spacing-m", "5")
+
+    @classmethod
+    def terrain(cls, out, *options):
+        subprocess.run([IRSIG, "model", "terrain", "--seed", "1", *options, "-o", out], cwd=cls.path, check=True,
+                       capture_output=True)
+
+    def irsig(self, *arguments, text, exit_code=0):
+        (self.path / "s.toml").write_text(text)
+        done = subprocess.run([IRSIG, *arguments], cwd=self.path, capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, exit_code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done.stderr
+
+    def refused(self, text, *expected):
+        errors = self.irsig("plan", "s.toml", text=text, exit_code=2)
+        for line in expected:
+            self.assertIn(line, errors)
+
+    def line(self, text, key):
+        return text[:re.search(key, text).start()].count("\n") + 1
+
+    def test_a_view_with_an_inset_and_five_materials(self):
+        said = self.irsig("run", "s.toml", "--db", "land.db", "--workers", "1",
+                          text=SWEEP + 'inset = "maps/inset.asc"\n' + materials("wheat"))
+        self.assertNotIn("warning", said)
+        with sqlite3.connect(self.path / "land.db") as database:
+            # The sweep, its three kinds of maps (heights, inset, four fractions); no name of a folder.
+            assets = [bytes(row[0]) for row in database.execute("SELECT bytes FROM asset")]
+        for name in ("heights", "inset", "asphalt", "bare_soil", "grass", "water"):
+            self.assertIn((self.path / f"maps/{name}.asc").read_bytes(), assets, name)
+        self.assertFalse(any(b"maps/" in asset for asset in assets))
+
+    def test_one_material_without_a_map(self):
+        self.irsig("plan", "s.toml", text=SWEEP + '[[land.material]]\nmaterial = "asphalt"\n')
+
+    def test_a_place_of_another_height_is_a_warning(self):
+        text = SWEEP.replace("height_m = 0\n", "height_m = 20\n") + materials("wheat")
+        said = self.irsig("plan", "s.toml", text=text)
+        self.assertRegex(said, r"s.toml:8:1: warning: place.height_m = 20.0, but the map's height at the target is "
+                         r"-?\d.\d m above the ellipsoid: air and sky are those of 20.0 m; write height_m = ")
+
+    def test_errors_have_a_place_and_a_remedy(self):
+        all_files = SWEEP + materials()
+        (self.path / "maps/half.asc").write_text((self.path / "maps/wheat.asc").read_text().replace(" 1 ", " 0.5 "))
+        half = all_files.replace("maps/wheat.asc", "maps/half.asc")
+        self.refused(half, f"s.toml:{self.line(half, 'fraction_file')}:1: land.material[0].fraction_file: the fractions "
+                     "of all materials at row ", "expected 1 within 1/64; correct the maps, or leave out the file of one")
+        self.irsig("plan", "s.toml", text=half.replace('fraction_file = "maps/half.asc"\n', ""))
+        self.refused(all_files.replace("heights.asc", "hills.asc"),
+                     f"s.toml:{self.line(SWEEP, 'heights =')}:1: land.heights = \"maps/hills.asc\": ")
+        (self.path / "maps/words.asc").write_text("ncols 3\nnrows x\n")
+        self.refused(all_files.replace("heights.asc", "words.asc"), f"s.toml:{self.line(SWEEP, 'heights =')}:1: "
+                     "land.heights: words.asc:2:7: nrows needs a finite number")
+        self.refused(all_files.replace("maps/heights.asc\"", "maps/heights.asc\"\nepsg = 32632"),
+                     "land.heights: the map does not contain the target's place (latitude 48, longitude 11)",
+                     "correct [place], or the coordinates' EPSG code, or use another map")
+        self.refused(all_files.replace("heights.asc\"", "heights.asc\"\nwidth_m = 5000"),
+                     "the map does not cover a square of 5000 m around the target")
+        (self.path / "maps/broken.tif").write_bytes(b"II*\0" + bytes(20))
+        self.refused(all_files.replace("heights.asc", "broken.tif"), "land.heights: broken.tif: ")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
