@@ -189,7 +189,7 @@ constexpr double kMostRangeInSizes = 1e9;
 
 // Before any view is computed: every viewpoint sees something of the target.
 absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& target,
-                            const Environment* environment) {
+                            const Environment* environment, const LandScene* land) {
   std::vector<ConditionSpec> conditions;
   for (const schema::Condition& c : sweep.condition()) {
     const std::string& kind = c.surroundings().kind();
@@ -201,7 +201,7 @@ absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& ta
   }
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (const absl::Status status =
-            check_in_sight(target, conditions, environment, nullptr,
+            check_in_sight(target, conditions, environment, land,
                            {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()});
         !status.ok())
       return absl::InvalidArgumentError(absl::StrCat("viewpoints: ", status.message()));
@@ -243,7 +243,7 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   if (absl::IsOutOfRange(environment.status()))
     return problem_status(problems_of(environment.status()));
   if (!environment.ok()) return environment.status();
-  RETURN_IF_ERROR(check_in_sight(sweep, target, environment->get()));
+  RETURN_IF_ERROR(check_in_sight(sweep, target, environment->get(), scene.land.get()));
   ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, assets));
   std::optional<InputViews> inputs;
   if (sweep.sweep().has_uncertainty() && !scene.temperatures.awaited) {

@@ -21,6 +21,22 @@
 
 namespace irsig {
 
+namespace {
+
+// Takes the materials of the land out of those of the parts. Numbers of materials remain: one that
+// no part has is a blackbody, so that paths need not carry its spectrum.
+absl::Status take_land_materials(const schema::Sweep& sweep, SceneSpec& scene) {
+  ASSIGN_OR_RETURN(const auto numbers, land_materials_from_sweep(sweep));
+  for (const std::uint32_t m : numbers) scene.land_material.push_back(scene.material[m]);
+  for (const std::uint32_t m : numbers)
+    if (std::none_of(scene.part.begin(), scene.part.end(),
+                     [&](const PartSpec& part) { return part.material == m; }))
+      scene.material[m].model = Lambert{{{0, 1}}};
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolved,
                                             const Assets& assets, const HeatOutputs& heat) {
   const schema::Sweep& sweep = resolved.sweep();
@@ -33,6 +49,7 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
     scene.material.push_back(*std::move(material));
   }
   ASSIGN_OR_RETURN(scene.part, parts_from_sweep(sweep));
+  RETURN_IF_ERROR(take_land_materials(sweep, scene));
   scene.band = bands_from_sweep(sweep);
   scene.spectral_breaks_um = spectral_breaks_um(resolved);
   ASSIGN_OR_RETURN(auto temperatures,

@@ -13,7 +13,6 @@
 #include "core/land/choose_map.h"
 #include "core/land/place_heights.h"
 #include "core/land/read_heights.h"
-#include "messages/scene/scene_from_message.h"
 
 namespace irsig {
 namespace {
@@ -109,7 +108,6 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::R
   out->surface_m = *surface_m;
   ASSIGN_OR_RETURN(out->cover, cover_of(sweep, assets, field, choice.origin));
   out->field = std::make_shared<const HeightField>(std::move(field));
-  ASSIGN_OR_RETURN(out->material, land_materials_from_sweep(sweep.sweep()));
   out->heading_deg = place.heading_deg();
   return out;
 }

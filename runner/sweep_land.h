@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// Returns the land of a sweep: its maps are read and placed around the target, its materials are
-// numbered as in SceneSpec::material. Null: the sweep has no [land]. One land serves all views.
+// Returns the land of a sweep: its maps are read and placed around the target. Null: the sweep has
+// no [land]. One land serves all views.
 // INVALID_ARGUMENT "land...": a file that cannot be read, a map that does not contain the target or
 // that has no heights where they are needed, fractions that do not fit (LandCover::create).
 // assets: with the files of [land].
