@@ -102,6 +102,19 @@ class Land(unittest.TestCase):
             self.assertIn((self.path / f"maps/{name}.asc").read_bytes(), assets, name)
         self.assertFalse(any(b"maps/" in asset for asset in assets))
 
+    def test_a_picture_of_a_database_and_of_a_sweep_file(self):
+        text = SWEEP + materials("wheat")
+        self.irsig("run", "s.toml", "--db", "picture.db", "--workers", "1", text=text)
+        for source, out in (("picture.db", "a.svg"), ("s.toml", "b.svg")):
+            self.irsig("plot", source, "--kind", "land", "--pixels", "100", "--out", out, text=text)
+        svg = (self.path / "a.svg").read_text()
+        self.assertEqual(svg, (self.path / "b.svg").read_text())
+        for expected in (*LAYERS.values(), "East of the target in m", "m above the ellipsoid", "image/png"):
+            self.assertIn(expected, svg)
+        flat = SWEEP[:SWEEP.index("[land]")].replace("land_temperature_k = { asphalt = 310 }\n", "")
+        errors = self.irsig("plot", "s.toml", "--kind", "land", "--out", "c.svg", text=flat, exit_code=2)
+        self.assertIn("the sweep has no [land]", errors)
+
     def test_one_material_without_a_map(self):
         self.irsig("plan", "s.toml", text=SWEEP + '[[land.material]]\nmaterial = "asphalt"\n')
 
