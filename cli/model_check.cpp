@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/strings/match.h"
+#include "cli/check_heights.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
@@ -188,6 +189,7 @@ struct CheckCommand {
 
   // The exit code, when nothing failed: 2 when the model has errors.
   [[nodiscard]] absl::StatusOr<int> run() {
+    if (is_heights_file(how.file_name)) return check_heights_file(how.file_name, output);
     const absl::StatusOr<std::string> bytes = read_model_file(how.file_name, kMostModelBytes);
     if (!bytes.ok())
       return absl::InvalidArgumentError(
@@ -234,9 +236,12 @@ void add_model_check(CLI::App& model, int& exit_code) {
   CLI::App* command = model.add_subcommand(
       "check",
       "What is wrong with a model file: holes, facets inside out, duplicates, needles, "
-      "intersections, its unit. Exit code 2 when there are errors");
+      "intersections, its unit; or with a map of heights: missing ones, spikes. Exit code 2 when "
+      "there are errors");
   const auto options = std::make_shared<CheckCommand>(*command);
-  command->add_option("MODEL", options->how.file_name, "OBJ, PLY, STL, glTF or GLB")
+  command
+      ->add_option("MODEL", options->how.file_name,
+                   "OBJ, PLY, STL, glTF or GLB; HGT, ASC or GeoTIFF")
       ->required()
       ->type_name("FILE");
   command

@@ -13,6 +13,7 @@
 #include "cli/target_extent.h"
 #include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
+#include "planning/land_picture.h"
 #include "planning/temperature_picture.h"
 #include "view/pictures/plot_picture.h"
 #include "view/pictures/sky_picture.h"
@@ -45,6 +46,11 @@ struct PlotCommand {
     std::optional<ColorRange> range;
     if (!scale.empty()) {
       ASSIGN_OR_RETURN(range, parse_color_range(scale));
+    }
+    if (kind == "land") {
+      ASSIGN_OR_RETURN(const std::string svg,
+                       land_picture(filter.database(), query.sweep, pixels.value_or(kPixels)));
+      return output.write(svg);
     }
     ASSIGN_OR_RETURN(auto reader, StoreReader::open(filter.database()));
     if (kind == "hours") return write_hours_as(format, *reader, query);
@@ -86,8 +92,8 @@ struct PlotCommand {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
     status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures", "sky"}));
     status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet"}));
-    status.Update(
-        belongs(pixels.has_value(), "--pixels", {"picture", "sheet", "temperatures", "sky"}));
+    status.Update(belongs(pixels.has_value(), "--pixels",
+                          {"picture", "sheet", "temperatures", "sky", "land"}));
     return status;
   }
 
@@ -118,16 +124,16 @@ void add_plot(CLI::App& app, int& exit_code) {
       "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
       "and apparent temperature), sheet (the images of many, side by side) or temperatures (of the "
       "target's facets, from any --aspect); sky (its in-band radiance by direction, in a "
-      "condition)");
+      "condition); land (its relief and materials from above, of a database or a sweep file)");
   const auto options = std::make_shared<PlotCommand>(*command);
   command
       ->add_option(
           "--kind", options->kind,
-          "polar, spectrum, map, hours, transmittance, picture, sheet, temperatures or sky")
+          "polar, spectrum, map, hours, transmittance, picture, sheet, temperatures, sky or land")
       ->required()
       ->type_name("KIND")
       ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "transmittance", "picture",
-                             "sheet", "temperatures", "sky"}));
+                             "sheet", "temperatures", "sky", "land"}));
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
@@ -142,7 +148,8 @@ void add_plot(CLI::App& app, int& exit_code) {
   command
       ->add_option(
           "--pixels", options->pixels,
-          "Long side of temperatures and sky, default: " + std::to_string(PlotCommand::kPixels) +
+          "Long side of temperatures, sky and land, default: " +
+              std::to_string(PlotCommand::kPixels) +
               "; of picture and sheet, of whose stored pixels squares are averaged, default: all "
               "that are stored")
       ->type_name("N")

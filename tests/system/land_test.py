@@ -2,7 +2,7 @@
 
 usage: land_test.py <irsig>
 """
-import pathlib, re, sqlite3, subprocess, sys, tempfile, unittest
+import json, pathlib, re, sqlite3, subprocess, sys, tempfile, unittest
 
 IRSIG = pathlib.Path(sys.argv[1]).resolve()
 LAYERS = {"asphalt": "asphalt", "bare_soil": "bare_soil_dry", "grass": "grass", "water": "sea_water", "wheat": "wheat"}
@@ -101,6 +101,39 @@ class Land(unittest.TestCase):
         for name in ("heights", "inset", "asphalt", "bare_soil", "grass", "water"):
             self.assertIn((self.path / f"maps/{name}.asc").read_bytes(), assets, name)
         self.assertFalse(any(b"maps/" in asset for asset in assets))
+
+    def test_a_picture_of_a_database_and_of_a_sweep_file(self):
+        text = SWEEP + materials("wheat")
+        self.irsig("run", "s.toml", "--db", "picture.db", "--workers", "1", text=text)
+        for source, out in (("picture.db", "a.svg"), ("s.toml", "b.svg")):
+            self.irsig("plot", source, "--kind", "land", "--pixels", "100", "--out", out, text=text)
+        svg = (self.path / "a.svg").read_text()
+        self.assertEqual(svg, (self.path / "b.svg").read_text())
+        for expected in (*LAYERS.values(), "East of the target in m", "m above the ellipsoid", "image/png"):
+            self.assertIn(expected, svg)
+        flat = SWEEP[:SWEEP.index("[land]")].replace("land_temperature_k = { asphalt = 310 }\n", "")
+        errors = self.irsig("plot", "s.toml", "--kind", "land", "--out", "c.svg", text=flat, exit_code=2)
+        self.assertIn("the sweep has no [land]", errors)
+
+    def test_a_map_of_heights_is_checked(self):
+        def checked(*arguments, exit_code=0):
+            done = subprocess.run([IRSIG, "model", "check", *arguments], cwd=self.path, capture_output=True, text=True)
+            self.assertEqual(done.returncode, exit_code, done.stderr)
+            return done.stdout
+        self.assertIn("nothing found", checked("maps/heights.asc"))
+        # Row 3, column 2 is missing, row 2, column 3 stands alone, and heights are those of an airliner's path.
+        rows = [[10000] * 5 for _ in range(4)]
+        rows[2][1], rows[1][2] = -9, 12000
+        (self.path / "odd.asc").write_text("ncols 5\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 20\nnodata_value -9\n"
+                                           + "\n".join(" ".join(map(str, row)) for row in rows) + "\n")
+        text = checked("odd.asc", exit_code=2)
+        for line in ("5 x 4 samples, about 20 m apart, heights 10000 to 12000 m",
+                     "error   missing heights: 1, the first in row 3, column 2",
+                     "error   heights beyond all land (-440 to 8849 m); multiply them by 0.3048",
+                     "warning spikes: 1, the first in row 2, column 3, with 12000 m"):
+            self.assertIn(line, text)
+        report = json.loads(checked("odd.asc", "--format", "json", exit_code=2))
+        self.assertEqual(report["spikes"], {"count": 1, "first_row": 2, "first_column": 3})
 
     def test_one_material_without_a_map(self):
         self.irsig("plan", "s.toml", text=SWEEP + '[[land.material]]\nmaterial = "asphalt"\n')
