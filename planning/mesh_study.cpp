@@ -122,10 +122,17 @@ MeshValue area_of(const schema::Estimate& area, std::uint64_t target_paths) {
   return {area.value(), std::hypot(area.stderr(), area.value() / paths)};
 }
 
+// Returns the files of a sweep with another mesh: its model and what the sweep itself has, as land.
+Assets assets_with(const AskedMesh& mesh, const schema::ResolvedSweep& sweep, Assets of_sweep) {
+  if (!sweep.model_sha256().empty()) of_sweep[sweep.model_sha256()] = mesh.file_bytes;
+  return of_sweep;
+}
+
 // What can be said of a mesh before anything is traced. `sweep` is that of the mesh.
-absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::ResolvedSweep& sweep) {
+absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
+                                       const Assets& of_sweep) {
   ASSIGN_OR_RETURN(const auto scene,
-                   scene_from_sweep(sweep, model_alone(sweep, asked.file_bytes), {}));
+                   scene_from_sweep(sweep, assets_with(asked, sweep, of_sweep), {}));
   if (auto parts = part_of_groups(scene.mesh, scene.part); !parts.ok()) return parts.status();
   MeasuredMesh out;
   out.name = asked.name;
@@ -136,12 +143,13 @@ absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::Res
 }
 
 absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
-                   const ChosenRows& rows, const std::vector<std::uint64_t>& views,
-                   const CpuClock& cpu_s, MeasuredMesh& out) {
+                   const Assets& of_sweep, const ChosenRows& rows,
+                   const std::vector<std::uint64_t>& views, const CpuClock& cpu_s,
+                   MeasuredMesh& out) {
   const double start_s = cpu_s();
-  const Assets model = model_alone(sweep, asked.file_bytes);
-  ASSIGN_OR_RETURN(const auto heat, heat_outputs(sweep, model));
-  ASSIGN_OR_RETURN(const auto runner, JobRunner::create(sweep, model, heat));
+  const Assets assets = assets_with(asked, sweep, of_sweep);
+  ASSIGN_OR_RETURN(const auto heat, heat_outputs(sweep, assets));
+  ASSIGN_OR_RETURN(const auto runner, JobRunner::create(sweep, assets, heat));
   out.setup_cpu_s = cpu_s() - start_s;
   for (const std::uint64_t viewpoint : views) {
     schema::JobSpec job;
@@ -191,7 +199,7 @@ absl::StatusOr<MeshComparison> compare_meshes(
   };
   for (const AskedMesh& mesh : meshes) {
     take(mesh, sweep);
-    auto looked = looked_at(mesh, sweep);
+    auto looked = looked_at(mesh, sweep, loaded.assets);
     if (!looked.ok()) return of(mesh, looked.status());
     for (const MeasuredMesh& other : out.mesh)
       if (sweep.sweep().model().has_generate() && other.facets == looked->facets)
@@ -202,7 +210,8 @@ absl::StatusOr<MeshComparison> compare_meshes(
   for (std::size_t i = 0; i < out.mesh.size(); ++i) {
     const AskedMesh& mesh = meshes[i];
     take(mesh, sweep);
-    if (auto status = trace(mesh, sweep, rows, views, cpu_s, out.mesh[i]); !status.ok())
+    if (auto status = trace(mesh, sweep, loaded.assets, rows, views, cpu_s, out.mesh[i]);
+        !status.ok())
       return of(mesh, status);
     seen(out.mesh[i]);
   }

@@ -17,7 +17,7 @@ using Assets = std::map<std::string, std::string>;
 using HeatOutputs = std::vector<std::string>;
 
 // The files that it needs: its model's (unless it is generated), its temperature fields', its
-// hot gas's.
+// hot gas's, the maps of its land.
 [[nodiscard]] std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep);
 
 // Empty: the sweep has no such file.
