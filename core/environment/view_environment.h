@@ -24,7 +24,7 @@ struct SensorLine {
     double range_m, height_m;
   };
   std::vector<End> end = {};
-  // Whether land lies around the target, and ranges from the sensor, increasing, at which land
+  // True with land around the target; and ranges from the sensor, increasing, at which land
   // behind the target is to be seen.
   bool land = false;
   std::vector<double> land_range_m = {};

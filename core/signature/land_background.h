@@ -23,9 +23,9 @@ class LandBackground {
       const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
       const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays);
 
-  // Of one of the selected conditions, [pixel]: mean in-band radiance over the pixel without that
-  // of the air between target and sensor, and the difference of the means over its two halves of
-  // rays. [W/(m2 sr)]
+  // Means over pixels under one of the selected conditions, [pixel]: in-band radiance without that
+  // of the air between target and sensor, and the difference of a pixel's two halves of rays.
+  // [W/(m2 sr)]
   struct Radiance {
     std::vector<double> w_m2_sr, scatter_w_m2_sr;
   };
@@ -34,7 +34,7 @@ class LandBackground {
   // Sources that pixels are made of, and the weights of each pixel, [pixel][source].
   [[nodiscard]] const std::vector<SourceId>& sources() const { return source_; }
   [[nodiscard]] std::vector<float> weights() const;
-  // Of a condition that is one of the request's selected ones.
+  // Returns the light of one of the request's selected conditions.
   [[nodiscard]] const ConditionSources& light(std::uint32_t condition) const;
 
  private:

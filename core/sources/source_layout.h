@@ -79,7 +79,7 @@ class SourceLayout {
   };
   struct Place {
     Kind kind;
-    // Of the emitter, the node (below the horizon: as above it), the sun; of land: material x ranges
+    // Index of the emitter, the node (below the horizon: as above it), the sun; of land: material x ranges
     // + node of the range.
     std::uint32_t index;
     std::uint32_t second = 0;  // of kGlintCosines; of a sun's land: as kLand has it

@@ -291,7 +291,7 @@ class PathTracer {
   // Land::clear_beyond_m of the sensor and of each sun.
   double clear_of_sensor_m_ = 0;
   std::vector<double> clear_of_sun_m_;
-  // What a mean ray meets behind the target: sources and their weights.
+  // Sources that a mean ray meets behind the target, and their weights.
   std::vector<std::pair<SourceId, float>> mean_behind_;
   const RayMedium *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
   PathSettings settings_;

@@ -121,7 +121,6 @@ TEST(LandReference, StatedErrorsHold) {
         const double t = (value - true_value.value) / both;
         squares += t * t;
         ++values;
-        if (std::abs(t) > 2.5) std::printf("seed %d band %zu %s: %g +- %g, reference %g +- %g: t %.2f, stderr %g\n", int(seed), b, what, value, error, true_value.value, true_value.stderr_, t, r.contrast_intensity_w_sr.stderr_);
         beyond_3 += std::abs(t) > 3 ? 1 : 0;
         worst = std::max(worst, std::abs(t));
         EXPECT_LT(std::abs(t), 5) << "seed " << seed << ", band " << b << ", " << what << ": "
@@ -141,7 +140,8 @@ TEST(LandReference, StatedErrorsHold) {
               static_cast<unsigned long long>(worlds), skipped, values, std::sqrt(squares / values),
               worst, beyond_3);
   EXPECT_GT(values, 100);
-  EXPECT_LT(std::sqrt(squares / values), 1.1);
+  // Student's t has 1.03; the values of a world go together, so that few worlds scatter by 0.11.
+  EXPECT_LT(std::sqrt(squares / values), long_form() ? 1.15 : 1.35);
 }
 
 }  // namespace
