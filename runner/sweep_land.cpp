@@ -103,8 +103,8 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::R
   if (!surface_m)
     return keyed_problem(
         "land.heights",
-        "the largest rectangle of the map's middle does not contain the target's place, which lies "
-        "at the edge of the map; use a map that reaches farther there");
+        "the target lies at the edge of the map, outside the rectangle around its middle that has "
+        "heights everywhere; use a map that reaches farther, or state a width_m");
   out->surface_m = *surface_m;
   ASSIGN_OR_RETURN(out->cover, cover_of(sweep, assets, field, choice.origin));
   out->field = std::make_shared<const HeightField>(std::move(field));
