@@ -69,6 +69,15 @@ void check_other_tables(const schema::Sweep& sweep, Findings& findings) {
     findings.add("land",
                  "[land] needs [place], expected latitude_deg, longitude_deg and heading_deg: the "
                  "map lies around the target");
+  if (sweep.has_plume())
+    findings.add(
+        "plume",
+        "[plume] does not go with [land]: hot gas before land is not modelled; delete one of "
+        "the tables");
+  if (sweep.profile_size() > 0)
+    findings.add("profile[0]",
+                 "[[profile]] does not go with [land]: profiles see the ground behind the target; "
+                 "delete one of the tables");
   const auto kind = [&](const schema::Surroundings& s, const std::string& path) {
     if (s.has_kind() && s.kind() != "ground")
       findings.add(path + ".kind",
