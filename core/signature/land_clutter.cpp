@@ -66,7 +66,7 @@ absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request, V
   window.width_px = window.height_px = kClutterPixels;
   ASSIGN_OR_RETURN(
       const LandBackground land,
-      LandBackground::make(scene, request, view.setup.plan.effects, frame, window, kRays));
+      LandBackground::make(scene, request, view.setup.plan.effects, frame, window, kRays, false));
   const std::vector<float> weight = land.weights();
   const std::size_t sources = land.sources().size();
 

@@ -48,7 +48,7 @@ absl::StatusOr<PixelBackground> PixelBackground::make(const PreparedScene& scene
   if (request.land != nullptr) {
     constexpr std::uint32_t kRays = 4;
     ASSIGN_OR_RETURN(auto land,
-                     LandBackground::make(scene, request, effects, frame, pictures, kRays));
+                     LandBackground::make(scene, request, effects, frame, pictures, kRays, true));
     out.land_.emplace(std::move(land));
     return out;
   }

@@ -5,6 +5,7 @@
 
 #include "core/sources/background_land.h"
 #include "core/transport/path_work.h"
+#include "core/transport/target_shadow.h"
 
 namespace irsig {
 namespace {
@@ -101,15 +102,22 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
   batch.size = 0;
 }
 
-// visit(source, weight): what a ray meets that goes on behind the target. Land is without the
-// shadow of the target, which would not be there.
+// visit(source, weight): what a ray meets that goes on behind the target. Pictures show the shadow
+// of the target on land. The background of rows has none: the target would not be there.
 template <typename Visit>
 void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
                                         std::span<float> fraction, Visit&& visit) const {
+  const auto lift_m = static_cast<double>(target_.offset_m());
   if (layout_.behind_ranges() > 0)
     if (const auto land = land_->meet(from, direction, fraction)) {
       const double range_m = length(from - view_.frame.sensor) + land->distance;
-      for_each_behind(*land_, layout_, sources_.sun, *land, range_m, fraction, visit);
+      const auto shaded = [&](std::uint32_t j) {
+        if (settings_.pixel_samples == 0) return false;
+        TargetShadow shadow(target_);
+        return shadow.falls_on(from + land->distance * direction - Vec<Body>{0, 0, lift_m},
+                               sources_.sun[j].direction);
+      };
+      for_each_behind(*land_, layout_, sources_.sun, *land, range_m, fraction, shaded, visit);
       return;
     }
   BackgroundDirections::Share share[2];
