@@ -9,6 +9,7 @@
 #include "core/base/status_macros.h"
 #include "core/signature/prepared_view.h"
 #include "core/sources/background_land.h"
+#include "core/transport/target_shadow.h"
 
 namespace irsig {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
 absl::StatusOr<LandBackground> LandBackground::make(
     const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
-    const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays) {
+    const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays, bool shadow) {
   LandBackground out;
   out.condition_ = request.selected_condition;
   const PlaneRectangle& r = pictures.rectangle;
@@ -63,6 +64,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
   const SourceRange behind = layout.behind();
   std::vector<std::uint32_t> place(behind.size(), kUnused);
   std::vector<float> fraction(land.materials());
+  TargetShadow of_target(scene.target);
   const float share = 1.0f / static_cast<float>(rays * rays / 2);
   for (std::size_t i = 0; i < direction.size(); ++i) {
     const std::uint32_t ray = static_cast<std::uint32_t>(i) % (rays * rays);
@@ -82,7 +84,12 @@ absl::StatusOr<LandBackground> LandBackground::make(
       out.weight_.push_back({at, half, share * weight});
     };
     if (const auto hit = land.meet(frame.sensor, direction[i], fraction)) {
-      for_each_behind(land, layout, geometry.sun, *hit, hit->distance, fraction, add);
+      const Vec<Body> lift{0, 0, static_cast<double>(scene.target.offset_m())};
+      const auto shaded = [&](std::uint32_t j) {
+        return shadow && of_target.falls_on(frame.sensor + hit->distance * direction[i] - lift,
+                                            geometry.sun[j].direction);
+      };
+      for_each_behind(land, layout, geometry.sun, *hit, hit->distance, fraction, shaded, add);
       continue;
     }
     BackgroundDirections::Share shares[2];

@@ -18,10 +18,11 @@ namespace irsig {
 // each condition.
 class LandBackground {
  public:
-  // rays: along each side of a pixel, even. INVALID_ARGUMENT as Environment::view() has it.
+  // rays: along each side of a pixel, even. shadow: whether land has the shadow of the target.
+  // INVALID_ARGUMENT as Environment::view() has it.
   [[nodiscard]] static absl::StatusOr<LandBackground> make(
       const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
-      const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays);
+      const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays, bool shadow);
 
   // Means over pixels under one of the selected conditions, [pixel]: in-band radiance without that
   // of the air between target and sensor, and the difference of a pixel's two halves of rays.

@@ -1,5 +1,7 @@
 #include "core/transport/target_shadow.h"
 
+#include "core/transport/path_work.h"
+
 namespace irsig {
 
 TargetShadow::TargetShadow(const Target& target) : target_(target) { batch_.resize(1, 0); }

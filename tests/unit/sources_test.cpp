@@ -42,7 +42,7 @@ TEST(SourceLayout, EverySourceHasOnePlace) {
     const SourceLayout::Place at = layout.place_of(id);
     EXPECT_EQ(at.kind, kind);
     EXPECT_EQ(at.index, index);
-    EXPECT_EQ(at.glint, glint);
+    EXPECT_EQ(at.second, glint);
     EXPECT_TRUE(met.insert(index_of(id)).second) << index_of(id);
   };
   for (std::uint32_t e = 0; e < 3; ++e) {
@@ -53,7 +53,7 @@ TEST(SourceLayout, EverySourceHasOnePlace) {
     expect(layout.node(k), k < 12 ? Kind::kSky : Kind::kLower, k);
   for (std::uint32_t j = 0; j < 2; ++j) {
     expect(layout.sun(j), Kind::kSun, j);
-    for (std::uint32_t k = 0; k < glints; ++k) expect(layout.glint(j, k), Kind::kGlint, j, k);
+    for (std::uint32_t k = 0; k < glints; ++k) expect(layout.second(j, k), Kind::kGlint, j, k);
   }
   for (std::uint32_t k = 0; k < 3; ++k) expect(layout.behind(k), Kind::kBehind, k);
   EXPECT_EQ(met.size(), layout.count());

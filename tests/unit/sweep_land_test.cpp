@@ -104,9 +104,9 @@ TEST(SweepLand, RequestsCarryTheLandOfTheirSweep) {
   ASSERT_NE(scene->land, nullptr);
   const LandScene& land = *scene->land;
   ASSERT_EQ(scene->material.size(), 3U);
-  ASSERT_EQ(land.material.size(), 2U);
-  EXPECT_EQ(scene->material[land.material[0]].name, "grass");
-  EXPECT_EQ(scene->material[land.material[1]].name, "asphalt");
+  ASSERT_EQ(scene->land_material.size(), 2U);
+  EXPECT_EQ(scene->land_material[0].name, "grass");
+  EXPECT_EQ(scene->land_material[1].name, "asphalt");
   EXPECT_EQ(land.heading_deg, 35);
 
   const auto heights = generate_terrain({.seed = 1, .width_m = 2000, .spacing_m = 20}, "heights");

@@ -22,8 +22,8 @@ namespace {
 
 using Height = std::function<double(double x_m, double y_m)>;
 
-absl::StatusOr<HeightField> field_of(const Height& height, double half_x_m, double half_y_m,
-                                     double spacing_m) {
+absl::StatusOr<HeightField> land_field(const Height& height, double half_x_m, double half_y_m,
+                                       double spacing_m) {
   HeightGrid grid{-half_x_m, -half_y_m, spacing_m, 0, 0, {}};
   grid.columns = static_cast<std::uint32_t>(std::lround(2 * half_x_m / spacing_m));
   grid.rows = static_cast<std::uint32_t>(std::lround(2 * half_y_m / spacing_m));
@@ -46,7 +46,7 @@ absl::StatusOr<Finding> horizon_of_a_sphere(Effort) {
     const double reach_m = 1.2 * std::sqrt(2 * kEarthRadiusM * height_m);
     const double spacing_m = reach_m / 2000;
     ASSIGN_OR_RETURN(const HeightField field,
-                     field_of(sphere_m, 2000 * spacing_m, 2 * spacing_m, spacing_m));
+                     land_field(sphere_m, 2000 * spacing_m, 2 * spacing_m, spacing_m));
     const double dip = std::acos(kEarthRadiusM / (kEarthRadiusM + height_m));
     for (const double east : {1.0, -1.0}) {
       double sky = 0, land = 2 * dip;
@@ -86,10 +86,12 @@ absl::StatusOr<Finding> horizon_of_a_sphere(Effort) {
 // A map of one cell, and a cliff one cell wide: each ray has the hit of a plane or wall.
 absl::StatusOr<Finding> smallest_maps(Effort) {
   Worst worst(1e-9);
-  ASSIGN_OR_RETURN(const HeightField texel, field_of([](double, double) { return 3.0; }, 5, 5, 10));
+  ASSIGN_OR_RETURN(const HeightField texel,
+                   land_field([](double, double) { return 3.0; }, 5, 5, 10));
   const double cliff_m = 50;
-  ASSIGN_OR_RETURN(const HeightField cliff,
-                   field_of([&](double x, double) { return x > 0 ? cliff_m : 0.0; }, 100, 100, 1));
+  ASSIGN_OR_RETURN(
+      const HeightField cliff,
+      land_field([&](double x, double) { return x > 0 ? cliff_m : 0.0; }, 100, 100, 1));
   for (std::uint64_t i = 0; i < 20'000; ++i) {
     const Vec<Body> random = uniform_direction(17, 4 * i);
     const Vec<Enu> d{random.x, random.y, -std::abs(random.z) - 1e-6};
@@ -149,7 +151,7 @@ absl::StatusOr<World> world_on(const Height& height, double half_m, double spaci
   ASSIGN_OR_RETURN(out.request.environment,
                    Environment::make({weather}, {{0, sun.has_value(), c.sun_direction, 1}}, 2,
                                      std::move(node_um)));
-  ASSIGN_OR_RETURN(HeightField field, field_of(height, half_m, half_m, spacing_m));
+  ASSIGN_OR_RETURN(HeightField field, land_field(height, half_m, half_m, spacing_m));
   auto land = std::make_shared<LandScene>();
   land->field = std::make_shared<const HeightField>(std::move(field));
   land->heading_deg = 77;
