@@ -107,6 +107,8 @@ absl::Status check_cloud(const CloudSpec& spec) {
     return outside("water_path_kg_m2", spec.water_path_kg_m2, 0, kLargestWaterPathKgM2);
   if (!(spec.effective_radius_um >= low && spec.effective_radius_um <= high))
     return outside("effective_radius_um", spec.effective_radius_um, low, high);
+  if (spec.base_k && !(*spec.base_k >= kColdestBaseK && *spec.base_k <= kWarmestBaseK))
+    return outside("base_k", *spec.base_k, kColdestBaseK, kWarmestBaseK);
   return absl::OkStatus();
 }
 
@@ -153,10 +155,15 @@ AirProfile with_cloud(const AirProfile& profile, const CloudSpec& spec) {
     if (level.height_m < inside.front() - kEdgeM || level.height_m > inside.back() + kEdgeM)
       out.level.push_back(level);
   }
+  const double warmer_k =
+      spec.base_k ? *spec.base_k - air_at(profile, inside.front()).temperature_k : 0;
   const auto add = [&](double height_m, bool wet) {
     AirLevel level = air_at(profile, height_m);
     level.height_m = height_m;
-    if (wet) saturate(level, spec.phase);
+    if (wet) {
+      level.temperature_k += warmer_k;
+      saturate(level, spec.phase);
+    }
     out.level.push_back(level);
   };
   const double ground_m = profile.level.front().height_m;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -16,12 +17,16 @@ struct CloudSpec {
   double base_m = 0, top_m = 0;    // above the surface
   double water_path_kg_m2 = 0;     // of liquid water or ice, vertical
   double effective_radius_um = 0;  // 3 volume / (4 projected area)
+  // Temperature at the base, where it is not the profile's: all of the layer is shifted by the
+  // difference.  [K]
+  std::optional<double> base_k = std::nullopt;
 };
 
 // Limits of CloudSpec.
 inline constexpr double kHighestCloudM = 25e3;
 inline constexpr double kThinnestCloudM = 1;
 inline constexpr double kLargestWaterPathKgM2 = 1000;
+inline constexpr double kColdestBaseK = 120, kWarmestBaseK = 350;
 inline constexpr double kSmallestDropUm = 1.5, kLargestDropUm = 50;
 inline constexpr double kSmallestCrystalUm = 6.4, kLargestCrystalUm = 153.3;
 
@@ -44,7 +49,8 @@ struct CloudOptics {
 [[nodiscard]] CloudOptics cloud_optics(const CloudSpec& spec, ForwardPeak peak);
 
 // Returns the profile with levels at the cloud's boundaries and inside it, where the air is
-// saturated: over water, or over ice.
+// saturated: over water, or over ice. The layer is as warm as the profile, unless its base's
+// temperature is stated; the air within a metre of its boundaries keeps its own.
 [[nodiscard]] AirProfile with_cloud(const AirProfile& profile, const CloudSpec& spec);
 
 // Returns the heights of the levels that with_cloud() adds inside and at the boundaries, as the

@@ -195,6 +195,24 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
   }
 }
 
+std::optional<PathLayers::Crossing> PathLayers::crossing(double base_m, double top_m) const {
+  constexpr double kMarginM = 1e-2;
+  std::size_t enters = 0;
+  while (enters < node_.size() && node_[enters].height_m < base_m - kMarginM) ++enters;
+  if (enters >= layer_.size() || node_[enters].height_m >= top_m || node_[enters].cos_zenith <= 0)
+    return std::nullopt;
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  Crossing out{transmittance_to(enters), dark, dark, node_[enters].cos_zenith,
+               node_[enters].height_m};
+  Layer layer = empty_layer();
+  for (std::size_t l = enters; l < layer_.size(); ++l) {
+    get(l, layer);
+    AirSpectrum& to = node_[l + 1].height_m <= top_m + kMarginM ? out.inside : out.beyond;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) to[b] += layer.emission.thermal_w_m2_sr_um[b];
+  }
+  return out;
+}
+
 PathLayers::Layer PathLayers::empty_layer() const {
   const AirSpectrum dark(kAirBandCount, 0.0);
   Layer out{StepScattering(), {dark, dark}};

@@ -155,6 +155,16 @@ class PathLayers {
   [[nodiscard]] bool empty() const { return layer_.empty(); }
   [[nodiscard]] double warmest_k() const { return warmest_k_; }
 
+  // A layer of air that a path crosses upwards, or begins in.
+  struct Crossing {
+    AirSpectrum transmittance;   // of the air in front of the layer
+    AirSpectrum inside, beyond;  // thermal radiance from there, at the observer
+    double cosine;               // of the zenith angle where the path enters the layer
+    double begins_m;             // height there
+  };
+  // nullopt: the path falls, or ends below the layer. The heights are ends of the path's steps.
+  [[nodiscard]] std::optional<Crossing> crossing(double base_m, double top_m) const;
+
   // The path's emission as seen through near air.
   struct Emission {
     AirSpectrum thermal_w_m2_sr_um, surroundings_fraction;

@@ -120,8 +120,10 @@ ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvir
   out.lower_model_relative = std::max(clear.lower_model_relative, overcast.lower_model_relative);
   const double a = sum_of(clear.sun), b = sum_of(overcast.sun), mean = mix(a, b);
   out.sun_model_relative =
-      std::hypot(std::max(clear.sun_model_relative, overcast.sun_model_relative),
-                 mean > 0 ? mix.spread(a, b) / mean : 0);
+      mean > 0 ? std::hypot(mix(a * clear.sun_model_relative, b * overcast.sun_model_relative),
+                            mix.spread(a, b)) /
+                     mean
+               : std::max(clear.sun_model_relative, overcast.sun_model_relative);
   return out;
 }
 

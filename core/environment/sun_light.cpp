@@ -102,8 +102,9 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       limb_source_(kLimb.size()),
       far_(weather.lower.size()) {
   outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
+  scattered_relative_.assign(kAirBandCount, kAerosolRelativeError);
   if (!(seen.visible > 0)) return;
-  const double zenith_deg = std::acos(std::clamp(-direction_.z, -1.0, 1.0)) / kRadPerDeg;
+  const double zenith_deg = this->zenith_deg();
   sun_.emplace(atmosphere, height_m, zenith_deg, bands_);
   if (!sun_->lit()) {
     sun_.reset();
@@ -113,6 +114,11 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
     beam_.emplace(beam, height_m, zenith_deg, bands_);
     cloud_.emplace(*weather_.cloud(), *sun_, zenith_deg);
   }
+  if (const UnknownCloud* unknown = weather_.unknown_cloud()) {
+    const AirSpectrum by_cloud = unknown->diffuse_sun_relative(zenith_deg);
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      scattered_relative_[b] = std::hypot(scattered_relative_[b], by_cloud[b]);
+  }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     outside[b] = solar_irradiance_w_m2_um(air_band_lambda_um(b)) /
                  (condition.sun_distance_au * condition.sun_distance_au);
@@ -120,6 +126,14 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
   near_ = irradiance = joined(AbsorberAmounts());
   multiply(irradiance, outside);
   for (double& x : outside) x *= seen.visible;
+}
+
+double SunLight::zenith_deg() const {
+  return std::acos(std::clamp(-direction_.z, -1.0, 1.0)) / kRadPerDeg;
+}
+double SunLight::beam_cloud_relative() const {
+  const UnknownCloud* unknown = weather_.unknown_cloud();
+  return unknown ? unknown->beam_relative(irradiance, zenith_deg()) : 0;
 }
 
 const SunLight::Around& SunLight::around() const {
@@ -197,7 +211,7 @@ SunLight::Sky SunLight::make_sky() const {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       const double part = weight[n / azimuths_] / azimuths_ * out.node[n][b];
       mean[b] += part;
-      error[b] += kAerosolRelativeError * part;
+      error[b] += scattered_relative_[b] * part;
     }
   }
   out.model_relative = mean_relative(error, mean);

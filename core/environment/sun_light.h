@@ -61,7 +61,8 @@ class SunLight {
   // target to the observer.
   [[nodiscard]] AirSpectrum scattered_by(const PathLayers& path, Vec<Body> towards) const;
 
-  // Returns the sunlight that a level path scatters, the mean over azimuths, behind near air if any.
+  // Returns the sunlight that a level path scatters, the mean over azimuths, behind near air if
+  // any.
   [[nodiscard]] AirSpectrum scattered_around(const PathLayers& path,
                                              const AbsorberAmounts* near = nullptr) const;
   // Returns the mean radiance of the sunlit sky over the hemisphere, weighted with the sine of the
@@ -72,6 +73,10 @@ class SunLight {
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
+  // One sigma by what is not known of a cloud, relative: of the beam, which is the mean over the
+  // bands, and of what air and cloud scatter, by which that of aerosol is increased.
+  [[nodiscard]] double beam_cloud_relative() const;
+  [[nodiscard]] const AirSpectrum& scattered_model_relative() const { return scattered_relative_; }
   // Sunlight of one ring of ThermalSurroundings::limb(): radiance at the target, not averaged, and
   // its ratio behind near air.
   [[nodiscard]] AirSpectrum limb_towards(Vec<Body> direction, std::size_t ring) const;
@@ -89,6 +94,7 @@ class SunLight {
   // up: 1 above the horizon, -1 below.
   [[nodiscard]] PhaseMean phase(const std::vector<double>& sine, std::size_t ring, double up,
                                 std::uint32_t azimuth) const;
+  [[nodiscard]] double zenith_deg() const;
   struct Sky {
     std::vector<AirSpectrum> node;
     double interpolation = 0, model_relative = 0;
@@ -118,6 +124,7 @@ class SunLight {
   // Amounts for scattered light, and with a cloud other ones for the beam.
   std::optional<SunAmounts> sun_, beam_;
   std::optional<CloudSunlight> cloud_;
+  AirSpectrum scattered_relative_;             // scattered_model_relative()
   AirSpectrum near_;                           // transmittance from the sun to the target
   std::deque<Lazy<ScatteredSun>> sky_source_;  // [ring]
   std::deque<Lazy<ScatteredSun>> limb_source_;

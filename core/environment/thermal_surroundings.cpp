@@ -150,12 +150,7 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
 
   if (!atmosphere_.turbid_levels_m().empty())
     cloud_ = std::make_unique<const CloudLight>(atmosphere_, ground(), refraction_, bands_);
-  for (const double base_m : spec.cloud_base_range_m.value_or(std::array<double, 2>{})) {
-    const double at_m = atmosphere_.profile().level.front().height_m + base_m;
-    if (!cloud_ || !spec.cloud_base_range_m || at_m <= height_m_) continue;
-    planck_of(air_at(atmosphere_.profile(), at_m).temperature_k,
-              other_base_.emplace_back(kAirBandCount, 0.0));
-  }
+  unknown_ = UnknownCloud::of(spec, atmosphere_, bands_);
 
   const auto sines = [&](std::uint32_t first, std::uint32_t last) {
     std::vector<double> s;
@@ -261,12 +256,11 @@ AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
   AirSpectrum out =
       model_error(air, path.transmittance, scattered, path.warmest_k(), bands_, &surroundings)
           .radiance_w_m2_sr_um;
+  const AirSpectrum unknown =
+      unknown_ ? unknown_->sky_error(path) : AirSpectrum(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    double change = 0;  // of anything as probable up to the largest
-    for (const AirSpectrum& other : other_base_)
-      change = std::max(change, std::abs(other[b] - ring.total[b]) * std::numbers::inv_sqrt3);
     const double per_k = kC2UmK / (air_band_lambda_um(b) * path.warmest_k() * path.warmest_k());
-    out[b] = std::hypot(out[b], kCloudErrorK * per_k * ring.total[b], change);
+    out[b] = std::hypot(out[b], kCloudErrorK * per_k * ring.total[b], unknown[b]);
   }
   return out;
 }

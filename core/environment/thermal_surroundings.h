@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/atmosphere/cloud_light.h"
@@ -12,6 +13,7 @@
 #include "core/environment/direction_nodes.h"
 #include "core/environment/lazy.h"
 #include "core/environment/sea_surface.h"
+#include "core/environment/unknown_cloud.h"
 #include "core/environment/view_environment.h"
 #include "core/environment/weather_spec.h"
 
@@ -94,6 +96,11 @@ class ThermalSurroundings {
   // Light that the atmosphere's cloud and fog scatter; null without them.
   [[nodiscard]] const CloudLight* cloud() const { return cloud_.get(); }
 
+  // What is not known of the atmosphere's cloud; null: nothing, or there is none.
+  [[nodiscard]] const UnknownCloud* unknown_cloud() const {
+    return unknown_ ? &*unknown_ : nullptr;
+  }
+
   // surface_model_relative() of what is below the horizon.
   [[nodiscard]] double surface_relative(double sine) const;
   // Returns one sigma of the model's radiance of a sky's ring.
@@ -134,9 +141,9 @@ class ThermalSurroundings {
   const BandChoice& bands_;
   bool refraction_;
   std::unique_ptr<const CloudLight> cloud_;
-  std::vector<AirSpectrum> other_base_;  // Planck's function at other bases of an unknown cloud
-  bool in_the_air_;                      // WeatherSpec::above_surface_m > 0
-  WaterSpectrum water_;                  // per band
+  std::optional<UnknownCloud> unknown_;
+  bool in_the_air_;                             // WeatherSpec::above_surface_m > 0
+  WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
   Lazy<std::vector<SkyRing>> limb_;
   Lazy<std::vector<PathLayers>> land_air_;

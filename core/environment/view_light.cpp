@@ -118,6 +118,8 @@ ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= light.surroundings[b];
   error_ = model_error(leg.layers.amounts(), leg.layers.transmittance, scattered,
                        leg.layers.warmest_k(), wavelengths.bands, &light.surroundings);
+  if (const UnknownCloud* unknown = light.unknown_cloud())
+    unknown->add_to(error_, leg.layers.transmittance, leg.lowest_m, leg.highest_m, line.range_m);
 }
 
 const AirSpectrum& ViewLight::sky(std::size_t ring) {
@@ -284,6 +286,8 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
                  leg_.imported ? 0.2 : 0.0);
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
   out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
+  if (sun && direct_sun)
+    out.sun_model_relative = std::hypot(out.sun_model_relative, sun->beam_cloud_relative());
   return out;
 }
 
@@ -507,7 +511,8 @@ ViewLight::Behind ViewLight::sky_at(const BehindSight& sight, const SunLight* su
     }
     for (std::size_t b = 0; b < kAirBandCount; ++b) out.light[b] *= ratio[b];
   }
-  add(out.model_error, kAerosolRelativeError, out.light);
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    out.model_error[b] += sun->scattered_model_relative()[b] * out.light[b];
   return out;
 }
 

@@ -117,9 +117,11 @@ PathRadiance WeatherAir::Parts::Turbid::radiance(Sight sight, const LightPath& p
       sight == Sight::kDiffuse ? light->model_error_of(ring) : std::move(error.radiance_w_m2_sr_um);
   if (sun) {
     const AirSpectrum of_sun = scattered_sun(sight, path, layers, *sun);
+    const UnknownCloud* unknown = light->unknown_cloud();
+    const AirSpectrum by_cloud = unknown ? unknown->diffuse_sun_relative(sun->zenith_deg) : dark;
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       out.scattered_w_m2_sr_um[b] += of_sun[b];
-      out.model_error_w_m2_sr_um[b] += kAerosolRelativeError * of_sun[b];
+      out.model_error_w_m2_sr_um[b] += std::hypot(kAerosolRelativeError, by_cloud[b]) * of_sun[b];
     }
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b)

@@ -44,6 +44,11 @@ struct WeatherSpec {
   // Lowest and highest base that the cloud may have, where its own is not known: part of the
   // models' errors. [m above the surface]
   std::optional<std::array<double, 2>> cloud_base_range_m = std::nullopt;
+  // Temperatures of these bases; absent: the profile's.  [K]
+  std::optional<std::array<double, 2>> cloud_base_range_k = std::nullopt;
+  // Least and largest water path that the cloud may have, as multiples of its own, where its own
+  // is not known: part of the models' errors.
+  std::optional<std::array<double, 2>> cloud_water_range = std::nullopt;
 };
 
 // The air, sky and sea of one condition of a sweep.

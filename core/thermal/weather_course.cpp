@@ -113,6 +113,10 @@ double direction_deg(const Between& at) {
   return deg < 0 ? deg + 360 : deg;
 }
 
+double humidity_percent(const WeatherRecord& now) {
+  return 100 * vapour_pressure_pa(now.dew_point_k) / vapour_pressure_pa(now.air_k);
+}
+
 // Where a mean over an interval is in twilight for less than this share of it, its diffuse part is
 // spread evenly.
 constexpr double kLeastShare = 0.1;
@@ -221,14 +225,13 @@ SunPosition CourseRadiation::sun_at(double unix_s) const {
 }
 
 double base_height_m(const CloudAbove& cloud, const WeatherRecord& now) {
-  if (cloud.base_m) return *cloud.base_m;
-  const double percent = 100 * vapour_pressure_pa(now.dew_point_k) / vapour_pressure_pa(now.air_k);
-  return condensed_base_m(now.air_k, percent);
+  return cloud.base_m ? *cloud.base_m : condensed_base_m(now.air_k, humidity_percent(now));
 }
 
 double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now) {
   constexpr double kBentM = 2000;  // core/atmosphere/air_profile.h, bend_to_surface
   const double base_m = base_height_m(cloud, now);
+  if (!cloud.base_m) return risen_air_k(now.air_k, humidity_percent(now), now.pressure_pa, base_m);
   const double there_k = interpolate(
       cloud.air_k, locate(cloud.height_m, std::clamp(base_m, 0.0, cloud.height_m.back())));
   return there_k + (now.air_k - cloud.air_k.front()) * std::max(0.0, 1 - base_m / kBentM);

@@ -74,7 +74,8 @@ struct WeatherPlace {
 // no weather states.
 struct CloudAbove {
   // Temperature of the air by height above the surface, in some weather: that of another weather is
-  // shifted by the difference at the surface, less and less up to 2 km.
+  // shifted by the difference at the surface, less and less up to 2 km. A base at the level of
+  // condensation has the temperature of air that has risen from the surface (risen_air_k).
   std::vector<double> height_m, air_k;  // heights increase from 0
   std::optional<double> base_m;         // absent: the level of condensation, 300 to 2500 m
   double emissivity = 1;                // of the layer, long-wave

@@ -140,8 +140,17 @@ absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
   spec.cloud_cover = weather.cloud_cover();
   if (weather.cloud_cover() > 0) {
     ASSIGN_OR_RETURN(spec.cloud, cloud_from_message(weather.cloud()));
-    if (weather.cloud().base_from_weather())
+    if (weather.cloud().base_from_weather()) {
+      const auto risen_k = [&](double height_m) {
+        return risen_air_k(weather.air_temperature_k(), weather.relative_humidity_percent(),
+                           weather.pressure_pa(), height_m);
+      };
+      spec.cloud->base_k = risen_k(spec.cloud->base_m);
       spec.cloud_base_range_m = {kLowestCondensationM, kHighestCondensationM};
+      spec.cloud_base_range_k = {risen_k(kLowestCondensationM), risen_k(kHighestCondensationM)};
+    }
+    // A type's water path is one of many.
+    if (!weather.cloud().water_path_stated()) spec.cloud_water_range = {0.5, 2};
   }
   ASSIGN_OR_RETURN(auto lower, lower_from_message(surroundings, weather.wind_speed_m_s()));
   spec.lower = lower;

@@ -170,6 +170,13 @@ TEST(ClearSky, EmissivityAndVapour) {
   EXPECT_NEAR(condensation_level_m(288.15, 100), 0, 1e-9);
   EXPECT_NEAR(condensation_temperature_k(288.15, 60), 278.9, 0.3);
   EXPECT_NEAR(condensation_level_m(288.15, 60), 950, 40);
+  // Rising air: dry up to there, then as tables of saturated adiabats have it: 4.8 K/km at 288 K
+  // and 7.0 K/km at 268 K, 1000 hPa.
+  EXPECT_NEAR(risen_air_k(288.15, 60, 1e5, 500), 288.15 - 4.88, 1e-9);
+  EXPECT_NEAR(risen_air_k(288.15, 100, 1e5, 100), 288.15 - 0.48, 0.01);
+  EXPECT_NEAR(risen_air_k(268.15, 100, 1e5, 100), 268.15 - 0.70, 0.02);
+  EXPECT_NEAR(risen_air_k(288.15, 60, 1e5, condensation_level_m(288.15, 60)),
+              condensation_temperature_k(288.15, 60), 1e-9);
 }
 
 }  // namespace
