@@ -96,7 +96,7 @@ class ThermalSurroundings {
   // Light that the atmosphere's cloud and fog scatter; null without them.
   [[nodiscard]] const CloudLight* cloud() const { return cloud_.get(); }
 
-  // What is not known of the atmosphere's cloud; null: nothing, or there is none.
+  // Unknown properties of the atmosphere's cloud; null: nothing, or there is none.
   [[nodiscard]] const UnknownCloud* unknown_cloud() const {
     return unknown_ ? &*unknown_ : nullptr;
   }

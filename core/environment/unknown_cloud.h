@@ -28,7 +28,7 @@ class UnknownCloud {
   // with its transmittances t and t' for light whose forward peak stays in the beam.
   [[nodiscard]] AirSpectrum sky_error(const PathLayers& path) const;
 
-  // Of a sun whose zenith angle is so large, relative.
+  // Error of a sun whose zenith angle is so large, relative.
   //   irradiance  of its beam below the cloud
   [[nodiscard]] double beam_relative(const AirSpectrum& irradiance, double zenith_deg) const;
   // Returns one sigma of the sunlight that the cloud scatters down, relative: two streams through

@@ -53,7 +53,7 @@ TEST(SourceLayout, EverySourceHasOnePlace) {
     expect(layout.node(k), k < 12 ? Kind::kSky : Kind::kLower, k);
   for (std::uint32_t j = 0; j < 2; ++j) {
     expect(layout.sun(j), Kind::kSun, j);
-    for (std::uint32_t k = 0; k < glints; ++k) expect(layout.second(j, k), Kind::kGlint, j, k);
+    for (std::uint32_t k = 0; k < glints; ++k) expect(layout.glint(j, k), Kind::kGlint, j, k);
   }
   for (std::uint32_t k = 0; k < 3; ++k) expect(layout.behind(k), Kind::kBehind, k);
   EXPECT_EQ(met.size(), layout.count());
