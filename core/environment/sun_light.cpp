@@ -133,7 +133,7 @@ double SunLight::zenith_deg() const {
 }
 double SunLight::beam_cloud_relative() const {
   const UnknownCloud* unknown = weather_.unknown_cloud();
-  return unknown ? unknown->beam_relative(irradiance, zenith_deg()) : 0;
+  return unknown ? unknown->beam_relative(irradiance, outside, zenith_deg()) : 0;
 }
 
 const SunLight::Around& SunLight::around() const {

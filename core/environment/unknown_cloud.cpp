@@ -20,11 +20,16 @@ double cosine_of(double zenith_deg) {
   return std::max(kLowestSine, std::cos(zenith_deg * kRadPerDeg));
 }
 
-// Ratio of two transmittances of a depth that changes by a factor. Where exp(-depth) is too small
-// for a double nothing is left to change.
-double passed_ratio(double depth, double factor) {
-  constexpr double kMostExponent = 600;
-  return std::exp(std::min(kMostExponent, -(factor - 1) * depth));
+// Deeper layers let nothing pass that counts, nor would half of them.
+constexpr double kOpaqueDepth = 80;
+
+// Change of light that passes a depth if this changes by a factor.
+//   most  that light without the layer
+double passed_change(double light, double most, double depth, double factor) {
+  if (!(light > 0)) return 0;
+  if (depth > kOpaqueDepth) return std::min(light, most);
+  return std::min(light * std::exp(-(factor - 1) * depth), most * std::exp(-factor * depth)) -
+         light;
 }
 
 }  // namespace
@@ -76,28 +81,26 @@ AirSpectrum UnknownCloud::sky_error(const PathLayers& path) const {
       by_base = std::max(by_base, met->transmittance[b] * std::abs(other[b] - planck_[b]));
     const double depth = diffuse_.extinction(b) * slant;
     for (const double factor : other_water_) {
-      if (depth <= 0) break;
+      if (depth <= 0 || depth > kOpaqueDepth) break;
       const double emits = std::expm1(-factor * depth) / std::expm1(-depth) - 1;
-      const double passes = passed_ratio(depth, factor) - 1;
-      by_water = std::max(by_water, std::abs(emits * met->inside[b] +
-                                             (met->beyond[b] > 0 ? passes * met->beyond[b] : 0)));
+      const double passes = passed_change(met->beyond[b], planck_[b], depth, factor);
+      by_water = std::max(by_water, std::abs(emits * met->inside[b] + passes));
     }
     out[b] = kSigmaOfEnd * std::hypot(by_base, by_water);
   }
   return out;
 }
 
-double UnknownCloud::beam_relative(const AirSpectrum& irradiance, double zenith_deg) const {
+double UnknownCloud::beam_relative(const AirSpectrum& irradiance, const AirSpectrum& outside,
+                                   double zenith_deg) const {
   double all = 0, largest = 0;
   for (const double x : irradiance) all += x;
   if (all <= 0) return 0;
   for (const double factor : other_water_) {
     double change = 0;
-    for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      if (irradiance[b] > 0)
-        change +=
-            irradiance[b] * (passed_ratio(beam_.extinction(b) / cosine_of(zenith_deg), factor) - 1);
-    }
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      change += passed_change(irradiance[b], outside[b],
+                              beam_.extinction(b) / cosine_of(zenith_deg), factor);
     largest = std::max(largest, std::abs(change));
   }
   return kSigmaOfEnd * largest / all;
@@ -137,12 +140,9 @@ void UnknownCloud::add_to(ModelError& error, const AirSpectrum& transmittance, d
   if (part <= 0) return;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     double change = 0;
-    if (transmittance[b] > 0) {
-      for (const double factor : other_water_)
-        change =
-            std::max(change, transmittance[b] *
-                                 std::abs(passed_ratio(part * beam_.extinction(b), factor) - 1));
-    }
+    for (const double factor : other_water_)
+      change = std::max(
+          change, std::abs(passed_change(transmittance[b], 1, part * beam_.extinction(b), factor)));
     change *= kSigmaOfEnd;
     error.transmittance[b] = std::hypot(error.transmittance[b], change);
     error.radiance_w_m2_sr_um[b] = std::hypot(error.radiance_w_m2_sr_um[b], change * planck_[b]);

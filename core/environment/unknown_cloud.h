@@ -28,9 +28,10 @@ class UnknownCloud {
   // with its transmittances t and t' for light whose forward peak stays in the beam.
   [[nodiscard]] AirSpectrum sky_error(const PathLayers& path) const;
 
-  // Error of a sun whose zenith angle is so large, relative.
-  //   irradiance  of its beam below the cloud
-  [[nodiscard]] double beam_relative(const AirSpectrum& irradiance, double zenith_deg) const;
+  // Returns one sigma of the sun's beam, relative, the mean over the bands.
+  //   irradiance, outside  below the cloud, and outside the air
+  [[nodiscard]] double beam_relative(const AirSpectrum& irradiance, const AirSpectrum& outside,
+                                     double zenith_deg) const;
   // Returns one sigma of the sunlight that the cloud scatters down, relative: two streams through
   // the cloud alone.
   [[nodiscard]] AirSpectrum diffuse_sun_relative(double zenith_deg) const;
