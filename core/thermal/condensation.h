@@ -19,7 +19,7 @@ inline constexpr double kLowestCondensationM = 300, kHighestCondensationM = 2500
 // Returns the temperature of air that has risen from the surface to a height: along the dry adiabat
 // up to the level of condensation, and above it along the saturated one, in steps of 50 m.  [K]
 //   pressure_pa  at the surface
-// Accuracy: 0.1 K up to 2.5 km (tests/unit/thermal_test.cpp).
+// Accuracy: keeps moist static energy to 0.2 K up to 2.5 km (tests/unit/thermal_test.cpp).
 [[nodiscard]] double risen_air_k(double air_k, double relative_humidity_percent, double pressure_pa,
                                  double height_m);
 

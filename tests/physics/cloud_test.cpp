@@ -644,7 +644,7 @@ TEST(CloudSky, StatesTheErrorOfAnUnknownWaterPathInFrontOfTheTarget) {
 // Rationale: measured at Alamosa, 1 January 2016, 02:56 UTC: 239.4 W/m2 under an overcast sky whose
 // base was not measured. Expected: the walls' sky lies between those of the bases that a cloud of
 // unknown type may have, 300 and 2500 m, and so does the measurement. Rows have the same base.
-// Source: the pyrgeometer's record of that minute.
+// Source: the measured irradiance, air temperature and humidity; 770 hPa is taken for 2300 m.
 TEST(CloudSky, BasesOfRisenAirHaveTheSkyOfAlamosaBetweenThem) {
   constexpr double kAirK = 261.05, kPercent = 67.7, kPressurePa = 77000, kMeasuredWM2 = 239.4;
   const AirProfile air = *bend_to_surface(afgl_profile(AfglProfile::kMidlatitudeWinter),

@@ -1,0 +1,175 @@
+// Rationale: rows and pictures under clouds are made of the light of two skies; what is exact of
+// single spectra has to be exact of rows, and a picture has to show what its row states.
+// Expected: rows with stated temperatures are linear in the cover to 1e-9, wherever the sensor is;
+// the pixels of a picture add up to its row within both errors, under clear, broken and overcast
+// skies, in fog, and in fog below a cloud. Source: the mixture's definition; the row.
+#include <cmath>
+
+#include "core/environment/environment.h"
+#include "tests/physics/scene_fixture.h"
+
+namespace irsig {
+namespace {
+
+using namespace fixture;
+
+const CloudSpec kStratus = {CloudPhase::kWater, 330, 1000, 0.201, 7.9};
+
+WeatherSpec weather(double cover, const CloudSpec& cloud = kStratus,
+                    AerosolKind aerosol = AerosolKind::kMaritime, double visibility_m = 23e3) {
+  WeatherSpec w{{afgl_profile(AfglProfile::kMidlatitudeSummer), {aerosol, visibility_m}},
+                true,
+                {SurfaceBoundary::Kind::kRoughSea, 291, 1, 5},
+                nullptr};
+  w.cloud_cover = cover;
+  if (cover > 0) w.cloud = cloud;
+  return w;
+}
+
+struct World {
+  std::unique_ptr<Simulator> simulator;
+  ViewRequest request;
+};
+
+// A ship by day under each weather.
+World world(const std::vector<WeatherSpec>& weathers, double elevation_deg, double range_m) {
+  World out;
+  SceneSpec scene = scene_of(generated("frigate", 3000), *builtin_material("hull"), lwir());
+  scene.band.push_back({"MWIR", 3.2, 5, 0.25, {}});
+  scene.spectral_breaks_um = air_band_edges_um(3, 13);
+  out.simulator = simulator_of(scene);
+  out.request = request(*out.simulator, 70, elevation_deg, range_m, {300});
+  out.request.max_reflections = 8;
+  out.request.accuracy.samples_per_replicate = 512;
+  out.request.condition.assign(weathers.size(), out.request.condition[0]);
+  std::vector<ConditionEnvironment> conditions;
+  for (std::uint32_t i = 0; i < weathers.size(); ++i) {
+    ConditionSpec& c = out.request.condition[i];
+    c.surroundings.kind = SurroundingsKind::kSea;
+    c.sea_wind_m_s = weathers[i].lower.wind_speed_m_s;
+    c.sun = true;
+    c.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
+    c.sun_cos_zenith = -c.sun_direction.z;
+    c.sun_angular_radius_deg = 0.266;
+    c.sun_scale = 1;
+    conditions.push_back({i, true, c.sun_direction, 1});
+    if (i > 0) out.request.selected_condition.push_back(i);
+  }
+  std::vector<double> node_um;
+  for (const BandGrid& grid : out.simulator->band_grids())
+    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
+  auto made = Environment::make(weathers, conditions, 6, node_um);
+  EXPECT_TRUE(made.ok()) << made.status();
+  out.request.environment = *std::move(made);
+  return out;
+}
+
+ViewResult simulated(const World& w) {
+  auto view = w.simulator->simulate(w.request);
+  EXPECT_TRUE(view.ok()) << view.status();
+  return *std::move(view);
+}
+
+// Below the cloud, inside it, above it; all covers on the same paths.
+TEST(CloudView, RowsAreLinearInTheCover) {
+  const std::vector<double> covers = {0, 1, 1e-9, 0.3};
+  const CloudSpec on_ground = {CloudPhase::kWater, 0, 300, 0.003, 8};
+  for (const CloudSpec& cloud : {kStratus, on_ground}) {
+    std::vector<WeatherSpec> weathers;
+    for (const double cover : covers) weathers.push_back(weather(cover, cloud));
+    for (const auto& [elevation_deg, range_m] :
+         {std::pair{5.0, 1000.0}, {40.0, 1000.0}, {60.0, 3000.0}}) {
+      const ViewResult view = simulated(world(weathers, elevation_deg, range_m));
+      ASSERT_EQ(view.row.size(), 2 * covers.size());
+      const auto row = [&](std::uint32_t condition, std::uint32_t band) -> const SignatureResult& {
+        for (const SignatureResult& r : view.row)
+          if (r.condition == condition && r.band == band) return r;
+        ADD_FAILURE() << "no row";
+        return view.row.front();
+      };
+      for (const std::uint32_t band : {0u, 1u}) {
+        const SignatureResult &none = row(0, band), &all = row(1, band);
+        for (std::uint32_t k = 2; k < covers.size(); ++k) {
+          const SignatureResult& some = row(k, band);
+          const auto linear = [&](const char* what, auto&& of, double scale) {
+            const double mixed = (1 - covers[k]) * of(none) + covers[k] * of(all);
+            EXPECT_NEAR(of(some), mixed, 1e-9 * scale)
+                << what << " " << covers[k] << " " << elevation_deg << " " << band;
+          };
+          using Row = SignatureResult;
+          const auto source = [](const Row& r) { return r.intensity_w_sr.value; };
+          const auto apparent = [](const Row& r) { return r.apparent_intensity_w_sr.value; };
+          const auto contrast = [](const Row& r) { return r.contrast_intensity_w_sr.value; };
+          const auto behind = [](const Row& r) { return r.background_radiance_w_m2_sr.value; };
+          linear("intensity", source, source(some));
+          linear("apparent", apparent, apparent(some));
+          linear("contrast", contrast, std::abs(contrast(some)));
+          linear("background", behind, behind(some));
+          linear(
+              "path", [](const Row& r) { return r.path_radiance_w_m2_sr; },
+              some.path_radiance_w_m2_sr);
+          linear(
+              "transmittance", [](const Row& r) { return r.path_transmittance; },
+              some.path_transmittance);
+        }
+      }
+    }
+  }
+}
+
+TEST(CloudView, PixelsAddUpToTheRow) {
+  constexpr std::uint32_t kPx = 64;
+  const CloudSpec on_ground = {CloudPhase::kWater, 0, 300, 0.003, 8};
+  const struct {
+    const char* name;
+    WeatherSpec weather;
+  } skies[] = {
+      {"clear", weather(0)},
+      {"almost clear", weather(1e-9)},
+      {"broken", weather(0.5)},
+      {"overcast", weather(1)},
+      {"cloud on the ground", weather(1, on_ground)},
+      {"broken cloud on the ground", weather(0.4, on_ground)},
+      {"fog", weather(0, kStratus, AerosolKind::kAdvectionFog, 1000)},
+      {"fog below a cloud", weather(1, kStratus, AerosolKind::kAdvectionFog, 1000)},
+      {"fog below a broken cloud", weather(0.5, kStratus, AerosolKind::kAdvectionFog, 1000)}};
+  for (const auto& sky : skies) {
+    World w = world({sky.weather}, 10, 800);
+    w.request.accuracy.samples_per_replicate = 1u << 12;
+    ImageSpec image;
+    image.width_px = image.height_px = kPx;
+    image.margin = 4;  // the target is 7 pixels long
+    image.layer = {ImageLayer::kPath, ImageLayer::kBackground, ImageLayer::kAtSensor};
+    w.request.image = image;
+    const ViewResult view = simulated(w);
+    ASSERT_EQ(view.row.size(), 2U);
+    for (const SignatureResult& row : view.row) {
+      ASSERT_EQ(row.layer.size(), 3U);
+      const LayerImage &path = row.layer[0], &behind = row.layer[1], &seen = row.layer[2];
+      double source = 0, contrast = 0, square = 0;
+      const double of_pixel = std::pow(view.pixel_rad * w.request.viewpoint.range_m, 2);
+      for (std::size_t i = 0; i < seen.value.size(); ++i) {
+        const double x = (static_cast<double>(i % kPx) - 0.5 * (kPx - 1)) * view.pixel_rad,
+                     y = (static_cast<double>(i / kPx) - 0.5 * (kPx - 1)) * view.pixel_rad;
+        const double m2 = of_pixel * std::pow(1 + x * x + y * y, -1.5);
+        source += m2 * static_cast<double>(row.image_w_m2_sr[i]);
+        contrast += m2 * (static_cast<double>(seen.value[i]) - static_cast<double>(path.value[i]) -
+                          static_cast<double>(behind.value[i]));
+        square += std::pow(m2 * std::max(static_cast<double>(seen.stderr_[i]),
+                                         6e-8 * static_cast<double>(seen.value[i])),
+                           2);
+      }
+      const double error = std::hypot(std::sqrt(square), row.contrast_numerical_error_w_sr);
+      EXPECT_NEAR(contrast, row.contrast_intensity_w_sr.value, 3 * error)
+          << sky.name << " " << row.band;
+      EXPECT_LT(error, 0.02 * row.intensity_w_sr.value) << sky.name;
+      // The picture has paths of its own.
+      EXPECT_NEAR(source, row.intensity_w_sr.value,
+                  3 * row.numerical_error_w_sr + 0.002 * row.intensity_w_sr.value)
+          << sky.name << " " << row.band;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace irsig
