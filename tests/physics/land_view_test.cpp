@@ -4,7 +4,6 @@
 // one temperature is black; a wall hides, shades and is mirrored by its closed form.
 // Source: the ground of core/environment; Kirchhoff, Planck; solid angles.
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <numbers>
 
@@ -265,28 +264,6 @@ TEST(LandView, RowsDoNotDependOnOtherConditions) {
   EXPECT_EQ(both.row[1].contrast_intensity_w_sr.value, one.row[0].contrast_intensity_w_sr.value);
   EXPECT_EQ(both.row[1].clutter->clutter_sigma_w_m2_sr.value,
             one.row[0].clutter->clutter_sigma_w_m2_sr.value);
-}
-
-TEST(LandView, DISABLED_Cost) {
-  for (const bool sun : {false, true}) {
-    Scene scene = scene_on(25, 1500, sun);
-    scene.request.accuracy.samples_per_replicate = 1 << 15;
-    const auto hills = land_of(
-        [](double x, double y) { return 30 * std::sin(x / 130) * std::cos(y / 170); }, 10'000, 20);
-    const auto time = [&](std::shared_ptr<const LandScene> land) {
-      const std::clock_t begin = std::clock();
-      const ViewResult view = view_of(scene, std::move(land));
-      std::printf("rays %llu  ", static_cast<unsigned long long>(view.rays));
-      if (!view.row.empty() && view.row[0].clutter)
-        std::printf("sigma %g of %g, cells %g, visible %g  ",
-                    view.row[0].clutter->clutter_sigma_w_m2_sr.value,
-                    view.row[0].clutter->clutter_mean_w_m2_sr.value,
-                    view.row[0].clutter->clutter_cells, view.row[0].clutter->visible_fraction);
-      return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    };
-    const double ground = time(nullptr), flat_s = time(land_of(flat)), hill_s = time(hills);
-    std::printf("ground %.2f flat %.2f hills %.2f\n", ground, flat_s, hill_s);
-  }
 }
 
 }  // namespace
