@@ -28,12 +28,13 @@ ViewSources sources_of(const MeasuredPaths& measured, const ViewRequest& request
 LightLayout layout_of(const ConditionSpec& condition, const SourceGeometry& geometry,
                       std::size_t parts) {
   LightLayout out;
-  out.paths = out.light = SourceLayout(parts, geometry);
+  out.paths = SourceLayout(parts, geometry);
+  std::uint32_t emitters = out.paths.emitters();
   if (condition.emitter && condition.emitter->hottest_k > 0) {
     out.nodes = BlackbodyNodes(condition.emitter->coldest_k, condition.emitter->hottest_k);
-    out.light = SourceLayout::with_emitters(static_cast<std::uint32_t>(parts) + out.nodes.count(),
-                                            geometry);
+    emitters = static_cast<std::uint32_t>(parts) + out.nodes.count();
   }
+  out.light = SourceLayout::of_light(emitters, geometry);
   return out;
 }
 

@@ -59,7 +59,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
       out.environments_, scene.axis.node_um());
 
   const SourceGeometry& geometry = out.light_->geometry();
-  const SourceLayout& layout = out.light_->layout();
+  const SourceLayout& layout = out.paths_ = SourceLayout(scene.target.part.size(), geometry);
   const Land& land = std::get<Land>(geometry.boundary);
   const SourceRange behind = layout.behind();
   std::vector<std::uint32_t> place(behind.size(), kUnused);
@@ -109,7 +109,10 @@ const ConditionSources& LandBackground::light(std::uint32_t condition) const {
 LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandOnAxis& band) const {
   const ConditionSources& from = light(condition);
   std::vector<double> radiance;
-  for (const SourceId id : source_) radiance.push_back(in_band(from.apparent(id), band));
+  for (const SourceId id : source_) {
+    const auto of = from.light_of_path(id);
+    radiance.push_back(of ? in_band(from.apparent(*of), band) : 0);
+  }
   Radiance out;
   for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
     double half[2] = {0, 0};

@@ -32,9 +32,10 @@ class LandBackground {
   };
   [[nodiscard]] Radiance of(std::uint32_t condition, const BandOnAxis& band) const;
 
-  // Sources that pixels are made of, and the weights of each pixel, [pixel][source].
+  // Sources of paths that pixels are made of, and the weights of each pixel, [pixel][source].
   [[nodiscard]] const std::vector<SourceId>& sources() const { return source_; }
   [[nodiscard]] std::vector<float> weights() const;
+  [[nodiscard]] const SourceLayout& layout() const { return paths_; }
   // Returns the light of one of the request's selected conditions.
   [[nodiscard]] const ConditionSources& light(std::uint32_t condition) const;
 
@@ -49,7 +50,8 @@ class LandBackground {
   std::vector<std::uint32_t> condition_;  // selected
   std::shared_ptr<const ViewEnvironments> environments_;
   std::unique_ptr<const ViewSources> light_;
-  std::vector<SourceId> source_;
+  SourceLayout paths_;
+  std::vector<SourceId> source_;  // of paths
   std::vector<std::size_t> first_;  // [pixel], and one behind the last
   std::vector<Weight> weight_;      // of a pixel side by side
 };

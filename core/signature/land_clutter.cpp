@@ -12,15 +12,9 @@ namespace {
 
 // The sources of a background that shine under a condition: all but other conditions' suns.
 std::vector<std::size_t> shining(const LandBackground& land, const ConditionSources& light) {
-  using Kind = SourceLayout::Kind;
   std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < land.sources().size(); ++i) {
-    const SourceLayout::Place at = light.layout().place_of(land.sources()[i]);
-    const auto lit = [&](const LitSun& sun) { return sun.index == at.index; };
-    if (at.kind != Kind::kBehindLandSun ||
-        std::any_of(light.suns().begin(), light.suns().end(), lit))
-      out.push_back(i);
-  }
+  for (std::size_t i = 0; i < land.sources().size(); ++i)
+    if (light.light_of_path(land.sources()[i])) out.push_back(i);
   return out;
 }
 
@@ -83,6 +77,9 @@ absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request, V
   for (std::size_t c = 0; c < request.selected_condition.size(); ++c) {
     const ConditionSources& light = land.light(request.selected_condition[c]);
     const std::vector<std::size_t> used = shining(land, light);
+    const auto apparent = [&](std::size_t i) {
+      return light.apparent(*light.light_of_path(land.sources()[i]));
+    };
     const auto [at, fresh] = known.try_emplace(used);
     ClutterField& field = at->second.field;
     if (fresh) {
@@ -92,19 +89,18 @@ absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request, V
       std::vector<SourceId> source;
       for (const std::size_t i : used) source.push_back(land.sources()[i]);
       at->second.factor = weight_factor(field, seen_m2);
-      at->second.material = material_fractions(field, source, light.layout());
+      at->second.material = material_fractions(field, source, land.layout());
     }
     std::vector<SpectralSet> spectra;
     for (const std::uint32_t b : bands) {
       SpectralSet& of_band = spectra.emplace_back();
-      for (const std::size_t i : used)
-        of_band.push_back(on_bins(light.apparent(land.sources()[i]), scene.axis.band(b)));
+      for (const std::size_t i : used) of_band.push_back(on_bins(apparent(i), scene.axis.band(b)));
     }
     const ClutterModes modes = clutter_modes(at->second.factor, spectra);
     for (std::size_t b = 0; b < bands.size(); ++b) {
       std::vector<double> radiance;
       for (const std::size_t i : used)
-        radiance.push_back(in_band(light.apparent(land.sources()[i]), scene.axis.band(bands[b])));
+        radiance.push_back(in_band(apparent(i), scene.axis.band(bands[b])));
       ClutterStatistics statistics = clutter_of(field, radiance, seen_m2);
       SignatureResult& row = result.row[c * bands.size() + b];
       statistics.mean.value += row.path_radiance_w_m2_sr;

@@ -71,7 +71,7 @@ void add_totals(std::span<const PathWeights> weights, MeasuredView& view) {
       SummedWeights of_last;
       for (std::size_t k = 0; k < view.row.size(); ++k) {
         const Row& row = view.row[k];
-        if (k == 0 || (row.light->by_element() && k % bands == 0))
+        if (k == 0 || (row.light->converts() && k % bands == 0))
           of_last = summed_light(*row.light, w.last, setup.parts());
         last[k] = in_band_w_sr(*row.light, of_last, row.in_band);
       }
@@ -111,7 +111,7 @@ void collect(std::span<const PathWeights> weights, RunKind kind, MeasuredView& v
   for (std::size_t k = 0; k < view.row.size(); ++k) {
     Row& row = view.row[k];
     const ConditionSources& light = *row.light;
-    if (!lit || (light.by_element() && k % bands == 0)) {
+    if (!lit || (light.converts() && k % bands == 0)) {
       lit.emplace(light, weights, setup.parts());
       mean = lit->mean();
       if (basis != nullptr && !basis->identity()) largest = largest_on_nodes(mean, *basis);

@@ -184,8 +184,8 @@ class PointMeasurement {
       const SourceWeights& of_paths = weights.of_order[order];
       const ConditionSources& light = shading.light(row);
       SourceWeights lit;
-      if (light.by_element()) lit = light.lit(of_paths);
-      const SourceWeights& of_order = light.by_element() ? lit : of_paths;
+      if (light.converts()) lit = light.lit(of_paths);
+      const SourceWeights& of_order = light.converts() ? lit : of_paths;
       for (std::uint32_t first = 0; first < parts; ++first)
         of_order.for_each(first, shading.sources().layout().all(), add);
       // Behind the target nothing is reflected: the sky or the lower hemisphere itself.

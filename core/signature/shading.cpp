@@ -286,7 +286,7 @@ LitWeights::LitWeights(const ConditionSources& light, std::span<const PathWeight
                        std::size_t parts) {
   own_.reserve(weights.size());
   for (const PathWeights& w : weights) {
-    weight_.push_back(light.by_element() ? &own_.emplace_back(light.lit(w.weight)) : &w.weight);
+    weight_.push_back(light.converts() ? &own_.emplace_back(light.lit(w.weight)) : &w.weight);
     sum_.push_back(summed(*weight_.back(), light.layout(), parts));
     area_m2_.push_back(w.projected_area_m2);
   }
@@ -303,7 +303,7 @@ SummedWeights LitWeights::mean() const {
 
 SummedWeights summed_light(const ConditionSources& light, const SourceWeights& weights,
                            std::size_t parts) {
-  if (!light.by_element()) return summed(weights, light.layout(), parts);
+  if (!light.converts()) return summed(weights, light.layout(), parts);
   return summed(light.lit(weights), light.layout(), parts);
 }
 

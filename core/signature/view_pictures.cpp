@@ -210,8 +210,9 @@ void show_sources(const SourceTable& table, const std::vector<double>& radiance,
   }
   const std::uint32_t beyond = paths.all_emitted().last;
   for (const SourceId id : SourceRange{beyond, paths.of_intensity().last}) {
-    std::copy_n(of_light(index_of(id) - beyond + lights.all_emitted().last), table.columns,
-                row.begin());
+    std::fill(row.begin(), row.end(), 0.0);
+    if (const auto of = light.light_of_path(id))
+      std::copy_n(of_light(index_of(*of)), table.columns, row.begin());
     put(row, id, table, paths, basis, image, first, plan);
   }
 }
@@ -221,10 +222,11 @@ void hide_background(const SourceTable& table, const ConditionSources& light,
                      ImagePlan& plan) {
   plan.behind = true;
   std::vector<double> row(table.columns);
-  for (std::uint32_t k = 0; k < paths.behind().size(); ++k) {
-    const double* seen = table.apparent.data() + index_of(light.layout().behind(k)) * table.columns;
-    for (std::size_t c = 0; c < row.size(); ++c) row[c] = -seen[c];
-    put(row, paths.behind(k), table, paths, basis, image, 0, plan);
+  for (const SourceId id : paths.behind()) {
+    const auto of = light.light_of_path(id);
+    for (std::size_t c = 0; c < row.size(); ++c)
+      row[c] = of ? -table.apparent[index_of(*of) * table.columns + c] : 0;
+    put(row, id, table, paths, basis, image, 0, plan);
   }
 }
 

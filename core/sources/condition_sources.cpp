@@ -159,14 +159,14 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
       return effects.lower && !land_.empty() ? light(land_[at.index], land_apparent_[at.index])
                                              : dark;
     case Kind::kLandSun:
-      return effects.lower && lit < sun_.size() && !land_.empty()
+      return effects.lower && !sun_.empty() && !land_.empty()
                  ? light(land_sun_[at.second], land_sun_apparent_[at.second])
                  : dark;
     case Kind::kBehindLand:
       return behind_land_.empty() ? dark : light(none_, behind_land_[at.index]);
     case Kind::kBehindLandSun:
-      return lit < sun_.size() && !behind_land_.empty() ? light(none_, behind_land_sun_[at.second])
-                                                        : dark;
+      return !sun_.empty() && !behind_land_.empty() ? light(none_, behind_land_sun_[at.second])
+                                                    : dark;
     case Kind::kBehind:
       return light(none_, environment_->background_apparent[at.index]);
   }
@@ -179,6 +179,24 @@ ConditionSources::EmitterShare ConditionSources::fraction_of(std::uint32_t emitt
   const BlackbodyNodes::Share share =
       layout_.nodes.share(static_cast<double>(emitter_->kelvin[emitter]));
   return {static_cast<std::uint32_t>(parts_) + share.first, 4, share.weight};
+}
+
+std::optional<SourceId> ConditionSources::light_of_path(SourceId id) const {
+  const SourceLayout &paths = layout_.paths, &light = layout_.light;
+  const auto moved = [id](std::uint32_t from, std::uint32_t to) {
+    return SourceId{index_of(id) - from + to};
+  };
+  const std::uint32_t i = index_of(id);
+  if (i < paths.land_suns().first) return moved(paths.all_emitted().last, light.all_emitted().last);
+  if (paths.behind_without_sun().contains(id))
+    return moved(paths.behind().first, light.behind().first);
+  for (const LitSun& sun : sun_) {
+    if (paths.land_suns(sun.index).contains(id))
+      return moved(paths.land_suns(sun.index).first, light.land_suns().first);
+    if (paths.behind_land_suns(sun.index).contains(id))
+      return moved(paths.behind_land_suns(sun.index).first, light.behind_without_sun().last);
+  }
+  return std::nullopt;
 }
 
 SourceWeights ConditionSources::lit(const SourceWeights& of_paths) const {
@@ -198,10 +216,16 @@ SourceWeights ConditionSources::lit(const SourceWeights& of_paths) const {
         add(first, reflected ? light.reflected(share.first + k) : light.seen(share.first + k),
             share.weight[k], row);
     });
-    const std::uint32_t beyond = paths.all_emitted().last;
-    of_paths.for_each(first, {beyond, paths.count()}, [&](SourceId id, const double* row) {
-      add(first, SourceId{index_of(id) - beyond + light.all_emitted().last}, 1, row);
-    });
+    std::vector<SourceRange> shining = {{paths.all_emitted().last, paths.land_suns().first},
+                                        paths.behind_without_sun()};
+    for (const LitSun& sun : sun_) {
+      shining.push_back(paths.land_suns(sun.index));
+      shining.push_back(paths.behind_land_suns(sun.index));
+    }
+    for (const SourceRange range : shining)
+      of_paths.for_each(first, range, [&](SourceId id, const double* row) {
+        add(first, *light_of_path(id), 1, row);
+      });
   }
   return out;
 }

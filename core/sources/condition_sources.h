@@ -27,7 +27,7 @@ struct LitSun {
 
 // Places of weights: by emitter, as paths leave them, and by light. The two layouts differ where
 // emitters have temperatures of their own: in the second the emitters are replaced by the parts
-// (each at its stated temperature), followed by blackbodies.
+// (each at its stated temperature), followed by blackbodies. Light on land is that of one sun.
 struct LightLayout {
   SourceLayout paths, light;
   BlackbodyNodes nodes;  // none: both layouts are the same
@@ -65,8 +65,15 @@ class ConditionSources {
   [[nodiscard]] const IncidentRadiance& around() const { return around_; }
 
   [[nodiscard]] const SourceLayout& layout() const { return layout_.light; }
-  // Returns true if lit() must convert weights of paths before they are multiplied with light.
+  // Returns true if emitters have temperatures of their own, whose light is that of blackbodies.
   [[nodiscard]] bool by_element() const { return layout_.nodes.count() > 0; }
+  // Returns true if lit() must convert weights of paths before they are multiplied with light.
+  [[nodiscard]] bool converts() const {
+    return by_element() || layout_.paths.count() != layout_.light.count();
+  }
+  // Returns the light of a source that paths end on, other than an emitter; nullopt: land that
+  // another condition's sun shines on.
+  [[nodiscard]] std::optional<SourceId> light_of_path(SourceId of_paths) const;
   [[nodiscard]] SourceWeights lit(const SourceWeights& of_paths) const;
   // Composition of an emitter that paths end on: lights from SourceLayout::seen(first) on.
   struct EmitterShare {

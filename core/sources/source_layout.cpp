@@ -1,5 +1,7 @@
 #include "core/sources/source_layout.h"
 
+#include <algorithm>
+
 #include "core/base/check.h"
 #include "core/environment/land_air.h"
 #include "core/environment/sea_glint.h"
@@ -7,12 +9,18 @@
 namespace irsig {
 
 SourceLayout::SourceLayout(std::size_t parts, const SourceGeometry& geometry)
-    : SourceLayout(with_emitters(geometry.emitters.count(parts), geometry)) {}
+    : SourceLayout(make(geometry.emitters.count(parts), geometry, false)) {}
 
-SourceLayout SourceLayout::with_emitters(std::uint32_t emitters, const SourceGeometry& geometry) {
+SourceLayout SourceLayout::of_light(std::uint32_t emitters, const SourceGeometry& geometry) {
+  return make(emitters, geometry, true);
+}
+
+SourceLayout SourceLayout::make(std::uint32_t emitters, const SourceGeometry& geometry,
+                                bool one_land_sun) {
   SourceLayout out;
   out.emitters_ = emitters;
   out.suns_ = static_cast<std::uint32_t>(geometry.sun.size());
+  out.land_suns_ = one_land_sun ? std::min(out.suns_, 1u) : out.suns_;
   out.glint_nodes_ = geometry.glitters() ? static_cast<std::uint32_t>(kGlintCosines.size()) : 0;
   if (const Land* land = std::get_if<Land>(&geometry.boundary)) {
     out.land_materials_ = land->materials();
@@ -27,10 +35,10 @@ SourceLayout SourceLayout::with_emitters(std::uint32_t emitters, const SourceGeo
   out.sun_ = out.land_ + 2 * lands;
   out.glint_ = out.sun_ + out.suns_;
   out.land_sun_ = out.glint_ + out.suns_ * out.glint_nodes_;
-  out.behind_ = out.land_sun_ + out.suns_ * lands;
+  out.behind_ = out.land_sun_ + out.land_suns_ * lands;
   out.behind_land_ = out.behind_ + (geometry.behind ? geometry.behind->count() : 0);
   out.behind_land_sun_ = out.behind_land_ + 2 * behind_lands;
-  out.end_ = out.behind_land_sun_ + out.suns_ * behind_lands;
+  out.end_ = out.behind_land_sun_ + out.land_suns_ * behind_lands;
   return out;
 }
 
@@ -43,7 +51,8 @@ SourceLayout::Place SourceLayout::place_of(SourceId id) const {
   if (i < land_) return {Kind::kLower, i - sky_};
   if (i < sun_) return {Kind::kLand, i - land_};
   if (i < glint_) return {Kind::kSun, i - sun_};
-  if (i < land_sun_) return {Kind::kGlint, (i - glint_) / glint_nodes_, (i - glint_) % glint_nodes_};
+  if (i < land_sun_)
+    return {Kind::kGlint, (i - glint_) / glint_nodes_, (i - glint_) % glint_nodes_};
   const auto of_sun = [&](Kind kind, std::uint32_t k, std::uint32_t ranges) {
     const std::uint32_t lands = land_materials_ * ranges;
     return Place{kind, k / lands, k % lands};

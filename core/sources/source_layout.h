@@ -60,9 +60,11 @@ class SourceLayout {
  public:
   SourceLayout() = default;
   SourceLayout(std::size_t parts, const SourceGeometry& geometry);
-  // Returns the layout with another number of emitters than paths can end on.
-  [[nodiscard]] static SourceLayout with_emitters(std::uint32_t emitters,
-                                                  const SourceGeometry& geometry);
+  // Returns the layout with another number of emitters than paths can end on, and sunlit land of
+  // one sun alone: a condition has no other, and tables of all suns for each condition would grow
+  // with the square of the conditions.
+  [[nodiscard]] static SourceLayout of_light(std::uint32_t emitters,
+                                             const SourceGeometry& geometry);
 
   enum class Kind : std::uint8_t {
     kSeen,
@@ -79,7 +81,8 @@ class SourceLayout {
   };
   struct Place {
     Kind kind;
-    // Index of the emitter, the node (below the horizon: as above it), the sun; of land: material x ranges
+    // Index of the emitter, the node (below the horizon: as above it), the sun; of land: material x
+    // ranges
     // + node of the range.
     std::uint32_t index;
     std::uint32_t second = 0;  // of kGlintCosines; of a sun's land: as kLand has it
@@ -106,7 +109,7 @@ class SourceLayout {
   }
   [[nodiscard]] SourceId land_sun(std::uint32_t j, std::uint32_t material,
                                   std::uint32_t range) const {
-    return SourceId{land_sun_ + (j * land_materials_ + material) * land_ranges_ + range};
+    return SourceId{land_sun_ + (land_slot(j) * land_materials_ + material) * land_ranges_ + range};
   }
   [[nodiscard]] SourceId behind(std::uint32_t k) const { return SourceId{behind_ + k}; }
   [[nodiscard]] SourceId behind_land(std::uint32_t material, std::uint32_t range) const {
@@ -114,7 +117,8 @@ class SourceLayout {
   }
   [[nodiscard]] SourceId behind_land_sun(std::uint32_t j, std::uint32_t material,
                                          std::uint32_t range) const {
-    return SourceId{behind_land_sun_ + (j * land_materials_ + material) * behind_ranges_ + range};
+    return SourceId{behind_land_sun_ +
+                    (land_slot(j) * land_materials_ + material) * behind_ranges_ + range};
   }
   [[nodiscard]] std::uint32_t land_materials() const { return land_materials_; }
   [[nodiscard]] std::uint32_t land_ranges() const { return land_ranges_; }
@@ -130,6 +134,16 @@ class SourceLayout {
   [[nodiscard]] SourceRange around() const { return {sky_, land_}; }
   [[nodiscard]] SourceRange land() const { return {land_, sun_}; }
   [[nodiscard]] SourceRange land_suns() const { return {land_sun_, behind_}; }
+  // Sunlit land of sun j: around, behind.
+  [[nodiscard]] SourceRange land_suns(std::uint32_t j) const {
+    const std::uint32_t first = index_of(land_sun(j, 0, 0));
+    return {first, first + land_materials_ * land_ranges_};
+  }
+  [[nodiscard]] SourceRange behind_land_suns(std::uint32_t j) const {
+    const std::uint32_t first = index_of(behind_land_sun(j, 0, 0));
+    return {first, first + land_materials_ * behind_ranges_};
+  }
+  [[nodiscard]] SourceRange behind_without_sun() const { return {behind_, behind_land_sun_}; }
   // Sources that shine with and without the sun: the emission of target and surroundings.
   [[nodiscard]] SourceRange without_sun() const { return {0, sun_}; }
   [[nodiscard]] SourceRange behind() const { return {behind_, count()}; }
@@ -143,8 +157,15 @@ class SourceLayout {
       std::span<const std::uint32_t> suns) const;
 
  private:
-  std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, land_materials_ = 0, land_ranges_ = 0,
-                behind_ranges_ = 0;
+  [[nodiscard]] static SourceLayout make(std::uint32_t emitters, const SourceGeometry& geometry,
+                                         bool one_land_sun);
+  // Which of the suns that land has sources for.
+  [[nodiscard]] std::uint32_t land_slot(std::uint32_t j) const {
+    return land_suns_ == suns_ ? j : 0;
+  }
+
+  std::uint32_t emitters_ = 0, suns_ = 0, land_suns_ = 0, glint_nodes_ = 0, land_materials_ = 0,
+                land_ranges_ = 0, behind_ranges_ = 0;
   // Index at which each kind begins.
   std::uint32_t sky_ = 0, lower_ = 0, land_ = 0, sun_ = 0, glint_ = 0, land_sun_ = 0, behind_ = 0,
                 behind_land_ = 0, behind_land_sun_ = 0, end_ = 0;

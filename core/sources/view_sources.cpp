@@ -70,7 +70,8 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     const ViewEnvironment& environment = environments_->condition[c];
     std::vector<LitSun>& here = lit.emplace_back();
     // Land that a sun shines on is met by rays, whether or not the sun itself is.
-    const bool lights_land = request.land && (effects.scattered_sun(c) || effects.sun[c].background);
+    const bool lights_land =
+        request.land && (effects.scattered_sun(c) || effects.sun[c].background);
     if (sun_shines(condition) && (effects.follows_sun(c) || lights_land))
       here.push_back(
           {place_of({condition.sun_direction,
@@ -87,19 +88,19 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     hottest_k = std::max(hottest_k, c.emitter->hottest_k);
   }
   const SourceLayout paths(request.parts, geometry_);
-  layout_ = paths;
   BlackbodyNodes nodes;
+  std::uint32_t emitters = paths.emitters();
   if (hottest_k > 0) {
     nodes = BlackbodyNodes(coldest_k, hottest_k);
-    layout_ = SourceLayout::with_emitters(static_cast<std::uint32_t>(request.parts) + nodes.count(),
-                                          geometry_);
+    emitters = static_cast<std::uint32_t>(request.parts) + nodes.count();
   }
+  layout_ = SourceLayout::of_light(emitters, geometry_);
   condition_.reserve(request.wanted.size());
   for (std::size_t i = 0; i < request.wanted.size(); ++i) {
     const std::uint32_t c = request.wanted[i];
     condition_.emplace_back(request.condition[c], environments_->condition[c], geometry_,
-                            LightLayout{paths, layout_, nodes}, std::move(lit[i]), node_um,
-                            effects, request.land_emissivity);
+                            LightLayout{paths, layout_, nodes}, std::move(lit[i]), node_um, effects,
+                            request.land_emissivity);
   }
 }
 

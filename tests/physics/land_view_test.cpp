@@ -44,6 +44,19 @@ struct Scene {
   ViewRequest request;
 };
 
+// Air of a summer above a grey ground, or all of one temperature above a black one.
+WeatherSpec scene_weather(double air_k = 0) {
+  WeatherSpec weather{{afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kRural, 23e3}},
+                      true,
+                      {SurfaceBoundary::Kind::kGround, air_k > 0 ? air_k : kGroundK,
+                       air_k > 0 ? 1 : kEmissivity, 0},
+                      nullptr,
+                      3};
+  if (air_k > 0)
+    for (AirLevel& level : weather.air.profile.level) level.temperature_k = air_k;
+  return weather;
+}
+
 // A box of an emissivity of 0.6, a metre above the ground, in both bands.
 Scene scene_on(double elevation_deg, double range_m, bool sun, double air_k = 0) {
   Scene out;
@@ -64,14 +77,7 @@ Scene scene_on(double elevation_deg, double range_m, bool sun, double air_k = 0)
   c.sun_cos_zenith = -c.sun_direction.z;
   c.sun_angular_radius_deg = 0.266;
   c.sun_scale = 1;
-  WeatherSpec weather{{afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kRural, 23e3}},
-                      true,
-                      {SurfaceBoundary::Kind::kGround, air_k > 0 ? air_k : kGroundK,
-                       air_k > 0 ? 1 : kEmissivity, 0},
-                      nullptr,
-                      3};
-  if (air_k > 0)
-    for (AirLevel& level : weather.air.profile.level) level.temperature_k = air_k;
+  const WeatherSpec weather = scene_weather(air_k);
   std::vector<double> node_um;
   for (const BandGrid& grid : out.simulator->band_grids())
     node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
@@ -250,6 +256,45 @@ TEST(LandView, TurningTheWorldChangesNothing) {
          a.background_radiance_w_m2_sr.value);
     EXPECT_NEAR(a.clutter->clutter_sigma_w_m2_sr.value, b.clutter->clutter_sigma_w_m2_sr.value,
                 0.05 * a.clutter->clutter_sigma_w_m2_sr.value);
+  }
+}
+
+// Suns of other conditions cost no accuracy and change nothing, and tables do not grow with them:
+// the land of a condition has the light of its own sun alone.
+TEST(LandView, ASunBesideChangesNothing) {
+  const auto hills = land_of(
+      [](double x, double y) { return 20 * std::sin(x / 90) * std::cos(y / 70); }, 3000, 10);
+  Scene scene = scene_on(30, 900, true);
+  const ViewResult alone = view_of(scene, hills);
+  const auto weather = scene_weather();
+  std::vector<ConditionEnvironment> suns;
+  ConditionSpec first = scene.request.condition[0];
+  scene.request.condition.clear();
+  scene.request.selected_condition.clear();
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    ConditionSpec c = first;
+    if (k != 1) c.sun_direction = normalized(Vec<Body>{-0.6, 0.1 * k, -0.4});
+    c.sun_cos_zenith = -c.sun_direction.z;
+    scene.request.condition.push_back(c);
+    scene.request.selected_condition.push_back(k);
+    suns.push_back({0, true, c.sun_direction, 1});
+  }
+  std::vector<double> node_um;
+  for (const BandGrid& grid : scene.simulator->band_grids())
+    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
+  auto made = Environment::make({weather}, suns, 6, std::move(node_um));
+  ASSERT_TRUE(made.ok()) << made.status();
+  scene.request.environment = *std::move(made);
+  const ViewResult three = view_of(scene, hills);
+  for (std::size_t band = 0; band < 2; ++band) {
+    const SignatureResult &a = alone.row[band], &b = three.row[2 + band];
+    EXPECT_NEAR(b.intensity_w_sr.value, a.intensity_w_sr.value, 1e-12 * a.intensity_w_sr.value);
+    EXPECT_NEAR(b.contrast_intensity_w_sr.value, a.contrast_intensity_w_sr.value,
+                1e-9 * a.apparent_intensity_w_sr.value);
+    EXPECT_NEAR(b.clutter->clutter_sigma_w_m2_sr.value, a.clutter->clutter_sigma_w_m2_sr.value,
+                1e-9 * a.clutter->clutter_mean_w_m2_sr.value);
+    EXPECT_NE(three.row[band].clutter->clutter_mean_w_m2_sr.value,
+              b.clutter->clutter_mean_w_m2_sr.value);
   }
 }
 
