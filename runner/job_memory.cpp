@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/environment/land_air.h"
 #include "messages/environment/sweep_environment.h"
 #include "runner/heat_weather.h"
 #include "runner/input_views.h"
@@ -23,6 +24,16 @@ constexpr double kFieldBytes = 4, kWeightsPerEmitter = 3;
 constexpr double kNumber = sizeof(double);
 // A heat job's faces: exchange and walls, and what shines on each at each knot of the weather.
 constexpr double kBytesPerFace = 4.1e3, kBytesPerFaceAndKnot = 36;
+
+// Light and weights of the land's sources under one condition: of each material in the open, facing
+// land and in the sun, at each range; twice, since the window of the clutter has its own; and the
+// weights of its sun's land, of all paths and of those of the last order.
+double land_bytes_per_condition(double materials, double wavelengths, double path_weights) {
+  if (materials == 0) return 0;
+  constexpr double kAround = kLandRangeM.size(), kBehind = 12;  // ranges
+  const double spectra = (3 * materials + 4) * (2 * kAround + kBehind);
+  return kNumber * (2 * spectra * wavelengths + 2 * path_weights * materials * (kAround + kBehind));
+}
 
 // The largest of the sweep's heat jobs.
 double heat_bytes(const schema::ResolvedSweep& sweep, std::size_t facets) {
@@ -67,7 +78,9 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   JobMemory memory;
   const auto elements = static_cast<double>(emitters);
   memory.bytes_per_condition =
-      kAllocation * of_condition + row + 2 * elements * static_cast<double>(sizeof(float));
+      kAllocation * (of_condition + land_bytes_per_condition(sweep.sweep().land().material_size(),
+                                                             wavelengths, row / (2 * kNumber))) +
+      row + 2 * elements * static_cast<double>(sizeof(float));
   memory.heat_bytes = heat_bytes(sweep, simulator.target().facet.size());
   memory.shared_bytes =
       kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
