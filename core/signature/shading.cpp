@@ -279,7 +279,7 @@ Shares shares(const SummedWeights& sums, const SourceLayout& layout, const Sourc
       total += ordered_dot(unit.source.data(), sums.row(id) + unit.first_column, unit.columns);
     return total;
   };
-  return {sum(layout.all_emitted()), sum(layout.sky()), sum(layout.lower())};
+  return {sum(layout.all_emitted()), sum(layout.sky()), sum(layout.lower()) + sum(layout.land())};
 }
 
 LitWeights::LitWeights(const ConditionSources& light, std::span<const PathWeights> weights,

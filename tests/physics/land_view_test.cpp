@@ -259,6 +259,18 @@ TEST(LandView, TurningTheWorldChangesNothing) {
   }
 }
 
+// What leaves the target is absorbed, or escapes to sky, land or ground.
+TEST(LandView, EnergyIsBalanced) {
+  Scene scene = scene_on(30, 900, true);
+  scene.request.max_reflections = 6;
+  const ViewResult view = view_of(
+      scene, land_of([](double x, double y) { return 8 * std::sin(x / 40) * std::cos(y / 50); }));
+  for (const SignatureResult& r : view.row) {
+    EXPECT_GT(r.energy.escaped_to_surface.value, 0.01);
+    EXPECT_NEAR(r.energy.balance.value, 1, 5 * r.energy.balance.stderr_ + 1e-3);
+  }
+}
+
 // Suns of other conditions cost no accuracy and change nothing, and tables do not grow with them:
 // the land of a condition has the light of its own sun alone.
 TEST(LandView, ASunBesideChangesNothing) {
