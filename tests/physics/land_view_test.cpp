@@ -163,6 +163,20 @@ TEST(LandView, ARidgeHidesTheTarget) {
   EXPECT_GT(behind.row.front().projected_area_m2.value, 5);
 }
 
+// A level bank hides the lower part of a face: what is seen of it is the closed form.
+TEST(LandView, ABankHidesTheLowerPart) {
+  Scene scene = scene_on(1, 20'000, false);
+  scene.request.accuracy.samples_per_replicate = 4096;
+  const double whole = view_of(scene, land_of(flat)).row[0].projected_area_m2.value;
+  // The box reaches from 2 to 4 m above the land at its place; sight rises by 1 deg.
+  const double edge_m = 30, bank_m = 3 + edge_m * std::tan(1 * kRadPerDeg);
+  const ViewResult view = view_of(scene, land_of(wall(edge_m - 1, bank_m, 100), 200, 1));
+  const SignatureResult& r = view.row[0];
+  EXPECT_GT(r.projected_area_m2.value, 0.4 * whole);
+  EXPECT_LT(r.projected_area_m2.value, 0.6 * whole);
+  EXPECT_NEAR(r.clutter->visible_fraction, r.projected_area_m2.value / whole, 2e-3);
+}
+
 // The sun stands at an elevation of 53 deg; a wall above the line to it takes it away.
 TEST(LandView, AWallShadesTheTarget) {
   Scene scene = scene_on(70, 1500, true);
@@ -257,6 +271,69 @@ TEST(LandView, TurningTheWorldChangesNothing) {
     EXPECT_NEAR(a.clutter->clutter_sigma_w_m2_sr.value, b.clutter->clutter_sigma_w_m2_sr.value,
                 0.05 * a.clutter->clutter_sigma_w_m2_sr.value);
   }
+}
+
+// Land that is hot beside a cold ground is no effect to leave out.
+TEST(LandView, HotLandIsNotLeftOut) {
+  Scene scene = scene_on(30, 900, true);
+  scene.request.condition[0].land_temperature_k = {390};
+  scene.request.condition[0].part_temperature_k = {250};
+  scene.request.accuracy.samples_per_replicate = 0;
+  scene.request.accuracy.relative_error = 0.02;
+  const auto land = land_of(flat);
+  const ViewResult all = view_of(scene, land);
+  scene.request.effects.mode = EffectChoice::Mode::kAuto;
+  const ViewResult automatic = view_of(scene, land);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const SignatureResult &a = all.row[i], &b = automatic.row[i];
+    EXPECT_LT(std::abs(a.intensity_w_sr.value - b.intensity_w_sr.value),
+              3 * std::hypot(a.numerical_error_w_sr, b.numerical_error_w_sr));
+    EXPECT_LT(std::abs(a.contrast_intensity_w_sr.value - b.contrast_intensity_w_sr.value),
+              3 * std::hypot(a.contrast_numerical_error_w_sr, b.contrast_numerical_error_w_sr));
+  }
+}
+
+// A picture shows the land, the shadow of the target on it, and nothing of it where the target is.
+TEST(LandView, APictureShowsTheShadow) {
+  Scene scene = scene_on(60, 400, true);
+  ImageSpec image;
+  image.width_px = image.height_px = 48;
+  image.margin = 1;
+  image.layer = {ImageLayer::kBackground, ImageLayer::kHidden, ImageLayer::kAtSensor};
+  scene.request.image = image;
+  // Sunlight is most of what this land sends in the short band.
+  scene.request.condition[0].land_temperature_k = {260};
+  const ViewResult view = view_of(scene, land_of(flat, 500, 10));
+  const SignatureResult& r = view.row[1];
+  const auto layer = [&](ImageLayer which) -> const std::vector<float>& {
+    for (const LayerImage& l : r.layer)
+      if (l.layer == which) return l.value;
+    ADD_FAILURE() << name_of(which);
+    return r.layer.front().value;
+  };
+  const std::vector<float>&background = layer(ImageLayer::kBackground),
+        &hidden = layer(ImageLayer::kHidden);
+  const auto [dark, bright] = std::minmax_element(background.begin(), background.end());
+  EXPECT_LT(*dark, 0.6f * *bright);
+  int shaded = 0, covered = 0;
+  for (std::size_t i = 0; i < background.size(); ++i) {
+    shaded += background[i] < 0.8f * *bright ? 1 : 0;
+    // What the target hides is no more than what is there.
+    EXPECT_LE(hidden[i], background[i] * 1.05f + 0.02f * *bright);
+    covered += hidden[i] > 0.5f * background[i] ? 1 : 0;
+  }
+  EXPECT_GT(shaded, 20);
+  EXPECT_LT(shaded, 48 * 48 / 3);
+  EXPECT_GT(covered, 20);
+  // At night there is none.
+  Scene night = scene_on(60, 400, false);
+  night.request.image = image;
+  const ViewResult dark_view = view_of(night, land_of(flat, 500, 10));
+  for (const LayerImage& l : dark_view.row[1].layer)
+    if (l.layer == ImageLayer::kBackground) {
+      const auto [low, high] = std::minmax_element(l.value.begin(), l.value.end());
+      EXPECT_GT(*low, 0.98f * *high);
+    }
 }
 
 // What leaves the target is absorbed, or escapes to sky, land or ground.
