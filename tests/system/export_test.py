@@ -451,8 +451,10 @@ white_k = 420
         (partial / "progress").unlink()
         with open(partial / "labels.csv", "a") as f:
             f.write("torn")
+        (partial / "progress.10366.partial").write_text("half a journal")
         irsig("export", self.db, *question)
         self.assertEqual((folder / "labels.csv").read_text(), (whole / "labels.csv").read_text())
+        self.assertEqual(sorted(os.listdir(folder)), sorted(os.listdir(whole)))
 
     def damaged(self, *statements):
         copy = self.path / "damaged.sigdb"

@@ -336,5 +336,17 @@ TEST_F(Export, ReplacesAFileInOneStep) {
   EXPECT_EQ(files(), 1U);
 }
 
+TEST_F(Export, RemovesWhatKilledWritersLeft) {
+  for (const char* stays : {"a", "a.partial", "a..partial", "a.b7.partial", "ab.7.partial", "a.7"})
+    std::ofstream(path(stays)) << "stays";
+  const std::size_t all = files();
+  std::ofstream(path("a.7.partial")) << "half";
+  std::ofstream(path("a.10366.partial")) << "half";
+  remove_left_beside(path("a"));
+  EXPECT_EQ(files(), all);
+  EXPECT_FALSE(std::filesystem::exists(path("a.7.partial")));
+  remove_left_beside(path("no/such/a"));
+}
+
 }  // namespace
 }  // namespace irsig

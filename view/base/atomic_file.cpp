@@ -61,6 +61,26 @@ absl::Status replace_file(const std::string& path, std::string_view bytes) {
   });
 }
 
+void remove_left_beside(const std::string& path) {
+  namespace fs = std::filesystem;
+  const fs::path whole(path);
+  const std::string start = whole.filename().string() + ".";
+  constexpr std::string_view kEnd = ".partial";
+  std::error_code ended;  // a folder that cannot be read keeps what it has
+  for (fs::directory_iterator at(whole.has_parent_path() ? whole.parent_path() : ".", ended), end;
+       !ended && at != end; at.increment(ended)) {
+    const std::string name = at->path().filename().string();
+    if (name.size() <= start.size() + kEnd.size() || !name.starts_with(start) ||
+        !name.ends_with(kEnd))
+      continue;
+    const std::string_view process =
+        std::string_view(name).substr(start.size(), name.size() - start.size() - kEnd.size());
+    std::error_code stays;
+    if (process.find_first_not_of("0123456789") == std::string_view::npos)
+      fs::remove(at->path(), stays);
+  }
+}
+
 absl::Status write_failure(const std::string& path) {
   return failed(path, errno != 0 ? errno : EIO);
 }

@@ -143,6 +143,7 @@ class ThumbnailFolder {
     if (error) return cannot_make(partial_, error);
     auto lock = FolderLock::take(partial_);
     if (!lock.ok()) return lock;
+    remove_left_beside(journal_path());
     ASSIGN_OR_RETURN(const auto progress, reader_.progress());
     std::uint64_t hash = kFnvBasis;
     for (const std::int64_t id : ids_) hash = fnv1a(std::to_string(id) + " ", hash);
