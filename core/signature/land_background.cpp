@@ -45,7 +45,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
         least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
         std::atan2(-towards.y, -towards.x));
   const Land flat = land_of(request, scene.target);
-  const std::vector<double> range_m = land_ranges_m(flat, frame.sensor, direction, 1);
+  const std::vector<double> range_m = land_ranges_m(flat, frame.sensor, direction);
   ASSIGN_OR_RETURN(auto surroundings,
                    ViewSurroundings::make(request, scene.target, v.range_m, scene.axis.node_um(),
                                           directions ? &*directions : nullptr, &range_m));

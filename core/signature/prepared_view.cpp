@@ -93,21 +93,34 @@ Land land_of(const ViewRequest& request, const Target& target) {
       request.land, request.condition.front().above_surface_m - target.centre.z, target.centre, {}};
 }
 
-std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
-                                  std::span<const Vec<Body>> direction, double nearest_m) {
-  constexpr double kStep = 1.25;  // of nodes
-  constexpr int kMostNodes = 12;
+namespace {
+
+// Returns the first hit's distance of each ray; infinity: it meets no land of the map.
+std::vector<double> distances_m(const Land& land, Vec<Body> sensor,
+                                std::span<const Vec<Body>> direction) {
   std::vector<float> fraction(land.materials());
-  double least_m = INFINITY, most_m = 0;
+  std::vector<double> out;
   for (const Vec<Body>& d : direction) {
     const auto hit = land.meet(sensor, d, fraction);
-    if (!hit) continue;
-    least_m = std::min(least_m, hit->distance);
-    most_m = std::max(most_m, hit->distance);
+    out.push_back(hit ? hit->distance : INFINITY);
+  }
+  return out;
+}
+
+// Returns nodes of a range for land at these distances.
+//   farthest_m  of land that rays between may meet; 0: there are none
+std::vector<double> range_nodes_m(std::span<const double> distance_m, double nearest_m,
+                                  double farthest_m) {
+  constexpr double kStep = 1.25;  // of nodes
+  constexpr int kMostNodes = 12;
+  double least_m = INFINITY, most_m = farthest_m;
+  for (const double d : distance_m) {
+    if (std::isinf(d)) continue;
+    least_m = std::min(least_m, d);
+    most_m = std::max(most_m, d);
   }
   if (!(most_m > 0)) return {};
-  // Rays between these may meet land beyond.
-  least_m = std::max(0.998 * least_m, nearest_m);
+  least_m = std::isinf(least_m) ? nearest_m : std::max(0.998 * least_m, nearest_m);
   most_m = std::max(1.002 * most_m, 1.001 * least_m);
   const int steps = std::clamp(
       static_cast<int>(std::ceil(std::log(most_m / least_m) / std::log(kStep))), 2, kMostNodes - 1);
@@ -117,24 +130,49 @@ std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
   return out;
 }
 
+}  // namespace
+
+std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
+                                  std::span<const Vec<Body>> direction) {
+  return range_nodes_m(distances_m(land, sensor, direction), 1, 0);
+}
+
 namespace {
 
 // Ranges of land behind a target: that in front of it is not behind it.
 std::vector<double> land_ranges_behind_m(const ViewRequest& request, const Target& target,
                                          Vec<Body> sensor) {
-  constexpr int kRays = 24;  // along each side of a square around the target
+  constexpr int kRays = 25;  // along each side of a square around the target
+  // Of distances of rays side by side: where they differ by more, rays between meet land beyond.
+  constexpr double kJump = 1.25;
   const Vec<Body> forward = normalized(-1.0 * sensor);
   const Vec<Body> right = std::hypot(forward.x, forward.y) > 1e-6
                               ? normalized(Vec<Body>{-forward.y, forward.x, 0})
                               : Vec<Body>{0, 1, 0};
   const Vec<Body> up = cross(right, forward);
   std::vector<Vec<Body>> direction;
-  for (int i = 0; i <= kRays; ++i)
-    for (int k = 0; k <= kRays; ++k)
-      direction.push_back(normalized((2.0 * i / kRays - 1) * target.radius_m * right +
-                                     (2.0 * k / kRays - 1) * target.radius_m * up - sensor));
-  return land_ranges_m(land_of(request, target), sensor, direction,
-                       length(sensor) - target.radius_m);
+  for (int i = 0; i < kRays; ++i)
+    for (int k = 0; k < kRays; ++k)
+      direction.push_back(normalized((2.0 * i / (kRays - 1) - 1) * target.radius_m * right +
+                                     (2.0 * k / (kRays - 1) - 1) * target.radius_m * up - sensor));
+  const Land land = land_of(request, target);
+  const std::vector<double> distance_m = distances_m(land, sensor, direction);
+  const double range_m = length(sensor), radius_m = target.radius_m;
+  bool jumps =
+      std::all_of(distance_m.begin(), distance_m.end(), [](double d) { return std::isinf(d); }) &&
+      land.clear_beyond_m(forward, radius_m, radius_m / range_m) > 0;
+  for (int i = 0; i < kRays; ++i)
+    for (int k = 0; k < kRays; ++k)
+      for (const int beside : {i > 0 ? (i - 1) * kRays + k : -1, k > 0 ? i * kRays + k - 1 : -1}) {
+        if (beside < 0) continue;
+        const auto [near_m, far_m] = std::minmax(distance_m[i * kRays + k], distance_m[beside]);
+        jumps |= near_m < INFINITY && far_m > kJump * near_m;
+      }
+  double farthest_m = 0;
+  if (jumps)
+    for (const Vec<Body>& d : direction)
+      farthest_m = std::max(farthest_m, land.leaves_map_m(sensor, d));
+  return range_nodes_m(distance_m, range_m - radius_m, farthest_m);
 }
 
 }  // namespace

@@ -33,8 +33,7 @@ struct PreparedView {
 // Returns increasing ranges (SensorLine::land_range_m) for land that these rays of a sensor meet;
 // none if they meet none. Directions are unit vectors, places relative to the target's centre.
 [[nodiscard]] std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
-                                                std::span<const Vec<Body>> direction,
-                                                double nearest_m);
+                                                std::span<const Vec<Body>> direction);
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {

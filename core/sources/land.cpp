@@ -74,6 +74,24 @@ double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) con
   return out;
 }
 
+double Land::leaves_map_m(Vec<Body> from, Vec<Body> along) const {
+  const Vec<Enu> origin = place(from), towards = direction(along);
+  const HeightGrid& map = field().outer();
+  double enters = 0, leaves = kFarM;
+  const auto clip = [&](double at, double step, double least, double most) {
+    if (step == 0) {
+      if (at < least || at > most) leaves = -1;
+      return;
+    }
+    const double a = (least - at) / step, b = (most - at) / step;
+    enters = std::max(enters, std::min(a, b));
+    leaves = std::min(leaves, std::max(a, b));
+  };
+  clip(origin.x, towards.x, map.west_m, map.west_m + map.columns * map.spacing_m);
+  clip(origin.y, towards.y, map.south_m, map.south_m + map.rows * map.spacing_m);
+  return leaves > enters ? leaves : 0;
+}
+
 bool Land::covers(Vec<Body> point) const {
   const Vec<Enu> at = place(point);
   const std::optional<double> surface_m = field().z_m(at.x, at.y);

@@ -39,6 +39,9 @@ class Land {
   // leave a sphere of that radius around the target's centre at most so far (a slope) from that
   // direction. 0: no land hides anything in that direction.
   [[nodiscard]] double clear_beyond_m(Vec<Body> direction, double radius_m, double spread) const;
+  // Returns the distance along a direction, a unit vector, at which a ray leaves the map for the
+  // last time; 0: it is never above the map.
+  [[nodiscard]] double leaves_map_m(Vec<Body> from, Vec<Body> direction) const;
   [[nodiscard]] bool covers(Vec<Body> point) const;  // whether the point lies below land
   // Returns the cosine of a sun's incidence on land; 0 in the shadow of land.
   [[nodiscard]] double sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const;

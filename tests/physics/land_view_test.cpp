@@ -87,6 +87,15 @@ Scene scene_on(double elevation_deg, double range_m, bool sun, double air_k = 0)
   return out;
 }
 
+// The same by day below a plain sky of 200 K without air, before a black ground of 150 K.
+Scene plain_scene(double elevation_deg) {
+  Scene out = scene_on(elevation_deg, 600, true);
+  out.request.environment = nullptr;
+  ConditionSpec& c = out.request.condition[0];
+  c.surroundings = {SurroundingsKind::kGround, 200, 0, 150, 1, 0};
+  return out;
+}
+
 ViewResult view_of(Scene& scene, std::shared_ptr<const LandScene> land) {
   scene.request.land = std::move(land);
   auto view = scene.simulator->simulate(scene.request);
@@ -120,7 +129,10 @@ TEST(LandView, FlatLandOfOneMaterialIsTheGround) {
         same("contrast", a.contrast_intensity_w_sr, b.contrast_intensity_w_sr, of);
         same("background", a.background_radiance_w_m2_sr, b.background_radiance_w_m2_sr,
              a.background_radiance_w_m2_sr.value);
-        std::printf("\n");
+        EXPECT_NEAR(b.contrast_model_error_w_sr, a.contrast_model_error_w_sr,
+                    0.02 * a.contrast_model_error_w_sr);
+        std::printf("  model error %.3g, %.3g W/sr\n", a.contrast_model_error_w_sr,
+                    b.contrast_model_error_w_sr);
       }
     }
 }
@@ -291,6 +303,45 @@ TEST(LandView, HotLandIsNotLeftOut) {
     EXPECT_LT(std::abs(a.contrast_intensity_w_sr.value - b.contrast_intensity_w_sr.value),
               3 * std::hypot(a.contrast_numerical_error_w_sr, b.contrast_numerical_error_w_sr));
   }
+}
+
+// Below a plain sky without air, on land that is hotter than all around it.
+TEST(LandView, HotLandBesideADarkGroundIsNotLeftOut) {
+  Scene scene = plain_scene(30);
+  scene.request.condition[0].land_temperature_k = {390};
+  scene.request.condition[0].part_temperature_k = {280};
+  scene.request.accuracy.samples_per_replicate = 0;
+  scene.request.accuracy.relative_error = 0.05;
+  const auto land = land_of(flat, 500, 10);
+  const ViewResult all = view_of(scene, land);
+  scene.request.effects.mode = EffectChoice::Mode::kAuto;
+  const ViewResult automatic = view_of(scene, land);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const SignatureResult &a = all.row[i], &b = automatic.row[i];
+    const auto lower = static_cast<std::size_t>(Cause::kSeaReflected);
+    EXPECT_GT(a.cause_w_sr[lower].value, 0.1 * a.intensity_w_sr.value);
+    EXPECT_LT(std::abs(a.intensity_w_sr.value - b.intensity_w_sr.value),
+              3 * std::hypot(a.numerical_error_w_sr, b.numerical_error_w_sr));
+  }
+}
+
+// The land behind the target lies in the shadow of a wall: it is the land of a night.
+TEST(LandView, AWallShadesTheLandBehind) {
+  Scene scene = plain_scene(60);
+  ConditionSpec& c = scene.request.condition[0];
+  c.land_temperature_k = {260};
+  const double azimuth_deg = 30 + std::atan2(c.sun_direction.y, c.sun_direction.x) / kRadPerDeg;
+  const double tangent = -c.sun_direction.z / std::hypot(c.sun_direction.x, c.sun_direction.y);
+  const auto behind = [&](double height_m, bool sun) {
+    scene.request.condition[0].sun = sun;
+    return view_of(scene, land_of(wall(50, height_m, azimuth_deg), 1000, 10))
+        .row[1]
+        .background_radiance_w_m2_sr.value;
+  };
+  const double night = behind(0, false), open = behind(0, true);
+  EXPECT_GT(open, 1.5 * night);
+  EXPECT_NEAR(behind(80 * tangent, true), night, 1e-6 * night);
+  EXPECT_NEAR(behind(20 * tangent, true), open, 1e-6 * open);
 }
 
 // A picture shows the land, the shadow of the target on it, and nothing of it where the target is.
