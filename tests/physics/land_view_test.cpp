@@ -308,6 +308,8 @@ TEST(LandView, HotLandIsNotLeftOut) {
 // Below a plain sky without air, on land that is hotter than all around it.
 TEST(LandView, HotLandBesideADarkGroundIsNotLeftOut) {
   Scene scene = plain_scene(30);
+  scene.request.condition[0].sun = false;
+  scene.request.condition[0].surroundings = {SurroundingsKind::kGround, 120, 0, 120, 1, 0};
   scene.request.condition[0].land_temperature_k = {390};
   scene.request.condition[0].part_temperature_k = {280};
   scene.request.accuracy.samples_per_replicate = 0;
