@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/constants.h"
 #include "core/base/status_macros.h"
 #include "core/environment/line_horizon.h"
 #include "core/plume/plume_silhouette.h"
@@ -88,9 +89,22 @@ double gas_reach_m(const ViewRequest& request) {
 
 }  // namespace
 
-Land land_of(const ViewRequest& request, const Target& target) {
-  return {
-      request.land, request.condition.front().above_surface_m - target.centre.z, target.centre, {}};
+double land_bend_per_m(const Environment* environment, const Viewpoint& v, double above_m) {
+  if (environment == nullptr) return 0;
+  const double elevation = v.aspect_elevation_deg * kRadPerDeg;
+  return Land::bend_of(environment->horizon(environment->line(v)),
+                       above_m + v.range_m * std::sin(elevation), v.range_m * std::cos(elevation));
+}
+
+Land land_of(const ViewRequest& request, const Target& target, double range_m) {
+  Viewpoint v = request.viewpoint;
+  v.range_m = range_m;
+  const double above_m = request.condition.front().above_surface_m;
+  return {request.land,
+          above_m - target.centre.z,
+          target.centre,
+          {},
+          land_bend_per_m(request.environment.get(), v, above_m)};
 }
 
 namespace {
@@ -101,7 +115,7 @@ std::vector<double> distances_m(const Land& land, Vec<Body> sensor,
   std::vector<float> fraction(land.materials());
   std::vector<double> out;
   for (const Vec<Body>& d : direction) {
-    const auto hit = land.meet(sensor, d, fraction);
+    const auto hit = land.meet_in_sight(sensor, sensor, d, fraction);
     out.push_back(hit ? hit->distance : INFINITY);
   }
   return out;
@@ -140,8 +154,7 @@ std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
 namespace {
 
 // Ranges of land behind a target: that in front of it is not behind it.
-std::vector<double> land_ranges_behind_m(const ViewRequest& request, const Target& target,
-                                         Vec<Body> sensor) {
+std::vector<double> land_ranges_behind_m(const Land& land, const Target& target, Vec<Body> sensor) {
   constexpr int kRays = 25;  // along each side of a square around the target
   // Of distances of rays side by side: where they differ by more, rays between meet land beyond.
   constexpr double kJump = 1.25;
@@ -155,12 +168,11 @@ std::vector<double> land_ranges_behind_m(const ViewRequest& request, const Targe
     for (int k = 0; k < kRays; ++k)
       direction.push_back(normalized((2.0 * i / (kRays - 1) - 1) * target.radius_m * right +
                                      (2.0 * k / (kRays - 1) - 1) * target.radius_m * up - sensor));
-  const Land land = land_of(request, target);
   const std::vector<double> distance_m = distances_m(land, sensor, direction);
   const double range_m = length(sensor), radius_m = target.radius_m;
   bool jumps =
       std::all_of(distance_m.begin(), distance_m.end(), [](double d) { return std::isinf(d); }) &&
-      land.clear_beyond_m(forward, radius_m, radius_m / range_m) > 0;
+      land.clear_in_sight_m(sensor, forward, radius_m, radius_m / range_m) > 0;
   for (int i = 0; i < kRays; ++i)
     for (int k = 0; k < kRays; ++k)
       for (const int beside : {i > 0 ? (i - 1) * kRays + k : -1, k > 0 ? i * kRays + k - 1 : -1}) {
@@ -214,11 +226,14 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
   const auto ends = target_ends(target, range_m * towards);
   out.end_.assign(ends.begin(), ends.end());
-  if (request.land != nullptr)
-    out.land_range_m_ =
-        land_range_m != nullptr
-            ? *land_range_m
-            : land_ranges_behind_m(request, target, range_m * towards - target.centre);
+  if (request.land != nullptr) {
+    out.land_bend_per_m_ =
+        land_bend_per_m(request.environment.get(), v, request.condition.front().above_surface_m);
+    out.land_range_m_ = land_range_m != nullptr
+                            ? *land_range_m
+                            : land_ranges_behind_m(land_of(request, target, range_m), target,
+                                                   range_m * towards - target.centre);
+  }
   if (request.environment == nullptr) {
     if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
     const GrazingRay straight;
@@ -305,6 +320,7 @@ ViewEnvironments ViewSurroundings::without_light() {
   ViewEnvironments out;
   out.horizon = horizon_;
   out.land_range_m = land_range_m_;
+  out.land_bend_per_m = land_bend_per_m_;
   const std::vector<double> dark(node_um_->size(), 0.0);
   for (std::uint32_t c = 0; c < request_->condition.size(); ++c) {
     const LightBounds& b = bounds(c);
@@ -324,6 +340,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
   out.condition.resize(request_->condition.size());
   out.behind = behind_;
   out.land_range_m = land_range_m_;
+  out.land_bend_per_m = land_bend_per_m_;
   out.horizon = horizon_;
   if (!look_) {
     for (const std::uint32_t c : conditions) {

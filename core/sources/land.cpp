@@ -23,13 +23,37 @@ Land::RangeShare share_of(std::span<const double> node_m, double range_m) {
 }  // namespace
 
 Land::Land(std::shared_ptr<const LandScene> scene, double surface_z_m, Vec<Body> centre,
-           std::vector<double> behind_range_m)
+           std::vector<double> behind_range_m, double bend_per_m)
     : scene_(std::move(scene)),
       surface_z_m_(surface_z_m),
       cos_heading_(std::cos(scene_->heading_deg * kRadPerDeg)),
       sin_heading_(std::sin(scene_->heading_deg * kRadPerDeg)),
       centre_(centre),
-      behind_range_m_(std::move(behind_range_m)) {}
+      behind_range_m_(std::move(behind_range_m)),
+      bend_per_m_(bend_per_m) {}
+
+// In the frame of straight lines the Earth is a parabola c r^2 below its tangent plane at the
+// target. The line that touches it at r0 passes the target at c r0^2 and the sensor, at a distance
+// d on its other side, at c (d + r0)^2 above the parabola; for one that touches it before the
+// target r0 is negative. The sphere lies r^4 / (8 R^3) below its parabola.
+double Land::bend_of(const Environment::Horizon& horizon, double sensor_m, double along_m) {
+  constexpr double kR = kEarthRadiusM;
+  if (!std::isfinite(horizon.z)) return 0;  // of a sensor straight above the target
+  const double z = std::clamp(horizon.z, -1.0, 1.0), along = std::sqrt(1 - z * z);
+  double touch2_m2 = 0, curve_per_m = 0.5 / kR;
+  for (int pass = 0; pass < 3; ++pass) {
+    const double beyond_per_m = touch2_m2 / (8 * kR * kR * kR);
+    const double above_m = sensor_m + along_m * along_m * (0.5 / kR + beyond_per_m);
+    if (!(above_m > 0) || !(along > 0)) return 0;
+    const double falls = z / along, passes_m = std::max(0.0, sensor_m - along_m * falls);
+    const double root = horizon.hides_m > 0 ? (std::sqrt(above_m) + std::sqrt(passes_m)) / along_m
+                                            : (falls + along_m * (0.5 / kR + beyond_per_m)) /
+                                                  (std::sqrt(above_m) + std::sqrt(passes_m));
+    curve_per_m = root * root - beyond_per_m;
+    touch2_m2 = passes_m / (root * root);
+  }
+  return 0.5 / kR - curve_per_m;
+}
 
 Vec<Enu> Land::place(Vec<Body> p) const {
   const Vec<Enu> level = direction({p.x + centre_.x, p.y + centre_.y, 0});
@@ -40,18 +64,50 @@ Vec<Enu> Land::direction(Vec<Body> d) const {
   return {d.x * sin_heading_ + d.y * cos_heading_, d.x * cos_heading_ - d.y * sin_heading_, -d.z};
 }
 
-std::optional<LandPoint> Land::meet(Vec<Body> from, Vec<Body> along,
+Vec<Enu> Land::lift(Vec<Body> sensor) const {
+  const Vec<Enu> at = place(sensor);
+  return {bend_per_m_ * at.x, bend_per_m_ * at.y, 0};
+}
+
+std::optional<LandPoint> Land::meet(Vec<Enu> origin, Vec<Enu> towards,
                                     std::span<float> fraction) const {
-  const Vec<Enu> origin = place(from), towards = direction(along);
-  const std::optional<LandHit> hit = field().first_hit(origin, towards, kFarM);
+  const std::optional<LandHit> hit = field().first_hit(origin, towards, kFarM, bend_per_m_);
   if (!hit || hit->at_edge) return std::nullopt;
-  const LandPoint out{hit->distance, hit->normal, field().departure_m(origin, towards, *hit)};
+  LandPoint out{hit->distance, hit->normal, field().departure_m(origin, towards, *hit)};
+  out.departure_m.z += raised_m(out.departure_m);
   scene_->cover.at(out.departure_m.x, out.departure_m.y, fraction);
   return out;
 }
 
+std::optional<LandPoint> Land::meet(Vec<Body> from, Vec<Body> along,
+                                    std::span<float> fraction) const {
+  return meet(place(from), direction(along), fraction);
+}
+
+std::optional<LandPoint> Land::meet_in_sight(Vec<Body> sensor, Vec<Body> from, Vec<Body> along,
+                                             std::span<float> fraction) const {
+  Vec<Enu> origin = place(from), towards = direction(along);
+  const Vec<Enu> higher = lift(sensor);
+  origin.z += dot(higher, origin);
+  towards.z += dot(higher, towards);
+  return meet(origin, towards, fraction);
+}
+
 bool Land::hides(Vec<Body> from, Vec<Body> along, double most) const {
-  return field().hidden(place(from), direction(along), most);
+  return field().hidden(place(from), direction(along), most, bend_per_m_);
+}
+
+bool Land::hides_from(Vec<Body> sensor, Vec<Body> from, double most) const {
+  const Vec<Enu> origin = place(from);
+  Vec<Enu> towards = direction(sensor - from);
+  towards.z += dot(lift(sensor), towards);
+  return field().hidden(origin, towards, most, bend_per_m_);
+}
+
+double Land::clear_in_sight_m(Vec<Body> sensor, Vec<Body> along, double radius_m,
+                              double spread) const {
+  const Vec<Enu> higher = lift(sensor);
+  return clear_beyond_m(along, radius_m, spread + std::hypot(higher.x, higher.y));
 }
 
 double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) const {
@@ -65,8 +121,11 @@ double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) con
   for (double near_m = 0, far_m = radius_m; near_m < 2 * across_m;
        near_m = far_m, far_m = 1.25 * far_m + radius_m) {
     const Vec<Enu> a = from + near_m * towards, b = from + far_m * towards;
-    const double around_m = radius_m + spread * far_m, lowest_m = std::min(a.z, b.z) - around_m;
-    if (towards.z > spread && lowest_m > highest_m) break;
+    const double around_m = radius_m + spread * far_m,
+                 raised_m = std::max(0.0, bend_per_m_) * (far_m + around_m) * (far_m + around_m),
+                 lowest_m = std::min(a.z, b.z) - around_m - raised_m;
+    if (towards.z > spread + std::max(0.0, bend_per_m_) * 4 * across_m && lowest_m > highest_m)
+      break;
     if (field().highest_m(std::min(a.x, b.x) - around_m, std::max(a.x, b.x) + around_m,
                           std::min(a.y, b.y) - around_m, std::max(a.y, b.y) + around_m) > lowest_m)
       out = far_m + radius_m;
@@ -98,10 +157,17 @@ bool Land::covers(Vec<Body> point) const {
   return surface_m && at.z < *surface_m;
 }
 
+bool Land::covers_in_sight(Vec<Body> sensor, Vec<Body> point) const {
+  Vec<Enu> at = place(point);
+  at.z += dot(lift(sensor), at) - raised_m(at);
+  const std::optional<double> surface_m = field().z_m(at.x, at.y);
+  return surface_m && at.z < *surface_m;
+}
+
 double Land::sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const {
   const Vec<Enu> towards = direction(towards_sun);
   const double cosine = dot(at.normal, towards);
-  return cosine > 0 && !field().hidden(at.departure_m, towards, kFarM) ? cosine : 0;
+  return cosine > 0 && !field().hidden(at.departure_m, towards, kFarM, bend_per_m_) ? cosine : 0;
 }
 
 float Land::sky_fraction(const LandPoint& at) {
