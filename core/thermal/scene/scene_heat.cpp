@@ -104,9 +104,28 @@ absl::Status check(const Target& target, const SceneHeatRequest& request) {
     if (!part.build_up && !(part.stated_k > 0))
       return wrong(absl::StrCat(name, "neither build-up nor temperature"));
   }
+  for (const HeatPart& part : request.part)
+    if (part.build_up && request.build_up[*part.build_up].water &&
+        request.build_up[*part.build_up].water->canopy && !(part.solar_absorptance > 0))
+      return wrong(absl::StrCat("build_up \"", request.build_up[*part.build_up].name,
+                                "\": its canopy answers to sunlight, and a part made of it absorbs "
+                                "none, expected a solar absorptance above 0"));
   for (const WallBuildUp& wall : request.build_up) {
-    if (wall.inner_at.empty()) continue;
     const std::string name = absl::StrCat("build_up \"", wall.name, "\": ");
+    if (wall.water) {
+      if (const absl::Status status = check_water(*wall.water); !status.ok())
+        return wrong(absl::StrCat(name, status.message()));
+      if (wall.inner_side == InnerSide::kOpen)
+        return wrong(absl::StrCat(name,
+                                  "a sheet whose back is open has no latent heat, expected "
+                                  "another inside"));
+      for (const HeatWeather& weather : request.weather)
+        if (!weather.humid)
+          return wrong(absl::StrCat(name,
+                                    "latent heat needs the humidity and pressure of the "
+                                    "weather at every knot"));
+    }
+    if (wall.inner_at.empty()) continue;
     if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen)
       return wrong(absl::StrCat(name, "nothing changes inside that is adiabatic or open"));
     if (wall.inner_at.size() != request.knot_s.size())

@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/scene/trace/target.h"
 #include "core/thermal/day_schedule.h"
+#include "core/thermal/evaporation.h"
 #include "core/thermal/heat_solver.h"
 
 namespace irsig {
@@ -37,6 +38,9 @@ struct WallBuildUp {
   // between knots. A jump at an odd knot, which the second computation lacks, is one of the
   // differences of the two. Empty: it does not change.
   std::vector<ScheduleAtKnot> inner_at = {};
+  // Water on the outer face, not with kOpen; a face under the surface has none. Empty: no latent
+  // heat.
+  std::optional<SurfaceWater> water = {};
 
   [[nodiscard]] bool jumps_at(std::size_t knot) const {
     return !inner_at.empty() && inner_at[knot].before != inner_at[knot].after;
@@ -60,11 +64,12 @@ struct HeatRadiation {
 };
 struct HeatWeather {
   double air_k;
-  double wind_m_s;              // relative to the target
-  Vec<Body> wind_from;          // unit vector, horizontal: where it comes from
-  Vec<Body> sun;                // unit vector towards the sun
-  double sun_radius_rad;        // its angular radius
-  HeatRadiation before, after;  // the instant: of records that are means they jump
+  double wind_m_s;                     // relative to the target
+  Vec<Body> wind_from;                 // unit vector, horizontal: where it comes from
+  Vec<Body> sun;                       // unit vector towards the sun
+  double sun_radius_rad;               // its angular radius
+  HeatRadiation before, after;         // the instant: of records that are means they jump
+  std::optional<HumidAir> humid = {};  // required where a wall has water
 };
 
 struct SceneHeatRequest {
