@@ -13,14 +13,15 @@ namespace irsig {
 //   c = bare h_v + cover h_v g / (h_v + g)   where water evaporates, e_s(T) > e
 //   c = h_v                                  where it condenses
 //
-//   h_v     h Le^(-2/3), Le = 0.85: the Lewis relation of heat and vapour  [incropera2007,
-//   sect. 6.7] e_s, e  saturation pressure over water at the face's temperature [sonntag1990];
-//   vapour pressure
-//           of the air
-//   gamma   psychrometric constant c_p p / (0.622 L)                          [allen1998, eq. 8]
-//   bare    share of the face that plants do not cover, times its moisture
-//   cover   share that plants cover, 1 - exp(-leaf area index / 2)  [monteith2013]
-//   g       conductance of the plants' stomata (stomatal_w_m2_k)
+// with
+//
+//   h_v    h Le^(-2/3), Le = 0.85: Lewis relation of heat and vapour [incropera2007, sect. 6.7]
+//   e_s    saturation pressure over water at the face's temperature [sonntag1990]
+//   e      vapour pressure of the air
+//   gamma  psychrometric constant c_p p / (0.622 L) [allen1998, eq. 8]
+//   bare   share of the face that plants do not cover, times its moisture
+//   cover  share that plants cover, 1 - exp(-leaf area index / 2) [monteith2013]
+//   g      conductance of the plants' stomata (stomatal_w_m2_k)
 //
 // This is the balance of Penman and Monteith [allen1998, eq. 3], solved for the temperature of the
 // face instead of being linearised in it.

@@ -136,8 +136,11 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
       own_(faces.size()),
       emitted_(faces.size()) {
   for (std::size_t k = 0; k < this->knots(); ++k) {
-    windward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kWindward));
-    leeward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kLeeward));
+    const auto forced_w_m2_k = [&](WindSide side) {
+      return request_.convection_factor * mowitt_forced_w_m2_k(weather(k).wind_m_s, side);
+    };
+    windward_w_m2_k_.push_back(forced_w_m2_k(WindSide::kWindward));
+    leeward_w_m2_k_.push_back(forced_w_m2_k(WindSide::kLeeward));
   }
   const GroundBoundary& b = request_.beneath;
   if (b.water)
@@ -273,6 +276,8 @@ FaceProperties SceneExposure::properties(std::uint32_t face) const {
     return {emissivity_[face], request_.beneath.water ? kStillWater : kForcedOnly};
   Convection air =
       tarp_natural(-static_cast<double>(normal_of(target_, faces_, face).z));  // z is down
+  air.natural_warm *= request_.convection_factor;
+  air.natural_cold *= request_.convection_factor;
   air.mixing = 0;  // with forced parts by MoWiTT: root of the sum of squares, as in DOE-2
   FaceProperties out{emissivity_[face], air};
   const HeatPart& part = part_of(face);

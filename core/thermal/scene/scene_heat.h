@@ -85,12 +85,16 @@ struct SceneHeatRequest {
   std::uint32_t rays = 256;              // of each face to its surroundings
   std::uint32_t sun_points = 16;         // of each face, for every place of the sun
   std::uint64_t seed = 1;
+  double convection_factor = 1;        // of all faces in air, [0, 10]
   double tolerance_k = 0.01;           // of conduction
   double exchange_tolerance_k = 0.02;  // half of it may be left by the last pass
   // Effects that may be left out. Without `exchange` the other faces in sight of a face are black
   // and as warm as the air; without `diffuse_sun` the sky's sunlight warms nothing. error_k then
   // includes the largest change.
   bool exchange = true, diffuse_sun = true;
+  // Of a moved request: whether the move is of the model, which solve_scene_heat_changes()
+  // explains.
+  bool of_model = false;
   bool effect_bounds = false;  // whether SceneHeatResult has theirs; where one is off it always has
 };
 
@@ -125,6 +129,10 @@ struct SceneHeatResult {
 // Changes of temperatures under other requests (of the same faces, knots and outputs: another
 // weather, other walls). [output][facet], not a number as above  [K]
 using TemperatureChange = std::vector<std::vector<float>>;
+// Where a moved request is of the model (SceneHeatRequest::of_model), a change is at least as large
+// as its root mean square over the 24 h around, with its own sign: twice a day a change of
+// convection or moisture passes through zero, and the model is not right there for that.
+//
 // Computes the changes from every second knot, with half the rays, as the second computation above:
 // both sides of each difference have its errors, which cancel but for their effect on the
 // difference. Each computation begins at the temperatures of `request`, so that few rounds are
