@@ -92,8 +92,7 @@ struct SceneHeatRequest {
   // and as warm as the air; without `diffuse_sun` the sky's sunlight warms nothing. error_k then
   // includes the largest change.
   bool exchange = true, diffuse_sun = true;
-  // Of a moved request: whether the move is of the model, which solve_scene_heat_changes()
-  // explains.
+  // True in a moved request if the move is of the model (solve_scene_heat_changes).
   bool of_model = false;
   bool effect_bounds = false;  // whether SceneHeatResult has theirs; where one is off it always has
 };
