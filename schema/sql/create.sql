@@ -1,4 +1,4 @@
--- The tables and views of a signature database, format 24. schema/README.md explains every table to its users.
+-- The tables and views of a signature database, format 25. schema/README.md explains every table to its users.
 --
 -- A name that ends in a unit is a number in that unit. The same name stands for the same quantity in the messages
 -- (schema/*.proto), in exports and on plot axes; core/accuracy/quantities.h explains every quantity of a row. Values
