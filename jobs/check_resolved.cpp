@@ -197,7 +197,9 @@ void check_heat_run(const schema::ResolvedSweep& resolved, int i, AirCheck& air,
 void check_uncertainty(const schema::ResolvedSweep& as_sent, Findings& findings) {
   const auto of_changes = [](const schema::HeatRun& run) { return run.input_size() > 0; };
   const bool any = std::any_of(as_sent.heat().begin(), as_sent.heat().end(), of_changes);
-  if (!findings.empty() || (!any && !as_sent.sweep().has_uncertainty())) return;
+  if (!findings.empty() ||
+      (!any && !as_sent.sweep().has_uncertainty() && !as_sent.sweep().heat().model_error()))
+    return;
   schema::ResolvedSweep resolved = as_sent;
   auto& runs = *resolved.mutable_heat();
   runs.erase(std::remove_if(runs.begin(), runs.end(), of_changes), runs.end());

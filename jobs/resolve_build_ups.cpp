@@ -99,6 +99,23 @@ void check_inside(const schema::BuildUp& build_up, const SectionCheck& check) {
         "its convection and radiation, about 8 W/(m2 K) in rooms");
 }
 
+// Water on the outer face; ground between plants is dry unless its moisture is stated.
+void resolve_water(schema::BuildUp& build_up, const std::string& path, const SectionCheck& check,
+                   Findings& findings) {
+  if (build_up.inside() == "open")
+    for (const char* key : {"surface_moisture", "canopy"})
+      if (check.has(key))
+        check.error(key,
+                    "does not apply to inside = \"open\", whose inner face is in the weather too: "
+                    "latent heat is of outer faces alone, expected another inside");
+  if (!build_up.has_canopy()) return;
+  SectionCheck(build_up.canopy(), path + ".canopy", findings)
+      .require({"leaf_area_index", "stomatal_resistance_s_m"},
+               "expected both numbers of the plants: canopy = { leaf_area_index = 3, "
+               "stomatal_resistance_s_m = 100 } is a crop that covers the ground");
+  if (!build_up.has_surface_moisture()) build_up.set_surface_moisture(0);
+}
+
 // The schedule's times, in UTC and in its order: other offsets and another first time of the same
 // day are the same schedule.
 void resolve_schedule(schema::BuildUp& build_up, const std::string& path, const SectionCheck& check,
@@ -171,6 +188,12 @@ const schema::Material* material_of(const schema::Sweep& sweep, const std::strin
   return nullptr;
 }
 
+const schema::BuildUp* build_up_of(const schema::Sweep& sweep, const std::string& name) {
+  for (const schema::BuildUp& b : sweep.build_up())
+    if (b.name() == name) return &b;
+  return nullptr;
+}
+
 }  // namespace
 
 void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
@@ -184,6 +207,7 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
     for (int l = 0; l < build_up.layer_size(); ++l)
       resolve_layer(*build_up.mutable_layer(l), absl::StrCat(path, ".layer[", l, "]"), findings);
     check_inside(build_up, check);
+    resolve_water(build_up, path, check, findings);
     check_heat_flux(build_up, path, findings);  // before schedules are brought into order
     resolve_schedule(build_up, path, check, findings);
     const auto uses = [&](const schema::Part& p) { return p.build_up() == build_up.name(); };
@@ -217,6 +241,15 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
                        "\" has no solar_absorptance, expected the share of sunlight (0.3 to "
                        "2.5 um) that it absorbs, in its [[material]]: temperatures are to "
                        "be computed"));
+    if (const schema::BuildUp* build_up = build_up_of(sweep, part.build_up());
+        material != nullptr && material->has_solar_absorptance() &&
+        material->solar_absorptance() == 0 && build_up != nullptr && build_up->has_canopy())
+      check.error(
+          "build_up",
+          absl::StrCat("= \"", one_line(part.build_up()),
+                       "\" has a canopy, which answers to sunlight, and solar_absorptance "
+                       "of material \"",
+                       one_line(part.material()), "\" is 0, expected more: crops have 0.8"));
   }
   if (sweep.heat().has_element_size_m())
     for (int f = 0; f < sweep.temperature_field_size(); ++f)

@@ -259,6 +259,11 @@ void check_plume(const schema::Sweep& sweep, Findings& findings) {
     findings.add("uncertainty",
                  "[uncertainty] and [plume] are both there, expected one of them: what uncertain "
                  "inputs mean for hot gas is not known");
+  if (sweep.heat().model_error())
+    findings.add(
+        "heat.model_error",
+        "heat.model_error and [plume] are both there, expected one of them: what the model "
+        "of heat is worth beside hot gas is not known");
   if (sweep.profile_size() > 0)
     findings.add("profile[0]",
                  "profile[0] and [plume] are both there, expected one of them: profiles do not see "

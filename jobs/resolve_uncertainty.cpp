@@ -28,6 +28,14 @@ std::string expected_for(const std::string& input) {
            "weather_file's";
   if (input == "solar_absorptance" || input == "conductivity_relative")
     return "computed temperatures ([heat])";
+  if (input == "convection_relative") return "computed temperatures ([heat])";
+  if (input == "sky_emissivity_relative")
+    return "computed temperatures ([heat]) under a sky whose long-wave radiation the weather does "
+           "not state";
+  if (input == "surface_moisture")
+    return "computed temperatures ([heat]) of a build_up with surface_moisture or a canopy";
+  if (input == "stomatal_resistance_relative")
+    return "computed temperatures ([heat]) of a build_up with a canopy";
   if (input == "inside_temperature_k")
     return "computed temperatures ([heat]) of a build_up with inside_temperature_k, or with "
            "temperatures in its inside_schedule";
@@ -41,7 +49,8 @@ std::string expected_for(const std::string& input) {
 bool changes(const schema::ResolvedSweep& sweep, const MovedSweep& moved,
              const UncertainInput& input, int run) {
   for (const char* of_walls :
-       {"solar_absorptance", "emissivity", "conductivity_relative", "inside_temperature_k"})
+       {"solar_absorptance", "emissivity", "conductivity_relative", "inside_temperature_k",
+        "surface_moisture", "stomatal_resistance_relative"})
     if (input.name == of_walls) return moved.values > 0;
   return sweep.heat(run).SerializeAsString() != moved.sweep.heat(run).SerializeAsString();
 }
@@ -68,9 +77,31 @@ void check_input(const schema::ResolvedSweep& resolved, const UncertainInput& in
   }
 }
 
+// The sigmas of the heat model that [uncertainty] does not state, as far as the sweep has what they
+// are of. Sources: docs/explanation/methods/thermal.md, "The model's own error".
+void add_model_sigmas(schema::ResolvedSweep& resolved) {
+  if (!resolved.sweep().heat().model_error()) return;
+  const schema::ResolvedSweep nominal = resolved;
+  schema::Uncertainty& stated = *resolved.mutable_sweep()->mutable_uncertainty();
+  const auto matters = [&](const char* name, double sigma) {
+    return moved_sweep(nominal, {name, sigma}, 1).values > 0;
+  };
+  constexpr double kConvection = 0.3, kSkyEmissivity = 0.04, kMoisture = 0.3, kStomata = 0.3;
+  if (!stated.has_convection_relative() && matters("convection_relative", kConvection))
+    stated.set_convection_relative(kConvection);
+  if (!stated.has_sky_emissivity_relative() && matters("sky_emissivity_relative", kSkyEmissivity))
+    stated.set_sky_emissivity_relative(kSkyEmissivity);
+  if (!stated.has_surface_moisture() && matters("surface_moisture", kMoisture))
+    stated.set_surface_moisture(kMoisture);
+  if (!stated.has_stomatal_resistance_relative() &&
+      matters("stomatal_resistance_relative", kStomata))
+    stated.set_stomatal_resistance_relative(kStomata);
+}
+
 }  // namespace
 
 void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
+  if (findings.empty()) add_model_sigmas(resolved);
   if (!resolved.sweep().has_uncertainty() || !findings.empty()) return;
   schema::Uncertainty& stated = *resolved.mutable_sweep()->mutable_uncertainty();
   const SectionCheck check(stated, "uncertainty", findings);

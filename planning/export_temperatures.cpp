@@ -8,6 +8,7 @@
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
 #include "planning/sweep_facets.h"
+#include "runner/heat_model_error.h"
 #include "runner/sweep_temperatures.h"
 #include "view/base/table.h"
 
@@ -25,8 +26,18 @@ absl::Status export_temperatures(const std::string& database, const std::string&
   const schema::ResolvedSweep& sweep = facets.sweep();
   const std::vector<std::uint32_t>& part = facets.part();
   ASSIGN_OR_RETURN(const auto mesh, field_mesh(sweep, facets.source().loaded.assets));
-  const std::vector<Column> columns = {{"season"}, {"time"}, {"part"},        {"facet"}, {"x"},
-                                       {"y"},      {"z"},    {"temperature"}, {"error"}};
+  // [condition] Of those without, empty.
+  std::vector<std::vector<double>> model_error_k;
+  bool of_model = false;
+  for (const schema::Condition& condition : sweep.condition()) {
+    ASSIGN_OR_RETURN(auto error_k, heat_model_error_k(sweep, facets.source().loaded.heat, condition,
+                                                      part.size()));
+    of_model = of_model || !error_k.empty();
+    model_error_k.push_back(std::move(error_k));
+  }
+  std::vector<Column> columns = {{"season"}, {"time"}, {"part"},        {"facet"}, {"x"},
+                                 {"y"},      {"z"},    {"temperature"}, {"error"}};
+  if (of_model) columns.push_back({"temperature_model_error_k"});
   ASSIGN_OR_RETURN(const auto table, make_table_writer("csv", columns, out));
   // Nobody knows the temperature of a facet that nobody sees.
   const auto known = [](double value) { return std::isnan(value) ? Cell() : Cell(value); };
@@ -39,9 +50,18 @@ absl::Status export_temperatures(const std::string& database, const std::string&
     for (std::size_t f = 0; f < part.size(); ++f) {
       const SweepFacets::Temperature at = facets.temperature(c, f);
       const std::array<double, 3> place = mesh.centroid(f);
-      table->row({condition.season(), condition.time_utc(),
-                  sweep.sweep().part(static_cast<int>(part[f])).name(), std::uint64_t{f}, place[0],
-                  place[1], place[2], known(at.kelvin), known(at.error_k)});
+      std::vector<Cell> row = {condition.season(),
+                               condition.time_utc(),
+                               sweep.sweep().part(static_cast<int>(part[f])).name(),
+                               std::uint64_t{f},
+                               place[0],
+                               place[1],
+                               place[2],
+                               known(at.kelvin),
+                               known(at.error_k)};
+      const std::vector<double>& of_facet = model_error_k[static_cast<std::size_t>(c)];
+      if (of_model) row.push_back(of_facet.empty() ? Cell() : known(of_facet[f]));
+      table->row(row);
     }
   }
   if (!any) return absl::NotFoundError("nothing to export: no condition matches the filters");

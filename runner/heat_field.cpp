@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/accuracy/quantities.h"
 #include "core/base/hottest.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
@@ -140,6 +141,11 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
     out.warning.push_back(std::move(crossing));
   request.knot_s = weather.knot_s;
   request.weather = weather.at;
+  if (heat.has_sky_factor())
+    for (HeatWeather& at : request.weather)
+      for (HeatRadiation* radiation : {&at.before, &at.after})
+        radiation->sky_w_m2 *= heat.sky_factor();
+  if (heat.has_convection_factor()) request.convection_factor = heat.convection_factor();
   request.day_knots = weather.day_knots;
   request.output_knot = weather.output_knot;
   request.rays = sweep.heat().rays();
@@ -203,6 +209,7 @@ absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
     const MovedSweep sweep = moved_sweep(alone, {input.name(), input.sigma()}, input.move());
     auto request = asked_of(sweep.sweep.sweep(), sweep.sweep.heat(0), target);
     if (!request.ok()) return at_key(absl::StrCat("uncertainty.", input.name()), request.status());
+    request->request.of_model = is_of_heat_model(input.name());
     moved.push_back(std::move(request->request));
   }
   auto changes = solve_scene_heat_changes(target, asked.request, moved);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/quantities.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
@@ -205,7 +206,9 @@ void InputViews::write(std::span<const std::vector<RowChange>> change,
                        schema::ViewJobResult& result) const {
   for (int r = 0; r < result.row_size(); ++r) {
     schema::SignatureRow& row = *result.mutable_row(r);
-    double source = 0, apparent = 0, contrast = 0;  // squares
+    struct Squares {
+      double source = 0, apparent = 0, contrast = 0;
+    } of_inputs, of_model;
     for (std::size_t i = 0; i < input_.size(); ++i) {
       const RowChange *higher = nullptr, *lower = nullptr;
       for (std::size_t k = 0; k < move_.size(); ++k)
@@ -230,13 +233,23 @@ void InputViews::write(std::span<const std::vector<RowChange>> change,
       const auto square = [](const Gain& g) {
         return g.up.value * g.up.value + 2 * g.curvature * g.curvature;
       };
-      source += square(s);
-      apparent += square(a);
-      contrast += square(c);
+      Squares& sum = is_of_heat_model(input_[i].name) ? of_model : of_inputs;
+      sum.source += square(s);
+      sum.apparent += square(a);
+      sum.contrast += square(c);
     }
-    row.set_input_uncertainty_w_sr(std::sqrt(source));
-    row.set_apparent_input_uncertainty_w_sr(std::sqrt(apparent));
-    row.set_contrast_input_uncertainty_w_sr(std::sqrt(contrast));
+    const auto models = std::ranges::count_if(
+        input_, [](const UncertainInput& input) { return is_of_heat_model(input.name); });
+    if (models < std::ssize(input_)) {
+      row.set_input_uncertainty_w_sr(std::sqrt(of_inputs.source));
+      row.set_apparent_input_uncertainty_w_sr(std::sqrt(of_inputs.apparent));
+      row.set_contrast_input_uncertainty_w_sr(std::sqrt(of_inputs.contrast));
+    }
+    if (models > 0) {
+      row.set_heat_model_error_w_sr(std::sqrt(of_model.source));
+      row.set_apparent_heat_model_error_w_sr(std::sqrt(of_model.apparent));
+      row.set_contrast_heat_model_error_w_sr(std::sqrt(of_model.contrast));
+    }
   }
 }
 

@@ -128,14 +128,21 @@ namespace irsig {
          "of the variance of these means: what the stored modes of their spectra carry")          \
   NUMBER(visible_fraction, kDerived, "1", "of the target's silhouette: not hidden by the land")
 
-// Quantities of rows whose sweep states the uncertainty of its inputs; others have none.
-#define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
-  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr",                                      \
-         "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error") \
-  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr",                             \
-         "the same of apparent_intensity_w_sr")                                            \
-  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr",                             \
-         "the same of contrast_intensity_w_sr")
+// Quantities of rows whose sweep states the uncertainty of its inputs, or asks for that of the
+// model of heat; others have none.
+#define IRSIG_INPUT_QUANTITIES(NUMBER)                                                           \
+  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr",                                            \
+         "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error")       \
+  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr",                                   \
+         "the same of apparent_intensity_w_sr")                                                  \
+  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr",                                   \
+         "the same of contrast_intensity_w_sr")                                                  \
+  NUMBER(heat_model_error_w_sr, kModelError, "W/sr",                                             \
+         "of intensity_w_sr: one sigma of the model of computed temperatures, part of no other " \
+         "error")                                                                                \
+  NUMBER(apparent_heat_model_error_w_sr, kModelError, "W/sr",                                    \
+         "the same of apparent_intensity_w_sr")                                                  \
+  NUMBER(contrast_heat_model_error_w_sr, kModelError, "W/sr", "the same of contrast_intensity_w_sr")
 
 #define IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \
   IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)         \
@@ -148,6 +155,13 @@ namespace irsig {
   IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)    \
   IRSIG_CLUTTER_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_INPUT_QUANTITIES(NUMBER)
+
+// Returns true if a key of [uncertainty] is of the model of heat and not of an input: what it
+// leaves of a row is part of heat_model_error_w_sr instead of input_uncertainty_w_sr.
+[[nodiscard]] constexpr bool is_of_heat_model(std::string_view input) {
+  return input == "convection_relative" || input == "sky_emissivity_relative" ||
+         input == "surface_moisture" || input == "stomatal_resistance_relative";
+}
 
 enum class QuantityKind : std::uint8_t {
   kSampled,     // a mean over paths

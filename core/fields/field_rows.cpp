@@ -43,8 +43,18 @@ class CsvReader {
 
  private:
   void read_header(const std::vector<CsvCell>& cells) {
-    static const std::vector<std::string> known = {
-        "facet", "vertex", "x", "y", "z", "temperature", "error", "time", "part", "season"};
+    // The last three are for people: `irsig export --temperatures` writes them.
+    static const std::vector<std::string> known = {"facet",
+                                                   "vertex",
+                                                   "x",
+                                                   "y",
+                                                   "z",
+                                                   "temperature",
+                                                   "error",
+                                                   "time",
+                                                   "part",
+                                                   "season",
+                                                   "temperature_model_error_k"};
     for (const CsvCell& cell : cells) {
       const std::string name(cell.text);
       if (std::find(known.begin(), known.end(), name) == known.end())

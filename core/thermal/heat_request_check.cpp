@@ -14,7 +14,7 @@ absl::Status check_faces(std::span<const FaceProperties> faces, const char* side
     const auto of = [&](const char* name) {
       return absl::StrCat(side, " face of element ", i, ": ", name);
     };
-    const auto& [emissivity, convection] = faces[i];
+    const auto& [emissivity, convection, evaporation] = faces[i];
     if (!(emissivity >= 0 && emissivity <= 1)) {
       return wrong_number(of("emissivity"), emissivity, "0 to 1");
     }
@@ -24,6 +24,10 @@ absl::Status check_faces(std::span<const FaceProperties> faces, const char* side
     }
     if (!(convection.mixing >= 0 && convection.mixing <= 1)) {
       return wrong_number(of("mixing"), convection.mixing, "0 to 1");
+    }
+    for (const double share : {evaporation.bare, evaporation.cover}) {
+      if (!(share >= 0 && share <= 1))
+        return wrong_number(of("share that evaporates"), share, "0 to 1");
     }
   }
   return absl::OkStatus();
@@ -93,6 +97,9 @@ absl::Status check_request(const HeatRequest& request) {
   }
   RETURN_IF_ERROR(check_faces(request.outer, "outer"));
   RETURN_IF_ERROR(check_faces(request.inner, "inner"));
+  for (const FaceProperties& face : request.inner)
+    if (face.evaporation.on)
+      return absl::InvalidArgumentError("an inner face evaporates, expected outer faces only");
   if (std::ranges::all_of(request.layers, [](const Layer& layer) {
         return layer.density_kg_m3 * layer.specific_heat_j_kg_k == 0;
       })) {

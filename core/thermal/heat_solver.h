@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/thermal/convection.h"
+#include "core/thermal/evaporation.h"
 #include "core/thermal/layers.h"
 
 namespace irsig {
@@ -31,10 +32,14 @@ enum class InnerSide {
 
 // Heat into a face of temperature T:
 //
-//   absorbed + emissivity (incoming - sigma T^4) + h (T_fluid - T)                     [W m^-2]
+//   absorbed + emissivity (incoming - sigma T^4) + h (T_fluid - T) - latent            [W m^-2]
+//
+// The latent heat (evaporation.h) takes h at the face's temperature at the begin of each step: the
+// error of that is of first order in the step, and halving the steps shows it.
 struct FaceProperties {
   double emissivity;  // hemispherical, total, of long-wave absorption and emission: [0, 1]
   Convection convection;
+  Evaporation evaporation = {};  // of outer faces
 };
 
 // Exposure of a face at one instant. [element of the call]
@@ -43,6 +48,10 @@ struct FaceExposure {
   std::span<double> incoming_w_m2;    // long-wave irradiance, >= 0
   std::span<double> fluid_k;          // (0, 1e5]
   std::span<double> forced_h_w_m2_k;  // forced part of h (convection.h), >= 0
+  // Only where an element of the request has Evaporation::on, and of outer faces; else empty.
+  std::span<double> vapour_pa = {};           // vapour pressure of the air, [0, 1e6]
+  std::span<double> inverse_gamma_k_pa = {};  // 0: nothing evaporates or condenses; to 1
+  std::span<double> stomatal_w_m2_k = {};     // conductance of the stomata, [0, 1e9]
 };
 
 // Exposure at both ends of the time between two knots; linear between them. A quantity that jumps

@@ -32,6 +32,17 @@ constexpr int kMaxNewtonSteps = 60;
   return y;
 }
 
+// e^x for x in [-700, 700], relative error below 1e-14, likewise: powers of two by the exponent,
+// the rest, within ln(2) / 2, by its series.
+[[gnu::always_inline]] inline double exponential(double x) {
+  constexpr double kShift = 0x1.8p52;  // its sum with a small number rounds that to an integer
+  const double shifted = x * 1.4426950408889634 + kShift;
+  const double r = x - (shifted - kShift) * 0.69314718055994531;
+  double sum = 1;
+  for (int k = 13; k > 0; --k) sum = 1 + sum * r * (1.0 / k);
+  return sum * std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
+}
+
 struct FaceAt {
   HeatLane gain_w_m2, fluid_k, forced_w_m2_k;
 };
@@ -68,9 +79,66 @@ struct FaceHeat {
   }
 }
 
+// Saturation pressure over water and its derivative [sonntag1990], as vapour_pressure_pa(); outside
+// of 173 to 373 K along the tangent there.
+[[gnu::always_inline]] inline void saturate(double kelvin, double& pa, double& pa_k) {
+  constexpr double kColdest = -100, kHottest = 100;
+  const double c = kelvin - 273.15, low = c > kColdest ? c : kColdest,
+               within = low < kHottest ? low : kHottest;
+  const double inverse = 1 / (243.12 + within);
+  const double at = 611.2 * exponential(17.62 * within * inverse);
+  pa_k = at * (17.62 * 243.12) * inverse * inverse;
+  pa = at + pa_k * (c - within);
+}
+
+// Adds latent heat to that of a face: `evaporates` and `condenses` times the difference of vapour
+// pressures, which grows with the face's temperature.
+struct WaterAt {
+  HeatLane vapour_pa, evaporates_w_m2_pa, condenses_w_m2_pa;
+};
+
+// Coefficients at a time of a stage, with the natural convection of the temperatures `begin` of the
+// step's begin: where a face passes the air's temperature that part has a vertical tangent, which
+// the balance of vapour, whose difference does not vanish there, would get.
+[[gnu::always_inline]] inline void set_water(const HeatWater& water, const HeatFace& face,
+                                             const FaceAt& at, double share, const HeatLane& begin,
+                                             WaterAt& out) {
+  constexpr double kLewis = 1.1144;  // 0.85^(-2/3)
+#pragma GCC ivdep
+  for (std::size_t j = 0; j < kHeatLanes; ++j) {
+    const double above = begin[j] - at.fluid_k[j];
+    const double size = above < 0 ? -above : above;
+    const double n = (above > 0 ? face.natural_warm[j] : face.natural_cold[j]) *
+                     cube_root(size > 1e-30 ? size : 1e-30);
+    const double forced = at.forced_w_m2_k[j];
+    const double h = kLewis * std::sqrt(n * n + forced * forced + 2 * face.mixing[j] * forced * n);
+    const double g = water.stomatal_w_m2_k.begin[j] + share * water.stomatal_w_m2_k.change[j];
+    const double both = h + g;
+    const double inverse_gamma =
+        water.inverse_gamma_k_pa.begin[j] + share * water.inverse_gamma_k_pa.change[j];
+    const double leaves = water.cover[j] * (h * g / (both > 0 ? both : 1.0));
+    out.vapour_pa[j] = water.vapour_pa.begin[j] + share * water.vapour_pa.change[j];
+    out.evaporates_w_m2_pa[j] = inverse_gamma * (water.bare[j] * h + leaves);
+    out.condenses_w_m2_pa[j] = inverse_gamma * (water.on[j] * h);
+  }
+}
+
+[[gnu::always_inline]] inline void add_latent_heat(const WaterAt& at, const HeatLane& t,
+                                                   FaceHeat& heat) {
+#pragma GCC ivdep
+  for (std::size_t j = 0; j < kHeatLanes; ++j) {
+    double pa, pa_k;
+    saturate(t[j], pa, pa_k);
+    const double over = pa - at.vapour_pa[j];
+    const double c = over > 0 ? at.evaporates_w_m2_pa[j] : at.condenses_w_m2_pa[j];
+    heat.w_m2[j] -= c * over;
+    heat.w_m2_k[j] -= c * pa_k;
+  }
+}
+
 // Solves one stage. In: right(i, j), its right side of node i and lane j without the stage's own
 // heat of the faces, and guesses t0, t1 of the faces. Out: t, and the heat into the faces.
-template <typename RightSide>
+template <bool kWet, typename RightSide>
 [[gnu::always_inline]] inline void solve_stage(const ConductionGrid& grid, const Elimination& step,
                                                HeatLanes& lanes, double share,
                                                const RightSide& right, HeatLane t0, HeatLane t1,
@@ -102,11 +170,14 @@ template <typename RightSide>
   FaceAt outer, inner;
   set_time(lanes.outer, share, outer);
   set_time(lanes.inner, share, inner);
+  WaterAt water;
+  if constexpr (kWet) set_water(lanes.water, lanes.outer, outer, share, lanes.t[0], water);
   HeatLane live, own0, rest0;
   live.fill(1);
   FaceHeat f0, f1;
   for (int k = 0; k < kMaxNewtonSteps; ++k) {
     face_heat(lanes.outer, outer, t0, f0);
+    if constexpr (kWet) add_latent_heat(water, t0, f0);
     if (!lanes.inner_fixed) face_heat(lanes.inner, inner, t1, f1);
     const double across = step.across, dt = step.implicit_s;
     HeatLane d0, d1;
@@ -162,6 +233,7 @@ template <typename RightSide>
   }
 }
 
+template <bool kWet>
 [[gnu::always_inline]] inline void take_step(const ConductionGrid& grid, const Elimination& step,
                                              const HeatStep& times, HeatLanes& lanes,
                                              HeatLane& outer_w_m2, HeatLane& inner_w_m2) {
@@ -183,8 +255,8 @@ template <typename RightSide>
     const double to_next = i == last ? -inner_sum[j] : conducted(i, j);
     return capacity(i) * t[i][j] + dt * (from_before - to_next);
   };
-  solve_stage(grid, step, lanes, times.middle, first_right, t[0], t[last], other, outer_w_m2,
-              inner_w_m2);
+  solve_stage<kWet>(grid, step, lanes, times.middle, first_right, t[0], t[last], other, outer_w_m2,
+                    inner_w_m2);
 #pragma GCC ivdep
   for (std::size_t j = 0; j < kHeatLanes; ++j) {
     outer_sum[j] += outer_w_m2[j];
@@ -201,8 +273,8 @@ template <typename RightSide>
     outer_guess[j] = t[0][j] + (other[0][j] - t[0][j]) / kMiddleOfStep;
     inner_guess[j] = t[last][j] + (other[last][j] - t[last][j]) / kMiddleOfStep;
   }
-  solve_stage(grid, step, lanes, times.end, second_right, outer_guess, inner_guess, other,
-              outer_w_m2, inner_w_m2);
+  solve_stage<kWet>(grid, step, lanes, times.end, second_right, outer_guess, inner_guess, other,
+                    outer_w_m2, inner_w_m2);
   for (std::size_t i = 0; i <= last; ++i) {
     const double c = capacity(i);
 #pragma GCC ivdep
@@ -215,6 +287,39 @@ template <typename RightSide>
         kExplicit * (outer_sum[j] + inner_sum[j]) + kImplicit * (outer_w_m2[j] + inner_w_m2[j]);
     const double open = std::abs(stored[j] / step.length_s - came_in);
     lanes.closure_w_m2[j] = open > lanes.closure_w_m2[j] ? open : lanes.closure_w_m2[j];
+  }
+}
+
+// All the steps of one interval.
+template <bool kWet>
+[[gnu::always_inline]] inline void take_steps(const ConductionGrid& grid,
+                                              const HeatInterval& interval, HeatLanes& lanes) {
+  const std::size_t last = grid.last();
+  FaceAt at;
+  FaceHeat heat;
+  set_time(lanes.outer, 0, at);
+  face_heat(lanes.outer, at, lanes.t[0], heat);
+  if constexpr (kWet) {
+    WaterAt water;
+    set_water(lanes.water, lanes.outer, at, 0, lanes.t[0], water);
+    add_latent_heat(water, lanes.t[0], heat);
+  }
+  HeatLane outer_w_m2 = heat.w_m2, inner_w_m2{};
+  set_time(lanes.inner, 0, at);
+  if (lanes.inner_fixed) {
+    lanes.t[last] = at.fluid_k;
+    const double g = grid.conductance_w_m2_k[last - 1];
+#pragma GCC ivdep
+    for (std::size_t j = 0; j < kHeatLanes; ++j) {
+      inner_w_m2[j] = g * (at.fluid_k[j] - lanes.t[last - 1][j]);
+    }
+  } else {
+    face_heat(lanes.inner, at, lanes.t[last], heat);
+    inner_w_m2 = heat.w_m2;
+  }
+  for (const HeatStep& step : interval.step) {
+    take_step<kWet>(grid, interval.elimination[step.elimination], step, lanes, outer_w_m2,
+                    inner_w_m2);
   }
 }
 
@@ -248,27 +353,10 @@ Elimination::Elimination(const ConductionGrid& grid, double length)
 
 IRSIG_CLONES void advance(const ConductionGrid& grid, const HeatInterval& interval,
                           HeatLanes& lanes) {
-  const std::size_t last = grid.last();
-  FaceAt at;
-  FaceHeat heat;
-  set_time(lanes.outer, 0, at);
-  face_heat(lanes.outer, at, lanes.t[0], heat);
-  HeatLane outer_w_m2 = heat.w_m2, inner_w_m2{};
-  set_time(lanes.inner, 0, at);
-  if (lanes.inner_fixed) {
-    lanes.t[last] = at.fluid_k;
-    const double g = grid.conductance_w_m2_k[last - 1];
-#pragma GCC ivdep
-    for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      inner_w_m2[j] = g * (at.fluid_k[j] - lanes.t[last - 1][j]);
-    }
-  } else {
-    face_heat(lanes.inner, at, lanes.t[last], heat);
-    inner_w_m2 = heat.w_m2;
-  }
-  for (const HeatStep& step : interval.step) {
-    take_step(grid, interval.elimination[step.elimination], step, lanes, outer_w_m2, inner_w_m2);
-  }
+  if (lanes.wet)
+    take_steps<true>(grid, interval, lanes);
+  else
+    take_steps<false>(grid, interval, lanes);
 }
 
 }  // namespace irsig

@@ -54,8 +54,16 @@ struct HeatFace {
   HeatLane natural_warm, natural_cold, mixing;
 };
 
+// Water on the outer face of the lanes (evaporation.h).
+struct HeatWater {
+  HeatFace::Varying vapour_pa, inverse_gamma_k_pa, stomatal_w_m2_k;
+  HeatLane on, bare, cover;  // on: 0 or 1
+};
+
 struct HeatLanes {
   HeatFace outer, inner;
+  bool wet = false;  // whether `water` counts
+  HeatWater water;
   bool inner_fixed;                       // T_last is inner.fluid_k
   std::vector<HeatLane> t;                // [node]
   std::vector<HeatLane> t_other, inside;  // [node], scratch

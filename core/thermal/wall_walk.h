@@ -12,10 +12,10 @@
 namespace irsig {
 
 // A table, filled with NaN, of the four numbers of a face at both ends of an interval, and the same
-// of the inner face.
+// of the inner face; then the outer face's three numbers of water, where it has some.
 class ExposureTable {
  public:
-  ExposureTable(std::size_t elements, InnerSide inner);
+  ExposureTable(std::size_t elements, InnerSide inner, bool wet);
 
   // Filled with NaN.
   [[nodiscard]] Exposure empty();
@@ -24,6 +24,8 @@ class ExposureTable {
   // face 0: outer, 1: inner. Absent elements of the last lanes are the last element's copies.
   void load(std::size_t face, std::size_t first, std::span<const double> emissivity,
             HeatFace& out) const;
+  // Likewise, of the water on the outer face.
+  void load_water(std::size_t first, HeatWater& out) const;
 
  private:
   [[nodiscard]] std::span<double> column(std::size_t k) {
@@ -33,6 +35,7 @@ class ExposureTable {
 
   std::size_t elements_;
   InnerSide inner_;
+  bool wet_;
   std::vector<double> value_;
 };
 
@@ -79,6 +82,7 @@ class WallWalk {
     HeatFace outer, inner;
   };
   std::vector<Faces> faces_;          // [block of kHeatLanes elements]
+  std::vector<HeatWater> water_;      // [block]; empty: no element has any
   std::vector<HeatLane> t_;           // [block x nodes + node]
   std::vector<double> closure_w_m2_;  // [element], in whole blocks
   ExposureTable table_;

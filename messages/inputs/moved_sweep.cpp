@@ -23,6 +23,7 @@ constexpr double kColdestSurfaceK = 100, kHottestSurfaceK = 400;
 constexpr double kMostWindMS = 20, kMostWindOfWallsMS = 100;  // sea and aerosol; walls
 constexpr double kLeastVisibilityM = 100, kMostVisibilityM = 100e3;
 constexpr double kMostConductivity = 1e12;
+constexpr double kLeastStomatalSM = 10, kMostStomatalSM = 1e4;
 
 // Humidity of air with a dew point, which cannot be above the air's own temperature.
 double percent_of(double dew_point_k, double air_k) {
@@ -73,6 +74,11 @@ void move_cloud(Mover& mover, schema::WeatherRecord& r) {
 // Conditions have a layer where they have a cover, or where their cover may be moved.
 void move_cloud(Mover& mover, schema::Weather& w) {
   if (w.has_cloud()) w.set_cloud_cover(mover.moved(w.cloud_cover(), 0, 1));
+}
+
+bool states_sky(const schema::WeatherCourse& course) {
+  return std::all_of(course.record().begin(), course.record().end(),
+                     [](const schema::WeatherRecord& r) { return r.has_sky_w_m2(); });
 }
 
 constexpr double kHighestBaseM = 20e3, kMostWaterGM2 = 1e6;
@@ -134,7 +140,16 @@ class SweepMover {
     } else if (input == "sea_temperature_k" || input == "ground_temperature_k" ||
                input == "sky_temperature_k") {
       of_surroundings([&](schema::Surroundings& s) { move_surface(input, s); });
-    } else if (input == "conductivity_relative" || input == "inside_temperature_k") {
+    } else if (input == "convection_relative") {
+      of_runs([&](schema::HeatRun& run) { run.set_convection_factor(mover_.moved(1, 0, 10)); }, {});
+    } else if (input == "sky_emissivity_relative") {
+      of_runs(
+          [&](schema::HeatRun& run) {
+            if (!states_sky(run.course())) run.set_sky_factor(mover_.moved(1, 0, 10));
+          },
+          {});
+    } else if (input == "conductivity_relative" || input == "inside_temperature_k" ||
+               input == "surface_moisture" || input == "stomatal_resistance_relative") {
       move_build_ups(input);
     } else {
       move_materials(input);
@@ -147,6 +162,7 @@ class SweepMover {
                const std::function<void(schema::WeatherRecord&)>& record) {
     for (schema::HeatRun& r : *sweep_.mutable_heat()) {
       if (run) run(r);
+      if (!record) continue;
       for (schema::WeatherRecord& w : *r.mutable_course()->mutable_record()) record(w);
     }
   }
@@ -196,6 +212,11 @@ class SweepMover {
           if (at.has_temperature_k())
             at.set_temperature_k(mover_.moved(at.temperature_k(), kColdestK, kHottestK));
       }
+      if (input == "surface_moisture" && b.has_surface_moisture())
+        b.set_surface_moisture(mover_.moved(b.surface_moisture(), 0, 1));
+      if (input == "stomatal_resistance_relative" && b.has_canopy())
+        b.mutable_canopy()->set_stomatal_resistance_s_m(
+            mover_.moved(b.canopy().stomatal_resistance_s_m(), kLeastStomatalSM, kMostStomatalSM));
       if (input == "conductivity_relative")
         for (schema::Layer& l : *b.mutable_layer())
           l.set_conductivity_w_m_k(mover_.moved(l.conductivity_w_m_k(), 0, kMostConductivity));

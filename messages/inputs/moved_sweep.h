@@ -26,6 +26,8 @@ struct UncertainInput {
 //   air's,
 //                        if that is lower); long-wave radiation of the sky that a weather file
 //                        states goes with the fourth power of the air's temperature
+//   convection_relative  of faces in air, natural and forced
+//   sky_emissivity_relative   long-wave radiation of the sky of walls, where the course states none
 //   dew_point_k          at most that of the air
 //   wind_speed_*         of the course; and of conditions where a rough sea or the Navy's aerosol
 //   asks emissivity           of the materials of parts: in the bands, and thermal_emissivity if

@@ -34,6 +34,14 @@ absl::StatusOr<WallBuildUp> wall_from_message(const schema::BuildUp& message,
   out.inner_k = message.inside_temperature_k();
   out.inner_h_w_m2_k = message.inside_h_w_m2_k();
   out.inner_flux_w_m2 = message.inside_heat_flux_w_m2();
+  if (message.has_surface_moisture() || message.has_canopy()) {
+    SurfaceWater& water = out.water.emplace();
+    water.moisture = message.surface_moisture();
+    if (message.has_canopy())
+      water.canopy = {message.canopy().leaf_area_index(),
+                      message.canopy().stomatal_resistance_s_m()};
+    if (const absl::Status status = check_water(water); !status.ok()) return at_key(path, status);
+  }
   return out;
 }
 

@@ -1,4 +1,4 @@
--- The tables and views of a signature database, format 24. schema/README.md explains every table to its users.
+-- The tables and views of a signature database, format 25. schema/README.md explains every table to its users.
 --
 -- A name that ends in a unit is a number in that unit. The same name stands for the same quantity in the messages
 -- (schema/*.proto), in exports and on plot axes; core/accuracy/quantities.h explains every quantity of a row. Values
@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 24;
+PRAGMA user_version = 25;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.
@@ -427,6 +427,10 @@ CREATE TABLE signature (
   input_uncertainty_w_sr REAL CHECK (input_uncertainty_w_sr >= 0),
   apparent_input_uncertainty_w_sr REAL CHECK (apparent_input_uncertainty_w_sr >= 0),
   contrast_input_uncertainty_w_sr REAL CHECK (contrast_input_uncertainty_w_sr >= 0),
+  -- One sigma of the model of computed temperatures, part of no other error. NULL: not asked for.
+  heat_model_error_w_sr REAL CHECK (heat_model_error_w_sr >= 0),
+  apparent_heat_model_error_w_sr REAL CHECK (apparent_heat_model_error_w_sr >= 0),
+  contrast_heat_model_error_w_sr REAL CHECK (contrast_heat_model_error_w_sr >= 0),
 
   UNIQUE (condition_id, band_id, viewpoint_id)
 ) STRICT;
@@ -685,6 +689,7 @@ SELECT s.signature_id,
        s.clutter_patch_sigma_w_m2_sr, s.clutter_patch_sigma_stderr_w_m2_sr, s.clutter_modes_fraction,
        s.visible_fraction,
        s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr, s.contrast_input_uncertainty_w_sr,
+       s.heat_model_error_w_sr, s.apparent_heat_model_error_w_sr, s.contrast_heat_model_error_w_sr,
        (SELECT group_concat(printf('%s=%+.4g', input, contribution_w_sr), ', ')
         FROM (SELECT i.input, i.contribution_w_sr FROM input_contribution i
               WHERE i.signature_id = s.signature_id AND abs(i.contribution_w_sr) > 2 * i.contribution_stderr_w_sr

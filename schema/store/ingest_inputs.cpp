@@ -1,8 +1,12 @@
 #include "schema/store/ingest_inputs.h"
 
+#include <algorithm>
+#include <initializer_list>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/quantities.h"
+#include "core/base/status_macros.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -42,13 +46,22 @@ absl::Status check_inputs(const schema::SignatureRow& row, const std::vector<std
         !input.has_contrast_contribution_w_sr())
       return wrong(absl::StrCat(".input[", i, "] is incomplete"));
   }
-  for (const bool has :
-       {row.has_input_uncertainty_w_sr(), row.has_apparent_input_uncertainty_w_sr(),
-        row.has_contrast_input_uncertainty_w_sr()})
-    if (has == names.empty())
-      return wrong(names.empty() ? ".input_uncertainty_w_sr was not asked for"
-                                 : ".input_uncertainty_w_sr is missing");
-  return absl::OkStatus();
+  const auto of_model = std::count_if(names.begin(), names.end(), is_of_heat_model);
+  const auto check = [&](bool asked, std::initializer_list<bool> stated, const char* name) {
+    for (const bool has : stated)
+      if (has != asked)
+        return wrong(absl::StrCat(".", name, asked ? " is missing" : " was not asked for"));
+    return absl::OkStatus();
+  };
+  RETURN_IF_ERROR(
+      check(of_model < static_cast<std::ptrdiff_t>(names.size()),
+            {row.has_input_uncertainty_w_sr(), row.has_apparent_input_uncertainty_w_sr(),
+             row.has_contrast_input_uncertainty_w_sr()},
+            "input_uncertainty_w_sr"));
+  return check(of_model > 0,
+               {row.has_heat_model_error_w_sr(), row.has_apparent_heat_model_error_w_sr(),
+                row.has_contrast_heat_model_error_w_sr()},
+               "heat_model_error_w_sr");
 }
 
 absl::Status insert_inputs(Database& database, std::int64_t signature_id,

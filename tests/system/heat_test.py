@@ -106,6 +106,41 @@ class Heat(unittest.TestCase):
         column = {name.split(" ")[0]: name for name in rows[0]}
         return [tuple(float(row[column[key]]) for key in ("coldest_k", "hottest_k", "error_k")) for row in rows]
 
+    def test_what_is_wet_or_green_is_cooler_by_day(self):
+        soil = '[{ thickness_m = 0.3, conductivity_w_m_k = 1.2, density_kg_m3 = 1800, specific_heat_j_kg_k = 1400 }]'
+        noon = {}
+        for name, water in {"dry": "", "moist": "surface_moisture = 0.3", "wet": "surface_moisture = 1",
+                            "green": "canopy = { leaf_area_index = 3, stomatal_resistance_s_m = 100 }"}.items():
+            noon[name] = self.temperatures(LAYER=soil, INSIDE='inside = "adiabatic"\n' + water, TIME='["12:00Z"]')[0][1]
+        self.assertLess(noon["moist"], noon["dry"] - 2)
+        self.assertLess(noon["wet"], noon["moist"] - 2)
+        self.assertLess(noon["green"], noon["dry"] - 2)
+        self.assertGreater(noon["green"], noon["wet"])
+
+    def test_the_model_of_heat_has_an_error_of_its_own(self):
+        wet = dict(INSIDE='inside = "adiabatic"\nsurface_moisture = 0.5', TIME='["12:00Z"]', ACCURACY="target_paths = 20000")
+        self.run_it(sweep(**wet), "a.sigdb")
+        self.run_it(sweep(HEAT="model_error = true", **wet), "b.sigdb")
+        rows = [list(csv.DictReader(io.StringIO(self.irsig("query", db, "--format", "csv").stdout)))
+                for db in ("a.sigdb", "b.sigdb")]
+        without, having = rows[0][0], rows[1][0]
+        self.assertEqual(without["heat_model_error_w_sr"], "")
+        self.assertEqual(having["input_uncertainty_w_sr"], "")
+        error = float(having["heat_model_error_w_sr"])
+        self.assertGreater(error, 0.002 * float(having["intensity_w_sr"]))
+        self.assertLess(error, 0.2 * float(having["intensity_w_sr"]))
+        self.assertIn("surface_moisture", having["dominant_inputs"])
+        self.assertIn("heat model, one sigma", self.irsig("explain", "b.sigdb", "--row", "1").stdout)
+        for db in ("a", "b"):
+            done = self.irsig("export", f"{db}.sigdb", "--temperatures", "--out", f"{db}.csv")
+            self.assertEqual(done.returncode, 0, done.stderr)
+        of_facet = [float(r["temperature_model_error_k"]) for r in csv.DictReader((self.path / "b.csv").open())
+                    if r["temperature_model_error_k"] not in ("", "nan")]
+        self.assertGreater(len(of_facet), 30)
+        self.assertGreater(max(of_facet), 0.5)
+        self.assertLess(max(of_facet), 10)
+        self.assertNotIn("temperature_model_error_k", (self.path / "a.csv").read_text())
+
     def test_the_predicted_size_has_the_temperatures(self):
         times = ", ".join(f'"{h:02}:00Z"' for h in range(24))
         said = self.run_it(sweep(TIME=f"[{times}]", MODEL='generate = "box"\ntriangles = 12000\ndraft_m = 0',

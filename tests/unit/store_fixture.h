@@ -136,6 +136,9 @@ inline void fill_inputs(const schema::ResolvedSweep& sweep, schema::SignatureRow
   row.clear_input_uncertainty_w_sr();
   row.clear_apparent_input_uncertainty_w_sr();
   row.clear_contrast_input_uncertainty_w_sr();
+  row.clear_heat_model_error_w_sr();
+  row.clear_apparent_heat_model_error_w_sr();
+  row.clear_contrast_heat_model_error_w_sr();
   const schema::Uncertainty& stated = sweep.sweep().uncertainty();
   std::vector<const google::protobuf::FieldDescriptor*> fields;
   stated.GetReflection()->ListFields(stated, &fields);

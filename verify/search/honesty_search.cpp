@@ -369,6 +369,8 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
     const auto by = static_cast<Invariance>(
         (scene.seed * static_cast<std::uint64_t>(invariances) + static_cast<std::uint64_t>(k)) %
         kInvariances);
+    // The cells of a map are no mirror image of themselves.
+    if (by == Invariance::kMirrored && scene.land.amplitude_m > 0) continue;
     verdict.status = by_invariance(scene, *program, by, verdict);
   }
   if (verdict.status.ok() && scene.cloud.cover > 0 && scene.cloud.cover < 1)

@@ -4,7 +4,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "core/base/constants.h"
 #include "verify/search/random_scene.h"
 #include "verify/search/random_scene_basics.h"
 
@@ -123,26 +122,20 @@ std::vector<Piece> pieces_of(const RandomBody& b) {
 
 namespace {
 
-// visit(east_m, north_m) of a scene that may be mirrored: at the sun's azimuth and its opposite.
+// value(east_m, north_m) at the samples of a map, row by row from the north.
 template <typename Value>
 std::string asc_of(const RandomScene& scene, const Value& value) {
   constexpr int kSamples = 201;
   const double shortest_m =
       std::min({scene.land.wave_m[0], scene.land.wave_m[1], scene.land.patch_m});
   const double spacing_m = shortest_m / 16, half_m = 0.5 * (kSamples - 1) * spacing_m;
-  const double twice_rad = 2 * sun_of(scene.time).azimuth_deg * kRadPerDeg;
   std::string out = absl::StrFormat(
       "ncols %d\nnrows %d\nxllcenter %.12g\nyllcenter %.12g\n"
       "cellsize %.12g\n",
       kSamples, kSamples, -half_m, -half_m, spacing_m);
   for (int row = kSamples - 1; row >= 0; --row)
     for (int column = 0; column < kSamples; ++column) {
-      double x = column * spacing_m - half_m, y = row * spacing_m - half_m;
-      if (scene.mirrored) {
-        const double mirrored_x = -std::cos(twice_rad) * x + std::sin(twice_rad) * y;
-        y = std::sin(twice_rad) * x + std::cos(twice_rad) * y;
-        x = mirrored_x;
-      }
+      const double x = column * spacing_m - half_m, y = row * spacing_m - half_m;
       absl::StrAppendFormat(&out, "%.9g%c", value(x, y), column + 1 < kSamples ? ' ' : '\n');
     }
   return out;

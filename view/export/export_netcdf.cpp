@@ -335,7 +335,9 @@ absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vect
   std::vector<std::vector<StoredInput>> inputs_of_row;
   for (const QueryRow& r : rows) {
     std::vector<StoredInput>& of_row = inputs_of_row.emplace_back();
-    if (r.interpolation || std::isnan(r.signature.input_uncertainty_w_sr)) continue;
+    if (r.interpolation || (std::isnan(r.signature.input_uncertainty_w_sr) &&
+                            std::isnan(r.signature.heat_model_error_w_sr)))
+      continue;
     ASSIGN_OR_RETURN(of_row, reader.inputs(r.signature.signature_id));
     for (const StoredInput& i : of_row)
       if (std::find(names.begin(), names.end(), i.input) == names.end()) names.push_back(i.input);

@@ -302,7 +302,8 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   const double model_growth =
       model_here > 0 ? std::max(growth, s.apparent_model_error_w_sr / model_here) : growth;
   for (double S::*of : {&S::contrast_model_error_w_sr, &S::apparent_input_uncertainty_w_sr,
-                        &S::contrast_input_uncertainty_w_sr})
+                        &S::contrast_input_uncertainty_w_sr, &S::apparent_heat_model_error_w_sr,
+                        &S::contrast_heat_model_error_w_sr})
     s.*of *= model_growth;
   s.path_transmittance = after.transmittance;
   s.path_radiance_w_m2_sr = after.path;

@@ -99,7 +99,8 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   for (const Getter error :
        {&S::model_error_w_sr, &S::apparent_model_error_w_sr, &S::contrast_model_error_w_sr,
         &S::input_uncertainty_w_sr, &S::apparent_input_uncertainty_w_sr,
-        &S::contrast_input_uncertainty_w_sr})
+        &S::contrast_input_uncertainty_w_sr, &S::heat_model_error_w_sr,
+        &S::apparent_heat_model_error_w_sr, &S::contrast_heat_model_error_w_sr})
     out.*error = propagated_model_error(made.fit, made.from, error);
   for (const Getter value : {&S::path_transmittance, &S::path_radiance_w_m2_sr})
     out.*value = at(value, nullptr, FieldKind::kSmooth).value;

@@ -393,10 +393,13 @@ struct RowTable::Parts {
         any_row(first, [](const QueryRow& r) { return !std::isnan(r.signature.clutter_window_m); });
     const bool uncertain = any_row(
         first, [](const QueryRow& r) { return !std::isnan(r.signature.input_uncertainty_w_sr); });
+    const bool model = any_row(
+        first, [](const QueryRow& r) { return !std::isnan(r.signature.heat_model_error_w_sr); });
     const char* input_name = columns_of(content.quantity).input_name;
     for (RowColumn& c : columns) {
       if (plume && c.column.name == "plume_w_sr") c.column.brief = true;
       if (clutter && c.column.name == "clutter_patch_sigma_w_m2_sr") c.column.brief = true;
+      if (model && c.column.name == "heat_model_error_w_sr") c.column.brief = true;
       if (uncertain && input_name != nullptr && c.column.name == input_name) c.column.brief = true;
     }
   }

@@ -284,9 +284,16 @@ std::string inputs(const Explained& e) {
   for (const StoredInput& i : sorted)
     out += fmt::format("  {:<22} {:>20} {:>20} {:>20}\n", i.input, gain(i.source), gain(i.apparent),
                        gain(i.contrast));
-  return out + fmt::format("  {:<22} {:>20.4g} {:>20.4g} {:>20.4g}\n", "together, one sigma",
-                           s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr,
-                           s.contrast_input_uncertainty_w_sr);
+  const auto together = [](const char* name, double source, double apparent, double contrast) {
+    if (std::isnan(source)) return std::string();
+    return fmt::format("  {:<22} {:>20.4g} {:>20.4g} {:>20.4g}\n", name, source, apparent,
+                       contrast);
+  };
+  return out +
+         together("together, one sigma", s.input_uncertainty_w_sr,
+                  s.apparent_input_uncertainty_w_sr, s.contrast_input_uncertainty_w_sr) +
+         together("heat model, one sigma", s.heat_model_error_w_sr,
+                  s.apparent_heat_model_error_w_sr, s.contrast_heat_model_error_w_sr);
 }
 
 std::string text_of(const Explained& e) {

@@ -77,7 +77,8 @@ HeatWeather weather_at_knot(const HeatKnotsRequest& request, const CourseRadiati
           body_from_enu(sun.direction, request.heading_deg),
           sun.angular_radius_deg * kRadPerDeg,
           side(CourseRadiation::Side::kBefore),
-          side(CourseRadiation::Side::kAfter)};
+          side(CourseRadiation::Side::kAfter),
+          HumidAir{w.dew_point_k, w.pressure_pa}};
 }
 
 }  // namespace
@@ -86,8 +87,7 @@ absl::StatusOr<HeatKnots> heat_knots(const HeatKnotsRequest& request) {
   const WeatherCourse& course = request.course;
   HeatKnots out;
   out.beneath = request.beneath;
-  ASSIGN_OR_RETURN(const auto radiation,
-                   CourseRadiation::make(course, request.place, request.sky));
+  ASSIGN_OR_RETURN(const auto radiation, CourseRadiation::make(course, request.place, request.sky));
 
   std::vector<double> wanted;
   for (const double unix_s : request.time_unix_s) wanted.push_back(within_course(course, unix_s));

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/constants.h"
+#include "core/thermal/clear_sky.h"
 #include "core/thermal/scene/sun_visibility.h"
 
 namespace irsig {
@@ -135,8 +136,11 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
       own_(faces.size()),
       emitted_(faces.size()) {
   for (std::size_t k = 0; k < this->knots(); ++k) {
-    windward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kWindward));
-    leeward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kLeeward));
+    const auto forced_w_m2_k = [&](WindSide side) {
+      return request_.convection_factor * mowitt_forced_w_m2_k(weather(k).wind_m_s, side);
+    };
+    windward_w_m2_k_.push_back(forced_w_m2_k(WindSide::kWindward));
+    leeward_w_m2_k_.push_back(forced_w_m2_k(WindSide::kLeeward));
   }
   const GroundBoundary& b = request_.beneath;
   if (b.water)
@@ -272,8 +276,31 @@ FaceProperties SceneExposure::properties(std::uint32_t face) const {
     return {emissivity_[face], request_.beneath.water ? kStillWater : kForcedOnly};
   Convection air =
       tarp_natural(-static_cast<double>(normal_of(target_, faces_, face).z));  // z is down
+  air.natural_warm *= request_.convection_factor;
+  air.natural_cold *= request_.convection_factor;
   air.mixing = 0;  // with forced parts by MoWiTT: root of the sum of squares, as in DOE-2
-  return {emissivity_[face], air};
+  FaceProperties out{emissivity_[face], air};
+  const HeatPart& part = part_of(face);
+  if (face < faces_.fronts && part.build_up && request_.build_up[*part.build_up].water)
+    out.evaporation = evaporation_of(*request_.build_up[*part.build_up].water);
+  return out;
+}
+
+void SceneExposure::expose_water(std::size_t k, const HeatRadiation& light, std::uint32_t face,
+                                 std::size_t at, const FaceExposure& to) const {
+  const HeatWeather& w = weather(k);
+  const HeatPart& part = part_of(face);
+  const std::optional<SurfaceWater>& water = request_.build_up[*part.build_up].water;
+  to.vapour_pa[at] = vapour_pressure_pa(w.humid->dew_point_k);
+  to.inverse_gamma_k_pa[at] = inverse_gamma_k_pa(w.air_k, w.humid->pressure_pa);
+  to.stomatal_w_m2_k[at] = 0;
+  if (!water->canopy) return;
+  // Leaves see all sunlight, whatever is left out of what warms them.
+  const double absorbed_w_m2 =
+      light.direct_normal_w_m2 * static_cast<double>(direct_[k * faces_.size() + face]) +
+      light.diffuse_horizontal_w_m2 * static_cast<double>(diffuse_[face]);
+  to.stomatal_w_m2_k[at] = stomatal_w_m2_k(*water->canopy, absorbed_w_m2 / part.solar_absorptance,
+                                           w.air_k, w.humid->pressure_pa);
 }
 
 void SceneExposure::expose(std::size_t k, Side side, std::span<const std::uint32_t> face,
@@ -290,8 +317,11 @@ void SceneExposure::expose(std::size_t k, Side side, std::span<const std::uint32
     if (covered_[f]) {
       to.fluid_k[at] = request_.beneath.temperature_k;
       to.forced_h_w_m2_k[at] = in_water_w_m2_k_;
+      if (!to.vapour_pa.empty())
+        to.vapour_pa[at] = to.inverse_gamma_k_pa[at] = to.stomatal_w_m2_k[at] = 0;
       continue;
     }
+    if (!to.vapour_pa.empty()) expose_water(k, light, f, at, to);
     to.fluid_k[at] = w.air_k;
     const FaceNormal n = normal_of(target_, faces_, f);
     const double towards =

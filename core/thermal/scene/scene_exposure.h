@@ -88,7 +88,8 @@ class SceneExposure {
 
   // Side of a knot: the begin of the interval after it, or the end of the one before.
   enum class Side { kAfter, kBefore };
-  // Writes the exposure of some faces, but for their long-wave irradiance. [face of the list]
+  // Writes the exposure of some faces, but for their long-wave irradiance; of water where there is
+  // room for it. [face of the list]
   void expose(std::size_t k, Side side, std::span<const std::uint32_t> face,
               const FaceExposure& to) const;
 
@@ -113,6 +114,9 @@ class SceneExposure {
                                               std::span<const float> front_kelvin) const;
 
  private:
+  // Writes what the air does with the water on a face that is not covered.
+  void expose_water(std::size_t k, const HeatRadiation& light, std::uint32_t face, std::size_t at,
+                    const FaceExposure& to) const;
   // Half of what the sky sends more after a knot than before.
   [[nodiscard]] double half_jump_w_m2(std::size_t k) const {
     return 0.5 * (weather(k).after.sky_w_m2 - weather(k).before.sky_w_m2);

@@ -91,6 +91,9 @@ absl::Status check(const Target& target, const SceneHeatRequest& request) {
     return wrong("day_knots: even, of the knots' intervals");
   for (const std::size_t k : request.output_knot)
     if (k % 2 != 0 || k >= request.knot_s.size()) return wrong("output_knot: even, of the knots");
+  if (!(request.convection_factor >= 0 && request.convection_factor <= 10))
+    return wrong(
+        absl::StrCat("convection_factor ", request.convection_factor, ", expected 0 to 10"));
   for (std::size_t p = 0; p < request.part.size(); ++p) {
     const HeatPart& part = request.part[p];
     const std::string name = absl::StrCat("part \"", target.part[p].name, "\": ");
@@ -104,9 +107,28 @@ absl::Status check(const Target& target, const SceneHeatRequest& request) {
     if (!part.build_up && !(part.stated_k > 0))
       return wrong(absl::StrCat(name, "neither build-up nor temperature"));
   }
+  for (const HeatPart& part : request.part)
+    if (part.build_up && request.build_up[*part.build_up].water &&
+        request.build_up[*part.build_up].water->canopy && !(part.solar_absorptance > 0))
+      return wrong(absl::StrCat("build_up \"", request.build_up[*part.build_up].name,
+                                "\": its canopy answers to sunlight, and a part made of it absorbs "
+                                "none, expected a solar absorptance above 0"));
   for (const WallBuildUp& wall : request.build_up) {
-    if (wall.inner_at.empty()) continue;
     const std::string name = absl::StrCat("build_up \"", wall.name, "\": ");
+    if (wall.water) {
+      if (const absl::Status status = check_water(*wall.water); !status.ok())
+        return wrong(absl::StrCat(name, status.message()));
+      if (wall.inner_side == InnerSide::kOpen)
+        return wrong(absl::StrCat(name,
+                                  "a sheet whose back is open has no latent heat, expected "
+                                  "another inside"));
+      for (const HeatWeather& weather : request.weather)
+        if (!weather.humid)
+          return wrong(absl::StrCat(name,
+                                    "latent heat needs the humidity and pressure of the "
+                                    "weather at every knot"));
+    }
+    if (wall.inner_at.empty()) continue;
     if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen)
       return wrong(absl::StrCat(name, "nothing changes inside that is adiabatic or open"));
     if (wall.inner_at.size() != request.knot_s.size())
@@ -157,6 +179,18 @@ absl::Status check(const Target& target, const ThermalFaces& faces,
     if (!(request.knot_s[k] > request.knot_s[k - 1]))
       return absl::InvalidArgumentError("knot_s: increasing");
   return absl::OkStatus();
+}
+
+// Knots within 12 h of a knot, or of the nearest time that far from the first and the last.
+std::vector<std::size_t> knots_of_day_around(const SceneExposure& exposure, std::size_t knot) {
+  constexpr double kHalfDayS = 43200;
+  const double first_s = exposure.knot_s(0), last_s = exposure.knot_s(exposure.knots() - 1);
+  const double middle_s = std::min(std::max(exposure.knot_s(knot), first_s + kHalfDayS),
+                                   std::max(last_s - kHalfDayS, first_s + kHalfDayS));
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < exposure.knots(); ++k)
+    if (std::abs(exposure.knot_s(k) - middle_s) <= kHalfDayS) out.push_back(k);
+  return out;
 }
 
 // With half the rays and other points.
@@ -324,12 +358,23 @@ absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
     changed.start_near(base);
     RETURN_IF_ERROR(changed.settle());
     TemperatureChange& change = out.emplace_back();
+    const auto change_k = [&](std::size_t k, std::uint32_t f) {
+      return facet_kelvin(changed, faces, k, f) - facet_kelvin(base, faces, k, f);
+    };
     for (const std::size_t knot : request.output_knot) {
       std::vector<float>& kelvin = change.emplace_back(faces.fronts, NAN);
-      for (std::uint32_t f = 0; f < faces.fronts; ++f)
-        if (exposure.part_of(f).build_up && faces.area_m2[f] > 0 && !exposure.dark(f))
-          kelvin[f] =
-              facet_kelvin(changed, faces, knot / 2, f) - facet_kelvin(base, faces, knot / 2, f);
+      const std::vector<std::size_t> day =
+          each.of_model ? knots_of_day_around(exposure, knot / 2) : std::vector<std::size_t>();
+      for (std::uint32_t f = 0; f < faces.fronts; ++f) {
+        if (!exposure.part_of(f).build_up || faces.area_m2[f] <= 0 || exposure.dark(f)) continue;
+        kelvin[f] = change_k(knot / 2, f);
+        float squares = 0;
+        for (const std::size_t k : day) squares += change_k(k, f) * change_k(k, f);
+        if (!day.empty())
+          kelvin[f] = std::copysign(
+              std::max(std::abs(kelvin[f]), std::sqrt(squares / static_cast<float>(day.size()))),
+              kelvin[f]);
+      }
     }
   }
   return out;

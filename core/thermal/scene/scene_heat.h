@@ -10,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "core/scene/trace/target.h"
 #include "core/thermal/day_schedule.h"
+#include "core/thermal/evaporation.h"
 #include "core/thermal/heat_solver.h"
 
 namespace irsig {
@@ -37,6 +38,9 @@ struct WallBuildUp {
   // between knots. A jump at an odd knot, which the second computation lacks, is one of the
   // differences of the two. Empty: it does not change.
   std::vector<ScheduleAtKnot> inner_at = {};
+  // Water on the outer face, not with kOpen; a face under the surface has none. Empty: no latent
+  // heat.
+  std::optional<SurfaceWater> water = {};
 
   [[nodiscard]] bool jumps_at(std::size_t knot) const {
     return !inner_at.empty() && inner_at[knot].before != inner_at[knot].after;
@@ -60,11 +64,12 @@ struct HeatRadiation {
 };
 struct HeatWeather {
   double air_k;
-  double wind_m_s;              // relative to the target
-  Vec<Body> wind_from;          // unit vector, horizontal: where it comes from
-  Vec<Body> sun;                // unit vector towards the sun
-  double sun_radius_rad;        // its angular radius
-  HeatRadiation before, after;  // the instant: of records that are means they jump
+  double wind_m_s;                     // relative to the target
+  Vec<Body> wind_from;                 // unit vector, horizontal: where it comes from
+  Vec<Body> sun;                       // unit vector towards the sun
+  double sun_radius_rad;               // its angular radius
+  HeatRadiation before, after;         // the instant: of records that are means they jump
+  std::optional<HumidAir> humid = {};  // required where a wall has water
 };
 
 struct SceneHeatRequest {
@@ -80,12 +85,15 @@ struct SceneHeatRequest {
   std::uint32_t rays = 256;              // of each face to its surroundings
   std::uint32_t sun_points = 16;         // of each face, for every place of the sun
   std::uint64_t seed = 1;
+  double convection_factor = 1;        // of all faces in air, [0, 10]
   double tolerance_k = 0.01;           // of conduction
   double exchange_tolerance_k = 0.02;  // half of it may be left by the last pass
   // Effects that may be left out. Without `exchange` the other faces in sight of a face are black
   // and as warm as the air; without `diffuse_sun` the sky's sunlight warms nothing. error_k then
   // includes the largest change.
   bool exchange = true, diffuse_sun = true;
+  // True in a moved request if the move is of the model (solve_scene_heat_changes).
+  bool of_model = false;
   bool effect_bounds = false;  // whether SceneHeatResult has theirs; where one is off it always has
 };
 
@@ -120,6 +128,10 @@ struct SceneHeatResult {
 // Changes of temperatures under other requests (of the same faces, knots and outputs: another
 // weather, other walls). [output][facet], not a number as above  [K]
 using TemperatureChange = std::vector<std::vector<float>>;
+// Where a moved request is of the model (SceneHeatRequest::of_model), a change is at least as large
+// as its root mean square over the 24 h around, with its own sign: twice a day a change of
+// convection or moisture passes through zero, and the model is not right there for that.
+//
 // Computes the changes from every second knot, with half the rays, as the second computation above:
 // both sides of each difference have its errors, which cancel but for their effect on the
 // difference. Each computation begins at the temperatures of `request`, so that few rounds are

@@ -24,13 +24,16 @@ constexpr double kArithmeticErrorK = 1e-6;
 using Side = SceneExposure::Side;
 
 FaceProperties mean_of(const std::vector<FaceProperties>& faces) {
-  FaceProperties out{0, {0, 0, 0}};
+  FaceProperties out{0, {0, 0, 0}, {}};
   for (const FaceProperties& f : faces) {
     const double share = 1 / static_cast<double>(faces.size());
     out.emissivity += share * f.emissivity;
     out.convection.natural_warm += share * f.convection.natural_warm;
     out.convection.natural_cold += share * f.convection.natural_cold;
     out.convection.mixing += share * f.convection.mixing;
+    out.evaporation.on |= f.evaporation.on;
+    out.evaporation.bare += share * f.evaporation.bare;
+    out.evaporation.cover += share * f.evaporation.cover;
   }
   return out;
 }
@@ -47,6 +50,10 @@ void fill_with_means(const Exposure& of, const Exposure& to) {
     number(from.incoming_w_m2, at.incoming_w_m2);
     number(from.fluid_k, at.fluid_k);
     number(from.forced_h_w_m2_k, at.forced_h_w_m2_k);
+    if (from.vapour_pa.empty()) return;
+    number(from.vapour_pa, at.vapour_pa);
+    number(from.inverse_gamma_k_pa, at.inverse_gamma_k_pa);
+    number(from.stomatal_w_m2_k, at.stomatal_w_m2_k);
   };
   face(of.outer_begin, to.outer_begin);
   face(of.outer_end, to.outer_end);
