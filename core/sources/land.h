@@ -8,6 +8,7 @@
 
 #include "core/geo/frames.h"
 #include "core/land/land_scene.h"
+#include "core/land/objects/land_objects.h"
 
 namespace irsig {
 
@@ -17,8 +18,9 @@ struct LandPoint {
   Vec<Enu> normal, departure_m;
 };
 
-// Land around the target. It hides and shades the target, and rays end on it; what does not meet
-// its map ends as above Ground. Points and directions are relative to the target's centre.
+// Land around the target, with the objects that stand on it. It hides and shades the target, and
+// rays end on it; what does not meet its map ends as above Ground. Points and directions are
+// relative to the target's centre.
 class Land {
  public:
   //   surface_z_m     body z of the land below the target, relative to the target's centre
@@ -39,7 +41,10 @@ class Land {
   // leave a sphere of that radius around the target's centre at most so far (a slope) from that
   // direction. 0: no land hides anything in that direction.
   [[nodiscard]] double clear_beyond_m(Vec<Body> direction, double radius_m, double spread) const;
-  [[nodiscard]] bool covers(Vec<Body> point) const;  // whether the point lies below land
+  // Returns true if the point lies below land or inside an object.
+  [[nodiscard]] bool covers(Vec<Body> point) const;
+  // Returns the object that encloses a point.
+  [[nodiscard]] std::optional<ObjectName> object_around(Vec<Body> point) const;
   // Returns the cosine of a sun's incidence on land; 0 in the shadow of land.
   [[nodiscard]] double sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const;
   // Returns the fraction of a slope's hemisphere that is sky, as if land around it were level.
@@ -63,6 +68,9 @@ class Land {
  private:
   [[nodiscard]] Vec<Enu> place(Vec<Body> p) const;
   [[nodiscard]] Vec<Enu> direction(Vec<Body> d) const;
+  [[nodiscard]] bool hidden(Vec<Enu> origin, Vec<Enu> towards, double most) const;
+  [[nodiscard]] double highest_m(double west_m, double east_m, double south_m,
+                                 double north_m) const;
   [[nodiscard]] const HeightField& field() const { return *scene_->field; }
 
   std::shared_ptr<const LandScene> scene_;
