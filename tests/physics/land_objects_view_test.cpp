@@ -181,11 +181,11 @@ TEST(LandObjectsView, APictureShowsTheShadowOfAnObject) {
     }
     for (std::size_t i = 0; i < background[0].size(); ++i) {
       const double ratio = static_cast<double>(background[1][i] / background[0][i]);
-      dark[sun ? 1 : 0] += ratio < 0.6 ? 1 : 0;
+      dark[sun ? 1 : 0] += ratio < 0.8 ? 1 : 0;
       changed[sun ? 1 : 0] += std::abs(ratio - 1) > 0.2 ? 1 : 0;
     }
   }
-  EXPECT_GT(dark[1], 10);
+  EXPECT_GT(dark[1], 20);
   EXPECT_EQ(dark[0], 0);
   EXPECT_LT(changed[1], 48 * 48 / 3);
 }
