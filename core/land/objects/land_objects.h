@@ -62,7 +62,7 @@ struct ObjectHit {
 // Accuracy: a ray is followed in double to the box around an object, and in float32 from there, in
 // the frame of the object's mesh. Distances along it are within 2^-20 of the mesh's radius,
 // wherever the object stands; departures are 2^-16 of that radius in front of the surface
-// (tests/unit/land_objects_test.cpp). Memory: 92 bytes an object, 400 a facet of each mesh.
+// (tests/unit/land_objects_test.cpp). Memory: 100 bytes an object, 400 a facet of each mesh.
 // Immutable; may be used by several threads at once.
 class LandObjects {
  public:
