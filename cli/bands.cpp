@@ -49,7 +49,7 @@ struct BandsCommand {
 
   [[nodiscard]] absl::StatusOr<MeritOf> asked_merit() const {
     MeritOf out{merit_named(merit).value_or(Merit::kMean), percentile, threshold,
-                clutter ? "SCNR" : "SNR"};
+                clutter ? kRatioInClutter : kRatio};
     if (!(percentile > 0 && percentile <= 100))
       return absl::InvalidArgumentError(
           fmt::format("--percentile {}: expected more than 0, at most 100", percentile));

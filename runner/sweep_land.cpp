@@ -1,6 +1,8 @@
 #include "runner/sweep_land.h"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,11 +10,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/constants.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/land/choose_map.h"
 #include "core/land/place_heights.h"
 #include "core/land/read_heights.h"
+#include "core/sources/land.h"
+#include "messages/environment/weather_from_message.h"
 #include "runner/sweep_land_objects.h"
 
 namespace irsig {
@@ -115,16 +120,61 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::R
   return out;
 }
 
-std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep, const LandScene* land) {
+namespace {
+
+// Air and sky begin at the height of [place].
+std::optional<Problem> other_height(const schema::ResolvedSweep& sweep, const LandScene& land) {
   constexpr double kMostDifferenceM = 10;
-  if (land == nullptr || std::abs(land->surface_m) <= kMostDifferenceM) return {};
+  if (std::abs(land.surface_m) <= kMostDifferenceM) return std::nullopt;
   const double height_m = sweep.sweep().place().height_m();
-  return {{"", "place.height_m",
-           absl::StrFormat("place.height_m = %.1f, but the map's height at the target is %.1f m "
-                           "above the ellipsoid: air and sky are those of %.1f m; write height_m = "
-                           "%.1f",
-                           height_m, height_m + land->surface_m, height_m,
-                           height_m + land->surface_m)}};
+  return Problem{
+      "", "place.height_m",
+      absl::StrFormat("place.height_m = %.1f, but the map's height at the target is %.1f m "
+                      "above the ellipsoid: air and sky are those of %.1f m; write height_m = %.1f",
+                      height_m, height_m + land.surface_m, height_m, height_m + land.surface_m)};
+}
+
+// The line of sight through the target's reference point, or through a point that high above the
+// land, decides for a viewpoint.
+std::optional<Problem> ground_behind(const schema::ResolvedSweep& sweep, const LandScene& scene) {
+  constexpr double kLeastAboveM = 1;
+  const double above_m = std::max(kLeastAboveM, above_surface_m(sweep, sweep.condition(0)));
+  // Not owned: the land outlives this call.
+  const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene), above_m,
+                  {0, 0, 0}, {});
+  const double dip = std::sqrt(2 * above_m / kEarthRadiusM);
+  std::vector<float> fraction(land.materials());
+  int beyond = 0;
+  const schema::Viewpoint* first = nullptr;
+  double leaves_m = 0;
+  for (const schema::Viewpoint& v : sweep.viewpoint()) {
+    const Vec<Body> behind =
+        -1.0 * body_from_aspect(v.aspect_azimuth_deg(), v.aspect_elevation_deg());
+    if (behind.z <= dip || land.meet({0, 0, 0}, behind, fraction)) continue;
+    ++beyond;
+    if (first == nullptr) {
+      first = &v;
+      leaves_m = land.leaves_map_m({0, 0, 0}, behind);
+    }
+  }
+  if (first == nullptr) return std::nullopt;
+  return Problem{
+      "", "land.heights",
+      absl::StrFormat("%d of %d viewpoints look past the edge of the map, where the ground of "
+                      "[surroundings] goes on: that of azimuth %g, elevation %g deg leaves it %.0f "
+                      "m behind the target; use a map that reaches farther",
+                      beyond, sweep.viewpoint_size(), first->aspect_azimuth_deg(),
+                      first->aspect_elevation_deg(), leaves_m)};
+}
+
+}  // namespace
+
+std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep, const LandScene* land) {
+  std::vector<Problem> out;
+  if (land == nullptr) return out;
+  for (auto& problem : {other_height(sweep, *land), ground_behind(sweep, *land)})
+    if (problem) out.push_back(*problem);
+  return out;
 }
 
 std::size_t bytes_of(const LandScene* land) {

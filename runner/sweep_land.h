@@ -21,7 +21,8 @@ namespace irsig {
     const schema::ResolvedSweep& sweep, const Assets& assets);
 
 // Returns a warning if the map's height at the target differs from that of [place] by more than
-// 10 m: air and sky begin at the latter. Null: none.
+// 10 m, as air and sky begin at the latter; and one if lines of sight to the target leave the map
+// before they meet land behind it. Null: none.
 [[nodiscard]] std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep,
                                                  const LandScene* land);
 

@@ -41,7 +41,8 @@ absl::StatusOr<Answer> search_of(const PageSources& sources, const Question& q) 
       run_query_of_some(*reader, query, q.range_m ? kMostMoved : kMostRows, sources.extent_of));
   if (some.rows.empty()) return absl::NotFoundError("nothing is stored (yet) of this band");
   ASSIGN_OR_RETURN(auto population,
-                   band_population(*reader, some.rows, nullptr, {}, AspectWeight::kSolidAngle));
+                   band_population(*reader, some.rows, nullptr, {}, AspectWeight::kSolidAngle, {},
+                                   q.bands.clutter));
   const Detector detector = q.bands.detector ? sources.detector[*q.bands.detector].detector
                                              : Detector{{}, ConstantNoise{q.bands.nei_w_m2}};
   ASSIGN_OR_RETURN(auto search, BandSearch::make(std::move(population), detector));

@@ -70,6 +70,7 @@ std::string describe(const SweepContents& sweep, const std::vector<std::string>&
   out.count("rows", sweep.rows);
   out.count("whole_rows", sweep.whole_rows);
   out.flag("thumbnails", sweep.thumbnails);
+  out.flag("clutter", sweep.clutter);
   std::vector<std::string> conditions, bands;
   for (const auto& c : sweep.condition) {
     JsonObject condition;

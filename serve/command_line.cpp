@@ -75,6 +75,7 @@ std::string bands_command(const std::string& database, const Question& question,
   out += option("merit", std::string(name_of(b.merit.merit)));
   if (b.merit.merit == Merit::kPercentile) out += option("percentile", b.merit.percentile);
   if (b.merit.merit == Merit::kAbove) out += option("threshold", b.merit.threshold);
+  if (b.clutter) out += " --clutter";
   return out + " --format csv";
 }
 

@@ -120,6 +120,11 @@ BandQuestion take_bands(Taker& take) {
     else
       take.fail("merit", *name, "expected mean, percentile, worst or above");
   }
+  if (const auto asked = take.text("clutter", false)) {
+    out.clutter = *asked == "1";
+    if (*asked != "0" && *asked != "1") take.fail("clutter", *asked, "expected 0 or 1");
+    if (out.clutter) out.merit.ratio = kRatioInClutter;
+  }
   if (const auto over = take.text("over", false)) {
     out.all_conditions = *over == "conditions";
     if (*over != "conditions" && *over != "aspects")

@@ -29,6 +29,7 @@ struct BandQuestion {
   std::optional<std::size_t> detector;  // of those of the page; none: of constant noise
   double nei_w_m2 = 1e-9;               // then
   MeritOf merit;
+  bool clutter = false;         // counts as noise
   bool all_conditions = false;  // every season and time of the sweep, not the selection's alone
 };
 

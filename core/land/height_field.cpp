@@ -183,16 +183,19 @@ struct HeightField::Walked {
   double begin = 0, end = 0;                         // of the ray within the map
 };
 
-HeightField::Walked HeightField::walk(Vec<Enu> origin_m, Vec<Enu> direction, double most) const {
+HeightField::Walked HeightField::walk(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                                      double bend_per_m) const {
   IRSIG_CHECK(std::isfinite(dot(origin_m, origin_m)));
   IRSIG_CHECK(std::isfinite(dot(direction, direction)));
-  HeightWalk ray(tiles_->outer, origin_m, direction);
+  HeightWalk ray(tiles_->outer, origin_m, direction, bend_per_m);
   most = std::min(most, kMostDistance);
   Walked out;
   out.end = most;
   if (!ray.clip(out.begin, out.end)) return out;
   const bool from_outside = out.begin > 0;
-  out.below = !from_outside && origin_m.z < tiles_->z_m(origin_m.x, origin_m.y);
+  const double begin_z_m =
+      origin_m.z - bend_per_m * (origin_m.x * origin_m.x + origin_m.y * origin_m.y);
+  out.below = !from_outside && begin_z_m < tiles_->z_m(origin_m.x, origin_m.y);
   out.crossing = ray.first_crossing(out.begin, out.end, out.below ? -1 : 1, tiles_->replaced());
   out.at_edge =
       out.crossing ? from_outside && out.crossing->t == out.begin : out.below && out.end < most;
@@ -200,9 +203,9 @@ HeightField::Walked HeightField::walk(Vec<Enu> origin_m, Vec<Enu> direction, dou
   return out;
 }
 
-std::optional<LandHit> HeightField::first_hit(Vec<Enu> origin_m, Vec<Enu> direction,
-                                              double most) const {
-  const Walked ray = walk(origin_m, direction, most);
+std::optional<LandHit> HeightField::first_hit(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                                              double bend_per_m) const {
+  const Walked ray = walk(origin_m, direction, most, bend_per_m);
   if (!ray.met) return std::nullopt;
   if (ray.at_edge)
     return LandHit{
@@ -213,8 +216,9 @@ std::optional<LandHit> HeightField::first_hit(Vec<Enu> origin_m, Vec<Enu> direct
   return out;
 }
 
-bool HeightField::hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most) const {
-  const Walked ray = walk(origin_m, direction, most);
+bool HeightField::hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                         double bend_per_m) const {
+  const Walked ray = walk(origin_m, direction, most, bend_per_m);
   return ray.met || ray.below;
 }
 

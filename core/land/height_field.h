@@ -68,17 +68,22 @@ class HeightField {
   // Returns the first point of the ray origin + distance direction, 0 <= distance <= most, on the
   // land's surface or on the wall at its edge. A ray that touches the surface without passing it
   // has no hit. Finite numbers, |direction| > 0; most: at most 1e9, larger values count as that.
-  [[nodiscard]] std::optional<LandHit> first_hit(Vec<Enu> origin_m, Vec<Enu> direction,
-                                                 double most) const;
+  //   bend_per_m  of all rays of the frame: each point of a ray, its origin too, lies lower than
+  //               that of the straight one by bend_per_m (x^2 + y^2). Within a cell of s m a bent
+  //               ray is taken as straight, which misplaces it by |bend_per_m| s^2 / 2 (6e-6 m for
+  //               30 m).
+  [[nodiscard]] std::optional<LandHit> first_hit(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                                                 double bend_per_m = 0) const;
 
   // Returns true if the land covers the segment: its origin is below the surface, or it has a hit.
-  [[nodiscard]] bool hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most) const;
+  [[nodiscard]] bool hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                            double bend_per_m = 0) const;
 
   // Returns the surface's height z at (x, y), or nothing beyond the map's edge.
   [[nodiscard]] std::optional<double> z_m(double x_m, double y_m) const;
 
-  // Returns an upper bound of the surface's heights z within a rectangle; -infinity: it holds no part
-  // of the map.
+  // Returns an upper bound of the surface's heights z within a rectangle; -infinity: it holds no
+  // part of the map.
   [[nodiscard]] double highest_m(double west_m, double east_m, double south_m,
                                  double north_m) const;
 
@@ -94,7 +99,8 @@ class HeightField {
  private:
   struct Tiles;
   struct Walked;
-  [[nodiscard]] Walked walk(Vec<Enu> origin_m, Vec<Enu> direction, double most) const;
+  [[nodiscard]] Walked walk(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                            double bend_per_m) const;
   explicit HeightField(std::unique_ptr<const Tiles> tiles);
   std::unique_ptr<const Tiles> tiles_;
 };

@@ -34,16 +34,19 @@ int cell_at(double coordinate, int first, int last) {
 
 }  // namespace
 
-HeightWalk::HeightWalk(const HeightTile& tile, Vec<Enu> origin_m, Vec<Enu> direction)
+HeightWalk::HeightWalk(const HeightTile& tile, Vec<Enu> origin_m, Vec<Enu> direction,
+                       double bend_per_m)
     : tile_(tile),
       origin_m_(origin_m),
       direction_(direction),
+      bend_per_m_(bend_per_m),
       x_((origin_m.x - tile.grid().west_m) / tile.grid().spacing_m),
       y_((origin_m.y - tile.grid().south_m) / tile.grid().spacing_m),
-      z_(origin_m.z),
+      z_(origin_m.z - bend_per_m * (origin_m.x * origin_m.x + origin_m.y * origin_m.y)),
       dx_(step(direction.x, tile.grid().spacing_m)),
       dy_(step(direction.y, tile.grid().spacing_m)),
-      dz_(direction.z),
+      dz_(direction.z - 2 * bend_per_m * (origin_m.x * direction.x + origin_m.y * direction.y)),
+      curve_(bend_per_m * (direction.x * direction.x + direction.y * direction.y)),
       inverse_dx_(dx_ == 0 ? 0 : 1 / dx_),
       inverse_dy_(dy_ == 0 ? 0 : 1 / dy_),
       inverse_dz_(dz_ == 0 ? 0 : 1 / dz_) {}
@@ -90,10 +93,16 @@ bool HeightWalk::clear_of(const CellBlock& block, int level, double t_exit) {
   const int bits = HeightTile::kBits * level;
   const HeightRange range = tile_.range(level, block.west >> bits, block.south >> bits);
   const double bound_m = side_ > 0 ? range.highest : range.lowest;
-  const double here = side_ * (z_ + t_ * dz_ - bound_m);
-  if (here <= 0) return false;
-  if (side_ * (z_ + t_exit * dz_ - bound_m) > 0) return true;
-  const double reached = (bound_m - z_) * inverse_dz_;
+  // Between two places a bent ray may be nearer than at either, by so much at most.
+  const double step = t_exit - t_, sag_m = 0.25 * step * step * std::max(0.0, -side_ * curve_);
+  const double here = side_ * (z_m(t_) - bound_m);
+  if (here <= sag_m) return false;
+  const double there = side_ * (z_m(t_exit) - bound_m);
+  if (there > sag_m) return true;
+  if (sag_m > 0) return false;
+  // The straight line between both places reaches the bound before the bent ray does.
+  const double reached =
+      curve_ == 0 ? (bound_m - z_) * inverse_dz_ : t_ + step * (here / (here - there));
   if (reached > t_ && reached < t_exit) place_at(reached, block);
   return false;
 }
@@ -107,7 +116,7 @@ double HeightWalk::clearance_m(double t, LandTriangle triangle) const {
   const double middle = triangle == LandTriangle::kSoutheast ? south[1] : north[0];
   const double first = triangle == LandTriangle::kSoutheast ? u : v;
   const double second = triangle == LandTriangle::kSoutheast ? v : u;
-  return z_ + t * dz_ - (southwest + first * (middle - southwest) + second * (northeast - middle));
+  return z_m(t) - (southwest + first * (middle - southwest) + second * (northeast - middle));
 }
 
 double HeightWalk::clearance_m(double t) const {
@@ -118,8 +127,8 @@ double HeightWalk::clearance_m(double t) const {
   return here.clearance_m(t, southeast ? LandTriangle::kSoutheast : LandTriangle::kNorthwest);
 }
 
-// The clearance is linear in t within each triangle: the ray is followed from its entry over the
-// diagonal to its exit.
+// The clearance is linear in t within each triangle, but for the ray's bend: the ray is followed
+// from its entry over the diagonal to its exit.
 std::optional<Crossing> HeightWalk::cross_cell(double t_exit) const {
   const auto crossing = [&](double begin, double end,
                             LandTriangle triangle) -> std::optional<Crossing> {
@@ -176,7 +185,7 @@ std::optional<Crossing> HeightWalk::first_crossing(double begin, double end, dou
         continue;
       }
     } else if (replaced) {
-      HeightWalk inner(*inset->tile, origin_m_, direction_);
+      HeightWalk inner(*inset->tile, origin_m_, direction_, bend_per_m_);
       if (auto hit = inner.first_crossing(t_, t_exit, side, nullptr)) {
         hit->inset = true;
         return hit;

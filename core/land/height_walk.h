@@ -22,10 +22,11 @@ struct HeightInset {
 };
 
 // A ray over one tile, in units of its cells along x and y: vertex (i, j) is at (i, j). z is in
-// metres, t in lengths of the ray's direction.
+// metres, t in lengths of the ray's direction. A bent ray has z = z_ + t dz_ - t^2 curve_.
 class HeightWalk {
  public:
-  HeightWalk(const HeightTile& tile, Vec<Enu> origin_m, Vec<Enu> direction);
+  //   bend_per_m  HeightField::first_hit
+  HeightWalk(const HeightTile& tile, Vec<Enu> origin_m, Vec<Enu> direction, double bend_per_m = 0);
 
   // Shortens [begin, end] to the part above or below the tile; false: there is none.
   [[nodiscard]] bool clip(double& begin, double& end) const;
@@ -53,10 +54,12 @@ class HeightWalk {
   [[nodiscard]] std::optional<Crossing> cross_cell(double t_exit) const;
   [[nodiscard]] bool advance(const CellBlock& from, const Exit& exit);
   [[nodiscard]] double clearance_m(double t, LandTriangle triangle) const;
+  [[nodiscard]] double z_m(double t) const { return z_ + t * (dz_ - t * curve_); }
 
   const HeightTile& tile_;
   Vec<Enu> origin_m_, direction_;  // in metres, for the inset's walk
-  double x_, y_, z_, dx_, dy_, dz_, inverse_dx_, inverse_dy_, inverse_dz_;
+  double bend_per_m_;
+  double x_, y_, z_, dx_, dy_, dz_, curve_, inverse_dx_, inverse_dy_, inverse_dz_;
   double side_ = 1, t_ = 0;
   int column_ = 0, row_ = 0;
 };

@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "core/base/problems.h"
 #include "core/environment/line_horizon.h"
+#include "core/signature/prepared_view.h"
 #include "core/sources/view_sources.h"
 
 namespace irsig {
@@ -38,10 +39,10 @@ double highest_m(const Target& target, const Plane& plane) {
 }
 
 absl::Status check_above_land(const Target& target, const LandScene& scene, double above_m,
-                              Vec<Body> sensor, const Viewpoint& viewpoint) {
+                              double bend_per_m, Vec<Body> sensor, const Viewpoint& viewpoint) {
   // Not owned: the land outlives this call.
   const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
-                  above_m - target.centre.z, target.centre, {});
+                  above_m - target.centre.z, target.centre, {}, bend_per_m);
   if (const auto object = land.object_around(sensor))
     return absl::InvalidArgumentError(
         absl::StrFormat("%s lies inside an object on the land (%s%s); move the object or the sensor",
@@ -53,7 +54,7 @@ absl::Status check_above_land(const Target& target, const LandScene& scene, doub
   const auto offset_m = static_cast<double>(target.offset_m());
   for (std::size_t i = 0; i < target.vertex.size() / 3; ++i) {
     const Vec<Body> from = vertex(target, i) - Vec<Body>{0, 0, offset_m};
-    if (!land.hides(from, sensor - from, 1)) return absl::OkStatus();
+    if (!land.hides_from(sensor, from, 1)) return absl::OkStatus();
   }
   return absl::InvalidArgumentError(
       absl::StrFormat("%s has nothing of the target in sight: land hides all of it; take a higher "
@@ -86,8 +87,11 @@ absl::Status check_in_sight(const Target& target, std::span<const ConditionSpec>
   const Vec<Body> towards =
       body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
   const Vec<Body> sensor = viewpoint.range_m * towards - target.centre;
-  if (land != nullptr)
-    return check_above_land(target, *land, condition.front().above_surface_m, sensor, viewpoint);
+  if (land != nullptr) {
+    const double above_m = condition.front().above_surface_m;
+    return check_above_land(target, *land, above_m,
+                            land_bend_per_m(environment, viewpoint, above_m), sensor, viewpoint);
+  }
   std::optional<double> known_m;
   for (std::uint32_t c = 0; c < condition.size(); ++c) {
     const double above_m = condition[c].above_surface_m;

@@ -44,8 +44,8 @@ absl::StatusOr<LandBackground> LandBackground::make(
     directions = BackgroundDirections::spanning(
         least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
         std::atan2(-towards.y, -towards.x));
-  const Land flat = land_of(request, scene.target);
-  const std::vector<double> range_m = land_ranges_m(flat, frame.sensor, direction, 1);
+  const std::vector<double> range_m =
+      land_ranges_m(land_of(request, scene.target, v.range_m), frame.sensor, direction);
   ASSIGN_OR_RETURN(auto surroundings,
                    ViewSurroundings::make(request, scene.target, v.range_m, scene.axis.node_um(),
                                           directions ? &*directions : nullptr, &range_m));
@@ -83,7 +83,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
         }
       out.weight_.push_back({at, half, share * weight});
     };
-    if (const auto hit = land.meet(frame.sensor, direction[i], fraction)) {
+    if (const auto hit = land.meet_in_sight(frame.sensor, frame.sensor, direction[i], fraction)) {
       const Vec<Body> lift{0, 0, static_cast<double>(scene.target.offset_m())};
       const auto shaded = [&](std::uint32_t j) {
         return shadow && of_target.falls_on(frame.sensor + hit->distance * direction[i] - lift,

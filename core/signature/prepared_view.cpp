@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/constants.h"
 #include "core/base/status_macros.h"
 #include "core/environment/line_horizon.h"
 #include "core/plume/plume_silhouette.h"
@@ -88,26 +89,52 @@ double gas_reach_m(const ViewRequest& request) {
 
 }  // namespace
 
-Land land_of(const ViewRequest& request, const Target& target) {
-  return {
-      request.land, request.condition.front().above_surface_m - target.centre.z, target.centre, {}};
+double land_bend_per_m(const Environment* environment, const Viewpoint& v, double above_m) {
+  if (environment == nullptr) return 0;
+  const double elevation = v.aspect_elevation_deg * kRadPerDeg;
+  return Land::bend_of(environment->horizon(environment->line(v)),
+                       above_m + v.range_m * std::sin(elevation), v.range_m * std::cos(elevation));
 }
 
-std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
-                                  std::span<const Vec<Body>> direction, double nearest_m) {
+Land land_of(const ViewRequest& request, const Target& target, double range_m) {
+  Viewpoint v = request.viewpoint;
+  v.range_m = range_m;
+  const double above_m = request.condition.front().above_surface_m;
+  return {request.land,
+          above_m - target.centre.z,
+          target.centre,
+          {},
+          land_bend_per_m(request.environment.get(), v, above_m)};
+}
+
+namespace {
+
+// Returns the first hit's distance of each ray; infinity: it meets no land of the map.
+std::vector<double> distances_m(const Land& land, Vec<Body> sensor,
+                                std::span<const Vec<Body>> direction) {
+  std::vector<float> fraction(land.materials());
+  std::vector<double> out;
+  for (const Vec<Body>& d : direction) {
+    const auto hit = land.meet_in_sight(sensor, sensor, d, fraction);
+    out.push_back(hit ? hit->distance : INFINITY);
+  }
+  return out;
+}
+
+// Returns nodes of a range for land at these distances.
+//   farthest_m  of land that rays between may meet; 0: there are none
+std::vector<double> range_nodes_m(std::span<const double> distance_m, double nearest_m,
+                                  double farthest_m) {
   constexpr double kStep = 1.25;  // of nodes
   constexpr int kMostNodes = 12;
-  std::vector<float> fraction(land.materials());
-  double least_m = INFINITY, most_m = 0;
-  for (const Vec<Body>& d : direction) {
-    const auto hit = land.meet(sensor, d, fraction);
-    if (!hit) continue;
-    least_m = std::min(least_m, hit->distance);
-    most_m = std::max(most_m, hit->distance);
+  double least_m = INFINITY, most_m = farthest_m;
+  for (const double d : distance_m) {
+    if (std::isinf(d)) continue;
+    least_m = std::min(least_m, d);
+    most_m = std::max(most_m, d);
   }
   if (!(most_m > 0)) return {};
-  // Rays between these may meet land beyond.
-  least_m = std::max(0.998 * least_m, nearest_m);
+  least_m = std::isinf(least_m) ? nearest_m : std::max(0.998 * least_m, nearest_m);
   most_m = std::max(1.002 * most_m, 1.001 * least_m);
   const int steps = std::clamp(
       static_cast<int>(std::ceil(std::log(most_m / least_m) / std::log(kStep))), 2, kMostNodes - 1);
@@ -117,24 +144,47 @@ std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
   return out;
 }
 
+}  // namespace
+
+std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
+                                  std::span<const Vec<Body>> direction) {
+  return range_nodes_m(distances_m(land, sensor, direction), 1, 0);
+}
+
 namespace {
 
 // Ranges of land behind a target: that in front of it is not behind it.
-std::vector<double> land_ranges_behind_m(const ViewRequest& request, const Target& target,
-                                         Vec<Body> sensor) {
-  constexpr int kRays = 24;  // along each side of a square around the target
+std::vector<double> land_ranges_behind_m(const Land& land, const Target& target, Vec<Body> sensor) {
+  constexpr int kRays = 25;  // along each side of a square around the target
+  // Of distances of rays side by side: where they differ by more, rays between meet land beyond.
+  constexpr double kJump = 1.25;
   const Vec<Body> forward = normalized(-1.0 * sensor);
   const Vec<Body> right = std::hypot(forward.x, forward.y) > 1e-6
                               ? normalized(Vec<Body>{-forward.y, forward.x, 0})
                               : Vec<Body>{0, 1, 0};
   const Vec<Body> up = cross(right, forward);
   std::vector<Vec<Body>> direction;
-  for (int i = 0; i <= kRays; ++i)
-    for (int k = 0; k <= kRays; ++k)
-      direction.push_back(normalized((2.0 * i / kRays - 1) * target.radius_m * right +
-                                     (2.0 * k / kRays - 1) * target.radius_m * up - sensor));
-  return land_ranges_m(land_of(request, target), sensor, direction,
-                       length(sensor) - target.radius_m);
+  for (int i = 0; i < kRays; ++i)
+    for (int k = 0; k < kRays; ++k)
+      direction.push_back(normalized((2.0 * i / (kRays - 1) - 1) * target.radius_m * right +
+                                     (2.0 * k / (kRays - 1) - 1) * target.radius_m * up - sensor));
+  const std::vector<double> distance_m = distances_m(land, sensor, direction);
+  const double range_m = length(sensor), radius_m = target.radius_m;
+  bool jumps =
+      std::all_of(distance_m.begin(), distance_m.end(), [](double d) { return std::isinf(d); }) &&
+      land.clear_in_sight_m(sensor, forward, radius_m, radius_m / range_m) > 0;
+  for (int i = 0; i < kRays; ++i)
+    for (int k = 0; k < kRays; ++k)
+      for (const int beside : {i > 0 ? (i - 1) * kRays + k : -1, k > 0 ? i * kRays + k - 1 : -1}) {
+        if (beside < 0) continue;
+        const auto [near_m, far_m] = std::minmax(distance_m[i * kRays + k], distance_m[beside]);
+        jumps |= near_m < INFINITY && far_m > kJump * near_m;
+      }
+  double farthest_m = 0;
+  if (jumps)
+    for (const Vec<Body>& d : direction)
+      farthest_m = std::max(farthest_m, land.leaves_map_m(sensor, d));
+  return range_nodes_m(distance_m, range_m - radius_m, farthest_m);
 }
 
 }  // namespace
@@ -176,11 +226,14 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
   const auto ends = target_ends(target, range_m * towards);
   out.end_.assign(ends.begin(), ends.end());
-  if (request.land != nullptr)
-    out.land_range_m_ =
-        land_range_m != nullptr
-            ? *land_range_m
-            : land_ranges_behind_m(request, target, range_m * towards - target.centre);
+  if (request.land != nullptr) {
+    out.land_bend_per_m_ =
+        land_bend_per_m(request.environment.get(), v, request.condition.front().above_surface_m);
+    out.land_range_m_ = land_range_m != nullptr
+                            ? *land_range_m
+                            : land_ranges_behind_m(land_of(request, target, range_m), target,
+                                                   range_m * towards - target.centre);
+  }
   if (request.environment == nullptr) {
     if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
     const GrazingRay straight;
@@ -267,6 +320,7 @@ ViewEnvironments ViewSurroundings::without_light() {
   ViewEnvironments out;
   out.horizon = horizon_;
   out.land_range_m = land_range_m_;
+  out.land_bend_per_m = land_bend_per_m_;
   const std::vector<double> dark(node_um_->size(), 0.0);
   for (std::uint32_t c = 0; c < request_->condition.size(); ++c) {
     const LightBounds& b = bounds(c);
@@ -286,6 +340,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
   out.condition.resize(request_->condition.size());
   out.behind = behind_;
   out.land_range_m = land_range_m_;
+  out.land_bend_per_m = land_bend_per_m_;
   out.horizon = horizon_;
   if (!look_) {
     for (const std::uint32_t c : conditions) {

@@ -28,13 +28,16 @@ struct PreparedView {
 [[nodiscard]] SourceRequest source_request(const PreparedScene& scene, const ViewRequest& request,
                                            std::span<const std::uint32_t> wanted);
 
-// Land around the target of a request that has some.
-[[nodiscard]] Land land_of(const ViewRequest& request, const Target& target);
+// Returns Land::bend_of for a sensor in the air of an environment; 0: there is none.
+//   above_m  height of the target's reference point above the land below it
+[[nodiscard]] double land_bend_per_m(const Environment* environment, const Viewpoint& viewpoint,
+                                     double above_m);
+// Land around the target of a request that has some, for a sensor at that range.
+[[nodiscard]] Land land_of(const ViewRequest& request, const Target& target, double range_m);
 // Returns increasing ranges (SensorLine::land_range_m) for land that these rays of a sensor meet;
 // none if they meet none. Directions are unit vectors, places relative to the target's centre.
 [[nodiscard]] std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
-                                                std::span<const Vec<Body>> direction,
-                                                double nearest_m);
+                                                std::span<const Vec<Body>> direction);
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {
@@ -69,6 +72,7 @@ class ViewSurroundings {
   std::vector<Environment::Line::End> end_;
   BackgroundDirections behind_;
   std::vector<double> land_range_m_;  // SensorLine::land_range_m
+  double land_bend_per_m_ = 0;        // Land::bend_of
   std::optional<Environment::Horizon> horizon_;
   std::optional<Environment::SightLine> look_;
   // [condition] Without an atmosphere; with land.

@@ -23,13 +23,37 @@ Land::RangeShare share_of(std::span<const double> node_m, double range_m) {
 }  // namespace
 
 Land::Land(std::shared_ptr<const LandScene> scene, double surface_z_m, Vec<Body> centre,
-           std::vector<double> behind_range_m)
+           std::vector<double> behind_range_m, double bend_per_m)
     : scene_(std::move(scene)),
       surface_z_m_(surface_z_m),
       cos_heading_(std::cos(scene_->heading_deg * kRadPerDeg)),
       sin_heading_(std::sin(scene_->heading_deg * kRadPerDeg)),
       centre_(centre),
-      behind_range_m_(std::move(behind_range_m)) {}
+      behind_range_m_(std::move(behind_range_m)),
+      bend_per_m_(bend_per_m) {}
+
+// In the frame of straight lines the Earth is a parabola c r^2 below its tangent plane at the
+// target. The line that touches it at r0 passes the target at c r0^2 and the sensor, at a distance
+// d on its other side, at c (d + r0)^2 above the parabola; for one that touches it before the
+// target r0 is negative. The sphere lies r^4 / (8 R^3) below its parabola.
+double Land::bend_of(const Environment::Horizon& horizon, double sensor_m, double along_m) {
+  constexpr double kR = kEarthRadiusM;
+  if (!std::isfinite(horizon.z)) return 0;  // of a sensor straight above the target
+  const double z = std::clamp(horizon.z, -1.0, 1.0), along = std::sqrt(1 - z * z);
+  double touch2_m2 = 0, curve_per_m = 0.5 / kR;
+  for (int pass = 0; pass < 3; ++pass) {
+    const double beyond_per_m = touch2_m2 / (8 * kR * kR * kR);
+    const double above_m = sensor_m + along_m * along_m * (0.5 / kR + beyond_per_m);
+    if (!(above_m > 0) || !(along > 0)) return 0;
+    const double falls = z / along, passes_m = std::max(0.0, sensor_m - along_m * falls);
+    const double root = horizon.hides_m > 0 ? (std::sqrt(above_m) + std::sqrt(passes_m)) / along_m
+                                            : (falls + along_m * (0.5 / kR + beyond_per_m)) /
+                                                  (std::sqrt(above_m) + std::sqrt(passes_m));
+    curve_per_m = root * root - beyond_per_m;
+    touch2_m2 = passes_m / (root * root);
+  }
+  return 0.5 / kR - curve_per_m;
+}
 
 Vec<Enu> Land::place(Vec<Body> p) const {
   const Vec<Enu> level = direction({p.x + centre_.x, p.y + centre_.y, 0});
@@ -40,20 +64,40 @@ Vec<Enu> Land::direction(Vec<Body> d) const {
   return {d.x * sin_heading_ + d.y * cos_heading_, d.x * cos_heading_ - d.y * sin_heading_, -d.z};
 }
 
-std::optional<LandPoint> Land::meet(Vec<Body> from, Vec<Body> along,
+Vec<Enu> Land::lift(Vec<Body> sensor) const {
+  const Vec<Enu> at = place(sensor);
+  return {bend_per_m_ * at.x, bend_per_m_ * at.y, 0};
+}
+
+std::optional<LandPoint> Land::meet(Vec<Enu> origin, Vec<Enu> towards,
                                     std::span<float> fraction) const {
-  const Vec<Enu> origin = place(from), towards = direction(along);
-  const std::optional<LandHit> hit = field().first_hit(origin, towards, kFarM);
+  const std::optional<LandHit> hit = field().first_hit(origin, towards, kFarM, bend_per_m_);
   if (const LandObjects* objects = scene_->objects.get())
-    if (const auto met = objects->first_hit(origin, towards, hit ? hit->distance : kFarM)) {
+    if (const auto met =
+            objects->first_hit(origin, towards, hit ? hit->distance : kFarM, bend_per_m_)) {
       std::fill(fraction.begin(), fraction.end(), 0.0f);
       fraction[met->material] = 1;
       return LandPoint{met->distance, met->normal, met->departure_m};
     }
   if (!hit || hit->at_edge) return std::nullopt;
-  const LandPoint out{hit->distance, hit->normal, field().departure_m(origin, towards, *hit)};
+  LandPoint out{hit->distance, hit->normal, field().departure_m(origin, towards, *hit)};
+  out.departure_m.z += raised_m(out.departure_m);
   scene_->cover.at(out.departure_m.x, out.departure_m.y, fraction);
   return out;
+}
+
+std::optional<LandPoint> Land::meet(Vec<Body> from, Vec<Body> along,
+                                    std::span<float> fraction) const {
+  return meet(place(from), direction(along), fraction);
+}
+
+std::optional<LandPoint> Land::meet_in_sight(Vec<Body> sensor, Vec<Body> from, Vec<Body> along,
+                                             std::span<float> fraction) const {
+  Vec<Enu> origin = place(from), towards = direction(along);
+  const Vec<Enu> higher = lift(sensor);
+  origin.z += dot(higher, origin);
+  towards.z += dot(higher, towards);
+  return meet(origin, towards, fraction);
 }
 
 bool Land::hides(Vec<Body> from, Vec<Body> along, double most) const {
@@ -61,8 +105,9 @@ bool Land::hides(Vec<Body> from, Vec<Body> along, double most) const {
 }
 
 bool Land::hidden(Vec<Enu> origin, Vec<Enu> towards, double most) const {
-  return field().hidden(origin, towards, most) ||
-         (scene_->objects != nullptr && scene_->objects->hidden(origin, towards, most));
+  return field().hidden(origin, towards, most, bend_per_m_) ||
+         (scene_->objects != nullptr &&
+          scene_->objects->hidden(origin, towards, most, bend_per_m_));
 }
 
 double Land::highest_m(double west_m, double east_m, double south_m, double north_m) const {
@@ -70,6 +115,19 @@ double Land::highest_m(double west_m, double east_m, double south_m, double nort
   return scene_->objects == nullptr
              ? land_m
              : std::max(land_m, scene_->objects->highest_m(west_m, east_m, south_m, north_m));
+}
+
+bool Land::hides_from(Vec<Body> sensor, Vec<Body> from, double most) const {
+  const Vec<Enu> origin = place(from);
+  Vec<Enu> towards = direction(sensor - from);
+  towards.z += dot(lift(sensor), towards);
+  return hidden(origin, towards, most);
+}
+
+double Land::clear_in_sight_m(Vec<Body> sensor, Vec<Body> along, double radius_m,
+                              double spread) const {
+  const Vec<Enu> higher = lift(sensor);
+  return clear_beyond_m(along, radius_m, spread + std::hypot(higher.x, higher.y));
 }
 
 double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) const {
@@ -83,13 +141,33 @@ double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) con
   for (double near_m = 0, far_m = radius_m; near_m < 2 * across_m;
        near_m = far_m, far_m = 1.25 * far_m + radius_m) {
     const Vec<Enu> a = from + near_m * towards, b = from + far_m * towards;
-    const double around_m = radius_m + spread * far_m, lowest_m = std::min(a.z, b.z) - around_m;
-    if (towards.z > spread && lowest_m > top_m) break;
+    const double around_m = radius_m + spread * far_m,
+                 raised_m = std::max(0.0, bend_per_m_) * (far_m + around_m) * (far_m + around_m),
+                 lowest_m = std::min(a.z, b.z) - around_m - raised_m;
+    if (towards.z > spread + std::max(0.0, bend_per_m_) * 4 * across_m && lowest_m > top_m) break;
     if (highest_m(std::min(a.x, b.x) - around_m, std::max(a.x, b.x) + around_m,
                   std::min(a.y, b.y) - around_m, std::max(a.y, b.y) + around_m) > lowest_m)
       out = far_m + radius_m;
   }
   return out;
+}
+
+double Land::leaves_map_m(Vec<Body> from, Vec<Body> along) const {
+  const Vec<Enu> origin = place(from), towards = direction(along);
+  const HeightGrid& map = field().outer();
+  double enters = 0, leaves = kFarM;
+  const auto clip = [&](double at, double step, double least, double most) {
+    if (step == 0) {
+      if (at < least || at > most) leaves = -1;
+      return;
+    }
+    const double a = (least - at) / step, b = (most - at) / step;
+    enters = std::max(enters, std::min(a, b));
+    leaves = std::min(leaves, std::max(a, b));
+  };
+  clip(origin.x, towards.x, map.west_m, map.west_m + map.columns * map.spacing_m);
+  clip(origin.y, towards.y, map.south_m, map.south_m + map.rows * map.spacing_m);
+  return leaves > enters ? leaves : 0;
 }
 
 bool Land::covers(Vec<Body> point) const {
@@ -101,6 +179,14 @@ bool Land::covers(Vec<Body> point) const {
 
 std::optional<ObjectName> Land::object_around(Vec<Body> point) const {
   return scene_->objects == nullptr ? std::nullopt : scene_->objects->around(place(point));
+}
+
+bool Land::covers_in_sight(Vec<Body> sensor, Vec<Body> point) const {
+  Vec<Enu> at = place(point);
+  at.z += dot(lift(sensor), at) - raised_m(at);
+  const std::optional<double> surface_m = field().z_m(at.x, at.y);
+  return (surface_m && at.z < *surface_m) ||
+         (scene_->objects != nullptr && scene_->objects->around(at).has_value());
 }
 
 double Land::sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const {

@@ -48,7 +48,7 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
   }
   if (request.land)
     geometry_.boundary = Land(request.land, request.surface_z_m + lowest_m, request.centre,
-                              environments_->land_range_m);
+                              environments_->land_range_m, environments_->land_bend_per_m);
   if (horizon) geometry_.horizon_z = horizon->z;
   geometry_.directions = environments_->directions;
   if (geometry_.directions.uniform() && lowest_m > 0 &&

@@ -19,6 +19,7 @@ struct ViewEnvironments {
   // End of the sea or ground for the sensor; without either, the horizontal.
   std::optional<Environment::Horizon> horizon;
   std::vector<double> land_range_m = {};   // SensorLine::land_range_m
+  double land_bend_per_m = 0;              // Land::bend_of
   std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
 };
 

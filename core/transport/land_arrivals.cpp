@@ -18,8 +18,8 @@ Vec<Body> to_double(Float3 v) {
 
 bool PathTracer::seen_past_land(Float3 p) const {
   if (land_ == nullptr) return true;
-  const Vec<Body> at = to_double(p), towards = view_.frame.sensor - at;
-  return !land_->hides(at, towards, std::min(1.0, clear_of_sensor_m_ / length(towards)));
+  const Vec<Body> at = to_double(p), sensor = view_.frame.sensor;
+  return !land_->hides_from(sensor, at, std::min(1.0, clear_of_sensor_m_ / length(sensor - at)));
 }
 
 bool PathTracer::shaded_by_land(RayBatch& batch, std::uint32_t ray, double clear_m) const {
@@ -109,7 +109,7 @@ void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
                                         std::span<float> fraction, Visit&& visit) const {
   const auto lift_m = static_cast<double>(target_.offset_m());
   if (layout_.behind_ranges() > 0)
-    if (const auto land = land_->meet(from, direction, fraction)) {
+    if (const auto land = land_->meet_in_sight(view_.frame.sensor, from, direction, fraction)) {
       const double range_m = length(from - view_.frame.sensor) + land->distance;
       const auto shaded = [&](std::uint32_t j) {
         if (settings_.pixel_samples == 0) return false;
@@ -139,7 +139,7 @@ void PathTracer::find_mean_behind() {
       const Vec<Body> direction =
           normalized(frame.plane_m * frame.forward + x_m * frame.right + y_m * frame.up);
       const Vec<Body> from = frame.sensor + length(frame.sensor) * direction;
-      if (land_->covers(from)) continue;
+      if (land_->covers_in_sight(frame.sensor, from)) continue;
       ++rays;
       for_each_behind_target(from, direction, fraction, [&](SourceId source, float weight) {
         sum[index_of(source) - layout_.behind().first] += weight;

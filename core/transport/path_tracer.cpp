@@ -35,8 +35,8 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
   if (const auto* gas = std::get_if<HotGasAround>(&sources_.medium)) gas_around_ = gas->rays.get();
   land_ = std::get_if<Land>(&sources_.boundary);
   if (land_ != nullptr) {
-    clear_of_sensor_m_ =
-        land_->clear_beyond_m(normalized(view.frame.sensor), target.radius_m, 0);
+    clear_of_sensor_m_ = land_->clear_in_sight_m(view.frame.sensor, normalized(view.frame.sensor),
+                                                 target.radius_m, 0);
     for (const SunDirection& s : sources_.sun)
       clear_of_sun_m_.push_back(land_->clear_beyond_m(s.direction, target.radius_m,
                                                       1.1 * std::tan(s.angular_radius_rad)));

@@ -70,7 +70,10 @@ ORDER BY row, s.signature_id DESC;
 SELECT w.sweep_id, w.name, w.viewpoints, w.viewpoints * w.conditions * w.bands,
        (SELECT count(*) FROM condition c CROSS JOIN signature s ON s.condition_id = c.condition_id
         WHERE c.sweep_id = w.sweep_id),
-       coalesce(w.thumbnail_px, 1) > 0  -- not stated: there may be some
+       coalesce(w.thumbnail_px, 1) > 0,  -- not stated: there may be some
+       EXISTS (SELECT 1 FROM clutter WHERE signature_id =
+         (SELECT s.signature_id FROM condition c CROSS JOIN signature s ON s.condition_id = c.condition_id
+          WHERE c.sweep_id = w.sweep_id LIMIT 1))
 FROM sweep w ORDER BY w.sweep_id;
 
 -- name: conditions_of_sweep

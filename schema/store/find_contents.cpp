@@ -36,6 +36,7 @@ absl::StatusOr<std::vector<SweepContents>> find_contents(Database& database) {
     sweep.whole_rows = row.count();
     sweep.rows = row.count();
     sweep.thumbnails = row.integer() != 0;
+    sweep.clutter = row.integer() != 0;
   }));
   for (std::size_t i = 0; i < out.size(); ++i) {
     IRSIG_STORE_TRY(each(database.query(sql::conditions_of_sweep, id[i]), [&](Rows& row) {

@@ -283,6 +283,7 @@ struct SweepContents {
   std::vector<Band> band;
   std::vector<double> range_m;  // of its viewpoints, increasing
   bool thumbnails = false;      // asked for
+  bool clutter = false;         // a row has some: its target stands before land
 };
 
 // One quantity of one signature, for pictures of all aspects. kNotComputed as in StoredSignature.

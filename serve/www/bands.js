@@ -4,7 +4,7 @@ import { html, svg, table } from "./draw.js";
 import { brief, rangeText, tickLabels, ticks } from "./numbers.js";
 import { readOut } from "./readout.js";
 
-export const BAND_FIELDS = ["bands", "detector", "nei_w_m2", "merit", "percentile", "threshold", "over"];
+export const BAND_FIELDS = ["bands", "detector", "nei_w_m2", "merit", "percentile", "threshold", "over", "clutter"];
 const MERITS = [["mean", "mean SNR"], ["percentile", "SNR that all but a few % exceed"], ["worst", "worst SNR"], ["above", "share above a threshold"]];
 const SIZE = 420, LEFT = 52, TOP = 10, SIDE = 340;
 
@@ -12,13 +12,15 @@ const SIZE = 420, LEFT = 52, TOP = 10, SIDE = 340;
 const detectorOf = (state, detectors) => (state.detector !== "" ? state.detector : detectors.length > 0 ? "0" : "none");
 
 // What of the state the server is asked with.
-export function bandParameters(state, detectors) {
+// sweep: of the selection; clutter is asked for where its rows have some.
+export function bandParameters(state, detectors, sweep) {
   const merit = state.merit || "mean", detector = detectorOf(state, detectors);
   return { range_m: state.range_m, detector: detector === "none" ? "" : detector, nei_w_m2: detector === "none" ? state.nei_w_m2 : "", merit, over: state.over,
+    clutter: sweep?.clutter ? state.clutter : "",
     percentile: merit === "percentile" ? state.percentile : "", threshold: merit === "above" ? state.threshold : "" };
 }
 
-export function fillBandForm(form, state, detectors, change) {
+export function fillBandForm(form, state, detectors, sweep, change) {
   const focused = document.activeElement?.name;
   const select = (label, name, options, value) => {
     const list = html("select", { name }, ...options.map(([v, text]) => html("option", { value: v, selected: v === value }, text)));
@@ -36,6 +38,7 @@ export function fillBandForm(form, state, detectors, change) {
   form.replaceChildren(...[
     select("Detector", "detector", known, detector),
     detector === "none" ? number("NEI [W/m²]", "nei_w_m2", "1e-9") : null,
+    sweep?.clutter ? select("Against", "clutter", [["", "noise"], ["1", "clutter and noise"]], state.clutter) : null,
     select("Best is", "merit", MERITS, merit),
     merit === "percentile" ? number("all but [%]", "percentile", "10") : null,
     merit === "above" ? number("SNR above", "threshold", "5") : null,

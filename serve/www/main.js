@@ -294,9 +294,10 @@ function showBands(mine) {
   $("bands-open").hidden = state.bands === "1";
   $("bands-form").hidden = state.bands !== "1";
   if (state.bands !== "1") return undefined;
-  fillBandForm($("bands-form"), state, contents.detector, change);
+  const sweep = sweepOf(state, "", contents);
+  fillBandForm($("bands-form"), state, contents.detector, sweep, change);
   return fill("bands", mine, async () => {
-    const asked = { ...selectionParameters(state), ...bandParameters(state, contents.detector) };
+    const asked = { ...selectionParameters(state), ...bandParameters(state, contents.detector, sweep) };
     const answer = await ask("api/bands", asked);
     if (mine !== run) return;
     panel.bands.show(drawBands(answer, panel.bands.readout), html("div", {}, ...bestWindows(answer)));

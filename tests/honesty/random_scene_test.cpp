@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "jobs/sweep_file.h"
 #include "runner/job_runner.h"
 #include "verify/search/honesty_search.h"
 
@@ -13,13 +12,9 @@ namespace irsig {
 namespace {
 
 absl::Status tried(const RandomScene& scene, bool prepared) {
-  const auto file = parse_sweep(sweep_toml(scene, "m.obj"), "s.toml");
-  if (!file.ok()) return file.status();
-  const std::string model = model_obj(scene);
-  const auto resolved = resolve_sweep(*file, model);
-  if (!resolved.ok()) return resolved.status();
-  return prepared ? JobRunner::create(*resolved, model_alone(*resolved, model), {}).status()
-                  : absl::OkStatus();
+  const auto made = sweep_of(scene);
+  if (!made.ok() || !prepared) return made.status();
+  return JobRunner::create(made->sweep, made->assets, {}).status();
 }
 
 TEST(RandomScene, EveryOneIsASweepThatCanRun) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/atmosphere/light_path.h"
+#include "core/sources/land.h"
 #include "core/spectral/planck.h"
 #include "land_fixture.h"
 
@@ -13,6 +15,15 @@ namespace irsig {
 namespace {
 
 using namespace fixture;
+
+// The same by day below a plain sky of 200 K without air, before a black ground of 150 K.
+Scene plain_scene(double elevation_deg) {
+  Scene out = scene_on(elevation_deg, 600, true);
+  out.request.environment = nullptr;
+  ConditionSpec& c = out.request.condition[0];
+  c.surroundings = {SurroundingsKind::kGround, 200, 0, 150, 1, 0};
+  return out;
+}
 
 TEST(LandView, FlatLandOfOneMaterialIsTheGround) {
   for (const double elevation_deg : {5.0, 25.0, 70.0})
@@ -38,7 +49,10 @@ TEST(LandView, FlatLandOfOneMaterialIsTheGround) {
         same("contrast", a.contrast_intensity_w_sr, b.contrast_intensity_w_sr, of);
         same("background", a.background_radiance_w_m2_sr, b.background_radiance_w_m2_sr,
              a.background_radiance_w_m2_sr.value);
-        std::printf("\n");
+        EXPECT_NEAR(b.contrast_model_error_w_sr, a.contrast_model_error_w_sr,
+                    0.02 * a.contrast_model_error_w_sr);
+        std::printf("  model error %.3g, %.3g W/sr\n", a.contrast_model_error_w_sr,
+                    b.contrast_model_error_w_sr);
       }
     }
 }
@@ -86,6 +100,106 @@ TEST(LandView, ABankHidesTheLowerPart) {
   EXPECT_GT(r.projected_area_m2.value, 0.4 * whole);
   EXPECT_LT(r.projected_area_m2.value, 0.6 * whole);
   EXPECT_NEAR(r.clutter->visible_fraction, r.projected_area_m2.value / whole, 2e-3);
+}
+
+// A mast beyond the horizon of a low sensor, in air that bends rays: a smooth Earth as land hides
+// of it what the ground hides.
+TEST(LandView, SmoothLandHidesAsTheGroundDoes) {
+  Scene scene = scene_on(5, 1500, false);
+  SceneSpec spec = scene_of(generated("box", 300, 0, 2, 2, 40), grey(0.6), lwir());
+  spec.spectral_breaks_um = air_band_edges_um(8, 12);
+  spec.land_material = {grey(kEmissivity)};
+  scene.simulator = simulator_of(spec);
+  ConditionSpec& c = scene.request.condition[0];
+  c.above_surface_m = 20;
+  c.part_temperature_k = {kTargetK};
+  scene.request.selected_band = {0};
+  const auto land = land_of(flat, 40'000, 200);
+  for (const double range_m : {2e3, 12e3, 20e3, 25e3}) {
+    // The sensor is 6 m above the ground.
+    const double elevation_deg =
+        std::asin((6 - 20 - range_m * range_m / (2 * kEarthRadiusM)) / range_m) / kRadPerDeg;
+    scene.request.viewpoint = {70, elevation_deg, range_m};
+    scene.request.seed = 3;
+    WeatherSpec weather = scene_weather();
+    weather.above_surface_m = 20;
+    auto made = Environment::make({weather}, {{0, false, c.sun_direction, 1}}, 20,
+                                  scene.simulator->band_grids().front().node_um);
+    ASSERT_TRUE(made.ok()) << made.status();
+    scene.request.environment = *std::move(made);
+    const Estimate ground = view_of(scene, nullptr).row[0].projected_area_m2,
+                   over = view_of(scene, land).row[0].projected_area_m2;
+    std::printf("%5g m: %.3f m2 above the ground, %.3f above land\n", range_m, ground.value,
+                over.value);
+    EXPECT_NEAR(over.value, ground.value, 1e-3 * 103 + 4 * std::hypot(ground.stderr_, over.stderr_))
+        << range_m;
+  }
+}
+
+// The horizon of a sensor over a smooth Earth, 2 m to 30 km high, is where the ray that touches it
+// arrives.
+TEST(LandView, TheHorizonIsThatOfBentRays) {
+  WeatherSpec weather = scene_weather();
+  weather.above_surface_m = 1;
+  const GrazingRay ray(weather.air.profile);
+  auto made = Environment::make({weather}, {{0, false, {0, 0, -1}, 1}}, 1, {10});
+  ASSERT_TRUE(made.ok()) << made.status();
+  for (const auto& [height_m, half_m, spacing_m] :
+       {std::array{2.0, 12e3, 25.0}, std::array{10.0, 20e3, 25.0}, std::array{200.0, 80e3, 125.0},
+        std::array{3000.0, 300e3, 500.0}, std::array{30e3, 800e3, 1000.0}}) {
+    HeightGrid grid{-half_m, -half_m, spacing_m, 0, 0, {}};
+    grid.columns = grid.rows = static_cast<std::uint32_t>(2 * half_m / spacing_m);
+    for (std::uint32_t row = 0; row <= grid.rows; ++row)
+      for (std::uint32_t column = 0; column <= grid.columns; ++column) {
+        const double x = grid.west_m + column * spacing_m, y = grid.south_m + row * spacing_m;
+        grid.z_m.push_back(static_cast<float>(
+            std::sqrt(kEarthRadiusM * kEarthRadiusM - x * x - y * y) - kEarthRadiusM));
+      }
+    auto field = HeightField::create(std::move(grid));
+    ASSERT_TRUE(field.ok()) << field.status();
+    auto scene = std::make_shared<LandScene>();
+    scene->field = std::make_shared<const HeightField>(*std::move(field));
+    // Nearly straight above the target.
+    const double along_m = 1e-3 * height_m, up_m = height_m - weather.above_surface_m;
+    const Viewpoint above{0, std::atan2(up_m, along_m) / kRadPerDeg, std::hypot(up_m, along_m)};
+    const double bend_per_m =
+        Land::bend_of((*made)->horizon((*made)->line(above)), height_m, along_m);
+    const Land land(scene, 0, {0, 0, 0}, {}, bend_per_m);
+    const Vec<Body> sensor{0, 0, -height_m};
+    std::vector<float> fraction(land.materials());
+    const auto met = [&](double below) {
+      const Vec<Body> down{0.6 * std::cos(below), 0.8 * std::cos(below), std::sin(below)};
+      return land.meet_in_sight(sensor, sensor, down, fraction).has_value();
+    };
+    double low = 0, high = 0.3;
+    while (high - low > 1e-8) (met(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
+    const double dip = ray.dip_rad(height_m);
+    // Between the horizon and the nadir: where the traced ray meets the Earth. The angle is that
+    // under which both places lie apart for the sensor.
+    double apart_rad = 0, across_m = 0;
+    for (const double depression :
+         {1.01 * dip, 1.03 * dip, 1.1 * dip, 1.5 * dip, 3 * dip, 0.4, 1.2}) {
+      const auto hit = land.meet_in_sight(
+          sensor, sensor,
+          {0.6 * std::cos(depression), 0.8 * std::cos(depression), std::sin(depression)}, fraction);
+      ASSERT_TRUE(hit.has_value());
+      const LightPath path =
+          look(weather.air.profile, height_m, 90 + depression / kRadPerDeg, INFINITY);
+      ASSERT_EQ(path.end, PathEnd::kSurface);
+      const double traced_m =
+                       kEarthRadiusM * std::sin(path.node.back().central_angle_deg * kRadPerDeg),
+                   found_m = hit->distance * std::cos(depression);
+      // Along the ground, as seen from the sensor.
+      const double apart = std::abs(traced_m - found_m) * std::sin(depression);
+      across_m = std::max(across_m, apart);
+      apart_rad = std::max(apart_rad, apart / hit->distance);
+    }
+    std::printf("         places below it: %.2e rad, %.3g m across the ray\n", apart_rad, across_m);
+    EXPECT_LT(apart_rad, 1e-5 + 1e-7 * height_m) << height_m;
+    std::printf("%6g m: horizon %.3e rad lower than the closed form, %.3e straight\n", height_m,
+                high - dip, std::acos(kEarthRadiusM / (kEarthRadiusM + height_m)) - dip);
+    EXPECT_NEAR(high, dip, 2e-5) << height_m;
+  }
 }
 
 // The sun stands at an elevation of 53 deg; a wall above the line to it takes it away.
@@ -202,6 +316,47 @@ TEST(LandView, HotLandIsNotLeftOut) {
     EXPECT_LT(std::abs(a.contrast_intensity_w_sr.value - b.contrast_intensity_w_sr.value),
               3 * std::hypot(a.contrast_numerical_error_w_sr, b.contrast_numerical_error_w_sr));
   }
+}
+
+// Below a plain sky without air, on land that is hotter than all around it.
+TEST(LandView, HotLandBesideADarkGroundIsNotLeftOut) {
+  Scene scene = plain_scene(30);
+  scene.request.condition[0].sun = false;
+  scene.request.condition[0].surroundings = {SurroundingsKind::kGround, 120, 0, 120, 1, 0};
+  scene.request.condition[0].land_temperature_k = {390};
+  scene.request.condition[0].part_temperature_k = {280};
+  scene.request.accuracy.samples_per_replicate = 0;
+  scene.request.accuracy.relative_error = 0.05;
+  const auto land = land_of(flat, 500, 10);
+  const ViewResult all = view_of(scene, land);
+  scene.request.effects.mode = EffectChoice::Mode::kAuto;
+  const ViewResult automatic = view_of(scene, land);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const SignatureResult &a = all.row[i], &b = automatic.row[i];
+    const auto lower = static_cast<std::size_t>(Cause::kSeaReflected);
+    EXPECT_GT(a.cause_w_sr[lower].value, 0.1 * a.intensity_w_sr.value);
+    EXPECT_LT(std::abs(a.intensity_w_sr.value - b.intensity_w_sr.value),
+              3 * std::hypot(a.numerical_error_w_sr, b.numerical_error_w_sr));
+  }
+}
+
+// The land behind the target lies in the shadow of a wall: it is the land of a night.
+TEST(LandView, AWallShadesTheLandBehind) {
+  Scene scene = plain_scene(60);
+  ConditionSpec& c = scene.request.condition[0];
+  c.land_temperature_k = {260};
+  const double azimuth_deg = 30 + std::atan2(c.sun_direction.y, c.sun_direction.x) / kRadPerDeg;
+  const double tangent = -c.sun_direction.z / std::hypot(c.sun_direction.x, c.sun_direction.y);
+  const auto behind = [&](double height_m, bool sun) {
+    scene.request.condition[0].sun = sun;
+    return view_of(scene, land_of(wall(50, height_m, azimuth_deg), 1000, 10))
+        .row[1]
+        .background_radiance_w_m2_sr.value;
+  };
+  const double night = behind(0, false), open = behind(0, true);
+  EXPECT_GT(open, 1.5 * night);
+  EXPECT_NEAR(behind(80 * tangent, true), night, 1e-6 * night);
+  EXPECT_NEAR(behind(20 * tangent, true), open, 1e-6 * open);
 }
 
 // A picture shows the land, the shadow of the target on it, and nothing of it where the target is.

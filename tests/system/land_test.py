@@ -202,6 +202,16 @@ up_axis = "+z"
         self.assertRegex(said, r"s.toml:8:1: warning: place.height_m = 20.0, but the map's height at the target is "
                          r"-?\d.\d m above the ellipsoid: air and sky are those of 20.0 m; write height_m = ")
 
+    def test_a_view_past_the_edge_of_the_map_is_a_warning(self):
+        aspects = "aspect = [ { azimuth_deg = 0, elevation_deg = 60 }, { azimuth_deg = 30, elevation_deg = 2 } ]"
+        text = SWEEP.replace("aspect = [ { azimuth_deg = 0, elevation_deg = 20 } ]", aspects) + materials()
+        text = text.replace("height_m = 0\n", "height_m = 0\nabove_surface_m = 300\n")
+        said = self.irsig("plan", "s.toml", text=text)
+        self.assertRegex(said, r"s.toml:\d+:1: warning: 1 of 2 viewpoints look past the edge of the map, where the ground of "
+                         r"\[surroundings\] goes on: that of azimuth 30, elevation 2 deg leaves it \d+ m behind the target; "
+                         "use a map that reaches farther")
+        self.assertNotIn("past the edge", self.irsig("plan", "s.toml", text=SWEEP + materials()))
+
     def test_errors_have_a_place_and_a_remedy(self):
         all_files = SWEEP + materials()
         (self.path / "maps/half.asc").write_text((self.path / "maps/wheat.asc").read_text().replace(" 1 ", " 0.5 "))

@@ -210,6 +210,7 @@ class PageTest(PageCase):
             self.assertIn("outside the stored band", page.text("#bands > .words"))
             page.choose("[name=detector]", "none")
             page.settle()
+            self.assertFalse(page.run("!!document.querySelector('[name=clutter]')"))  # a ship at sea has none
             self.assertEqual(self.state(page)["bands"], "1")
 
             def check():

@@ -10,6 +10,7 @@ import json
 import pathlib
 import re
 import shlex
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -218,6 +219,29 @@ class Serve(ServeCase):
             self.assertIn(said, server.json("/api/bands", code=400, **one, **wrong)["error"])
         # What the detector sees nothing of.
         self.assertIn("outside the stored band", server.json("/api/bands", code=400, **{**one, "band": "lwir"}, detector=0)["error"])
+
+    def test_bands_in_clutter_are_those_of_the_command(self):
+        one = self.selection()
+        self.assertFalse(self.server.json("/api/contents")["database"][0]["sweep"][0]["clutter"])
+        self.assertIn("has no clutter", self.server.json("/api/bands", code=400, **one, clutter=1)["error"])
+        land = pathlib.Path(self.db).parent / "land.sigdb"
+        shutil.copy(self.db, land)
+        with contextlib.closing(sqlite3.connect(land)) as sql:
+            names = [n for (n,) in sql.execute("SELECT name FROM pragma_table_info('signature') WHERE name LIKE 'clutter%' OR name = 'visible_fraction'")]
+            sql.execute("UPDATE signature SET " + ", ".join(f"{n} = 1" for n in names))
+            sql.execute("UPDATE signature SET clutter_patch_sigma_stderr_w_m2_sr = 0.1")
+            # As uncertain as the target is bright.
+            sql.execute("INSERT INTO clutter SELECT signature_id, spectral_intensity_w_sr_um, x'' FROM spectrum")
+            sql.commit()
+        server = Server(IRSIG, land)
+        self.addCleanup(server.end)
+        self.assertTrue(server.json("/api/contents")["database"][0]["sweep"][0]["clutter"])
+        for asked in ({"clutter": 1}, {"clutter": 0}):
+            shown = server.json("/api/bands", **one, **asked)
+            self.assertEqual("--clutter" in shown["command"], asked["clutter"] == 1)
+            self.assertEqual("SCNR" in shown["title"], asked["clutter"] == 1)
+            self.assertEqual(shown["best"]["merit"], [float(r["merit"]) for r in table(printed(shown["command"]))])
+        self.assertIn("expected 0 or 1", server.json("/api/bands", code=400, **one, clutter="yes")["error"])
 
     def test_compare(self):
         # Two databases: every aspect is five numerical errors brighter, and the errors of both add up.

@@ -89,6 +89,36 @@ TEST(Explain, ShowsTheCloudOfTheCondition) {
                     HasSubstr("\"base_m\": 330"), HasSubstr("\"water_path_g_m2\": 200")));
 }
 
+TEST(Explain, ShowsTheBackgroundOfATargetOnLand) {
+  FakeDatabase db = with_ledger();
+  EXPECT_THAT(explained(db, 4), AllOf(Not(HasSubstr("clutter")), HasSubstr("air, sky and sea")));
+  StoredSignature& s = db.signatures[3];
+  s.clutter_patch_sigma_w_m2_sr = 0.3;
+  s.clutter_patch_sigma_stderr_w_m2_sr = 0.03;
+  s.clutter_patch_m = 4;
+  s.clutter_mean_w_m2_sr = 2;
+  s.clutter_cells = 9;
+  s.visible_fraction = 0.75;
+  schema::Clutter& clutter = db.clutters[s.signature_id];
+  for (int k = 0; k < db.spectra[s.signature_id].lambda_um_size(); ++k)
+    clutter.add_patch_sigma_w_m2_sr_um(0.1F);
+  schema::Land& land = *db.sweeps["box ship"].resolved.mutable_sweep()->mutable_land();
+  for (const auto& [material, fraction] :
+       {std::pair{"grass", 0.25}, std::pair{"asphalt", 0.7}, std::pair{"sand", 0.0}}) {
+    land.add_material()->set_material(material);
+    clutter.add_material_fraction(fraction);
+  }
+  EXPECT_THAT(
+      explained(db, 4),
+      AllOf(HasSubstr("air, sky and ground, land behind the target\n"),
+            HasSubstr("0.3 W/(m2 sr), scatter of means over squares of 4 m, the target's"),
+            HasSubstr("9 independent values"), HasSubstr("grass                          25 %"),
+            HasSubstr("asphalt                        70 %"), Not(HasSubstr("sand  ")),
+            HasSubstr("75 % of the target's silhouette")));
+  EXPECT_THAT(explained(db, 4, "json"),
+              AllOf(HasSubstr("\"material\": \"grass\""), HasSubstr("\"fraction\": 0.25")));
+}
+
 TEST(Explain, ShowsTheTemperaturesThatAJobHasComputed) {
   FakeDatabase db = with_ledger();
   EXPECT_THAT(explained(db, 4), Not(HasSubstr("temperatures that a job")));

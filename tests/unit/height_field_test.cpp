@@ -50,8 +50,8 @@ HeightGrid rough(std::uint64_t seed, double west_m, double south_m, double spaci
 // their order, and the side of the surface at each, in long double. Nothing is skipped.
 class Judge {
  public:
-  Judge(HeightGrid outer, std::optional<HeightGrid> inset)
-      : outer_(std::move(outer)), inset_(std::move(inset)) {}
+  explicit Judge(HeightGrid outer, std::optional<HeightGrid> inset = {}, double bend_per_m = 0)
+      : outer_(std::move(outer)), inset_(std::move(inset)), bend_per_m_(bend_per_m) {}
 
   struct Verdict {
     long double t = -1;  // of the hit; negative: none
@@ -119,10 +119,12 @@ class Judge {
     family(x - y, dx - dy, -rows, columns);
   }
   [[nodiscard]] long double clearance(Vec<Enu> o, Vec<Enu> d, long double t) const {
-    return o.z + t * d.z - z_m(o.x + t * d.x, o.y + t * d.y);
+    const long double x = o.x + t * d.x, y = o.y + t * d.y;
+    return o.z + t * d.z - bend_per_m_ * (x * x + y * y) - z_m(x, y);
   }
   HeightGrid outer_;
   std::optional<HeightGrid> inset_;
+  long double bend_per_m_;
 };
 
 struct Land {
@@ -272,6 +274,41 @@ TEST(HeightField, HitsAreThoseOfTheJudge) {
       EXPECT_GT(hits, rays / 20) << kind.name;
       const bool aimed = std::string_view(kind.name).find("to ") == 0;
       EXPECT_LE(doubtful, aimed ? rays : rays / 100) << kind.name;
+    }
+  }
+}
+
+// Rationale: air bends rays up or down. Expected: the judge's hits, of rays that are bent by 30 m
+// over the map. Between the lines of the grid either takes them as straight. Source: independent
+// arithmetic.
+TEST(HeightField, BentRaysMeetWhatTheJudgeSays) {
+  for (const double bend_per_m : {3e-5, -3e-5}) {
+    Land land = rough_land(7, false);
+    land.judge = Judge(land.field.outer(), {}, bend_per_m);
+    for (const RayKind& kind : ray_kinds()) {
+      std::mt19937_64 random(11);
+      int hits = 0;
+      const int rays = long_form() ? 400000 : 5000;
+      for (int ray = 0; ray < rays; ++ray) {
+        const double raised_m = bend_per_m * 8e5;
+        Vec<Enu> from = origin_of(random, land, kind);
+        from.z += raised_m;
+        Vec<Enu> way = within_map(kind.aim(random, land, from)) - from;
+        way.z += raised_m;
+        const auto hit = land.field.first_hit(from, way, 1, bend_per_m);
+        const Judge::Verdict judged = land.judge.first_hit(from, way, 1);
+        hits += hit.has_value();
+        if (hit) {
+          EXPECT_TRUE(land.field.hidden(from, way, 1, bend_per_m));
+        }
+        if (double(judged.margin_m) < 1e-8) continue;
+        ASSERT_EQ(hit.has_value(), judged.t >= 0) << kind.name << " ray " << ray;
+        if (hit) {
+          EXPECT_LT(land.judge.off_surface_m(from, way, hit->distance), 3e-5 * 15 * 15 / 2 + 1e-8)
+              << kind.name << " ray " << ray;
+        }
+      }
+      EXPECT_GT(hits, rays / 20) << kind.name;
     }
   }
 }

@@ -290,7 +290,8 @@ void ReferenceView::Parts::trace(Path& p) const {
   const double extinction = extinction_per_m();
   const double seen = std::exp(-extinction * distance_m),
                at_range = std::exp(-extinction * (behind_m ? distance_m + *behind_m : range_m));
-  const bool sea = surface ? meets_earth(sensor, look, 1e30) : look.z > 0;
+  const Body3 above_ground = sensor - Body3{0, 0, land ? condition.above_surface_m : 0};
+  const bool sea = surface || land ? meets_earth(above_ground, look, 1e30) : look.z > 0;
   const std::vector<double>& behind = behind_m ? p.land : sea ? p.lower : p.sky;
   for (std::size_t b = 0; b < bands; ++b) {
     double radiance = 0, background = 0, column = 0;

@@ -19,6 +19,7 @@
 #include "core/base/status_macros.h"
 #include "core/scene/mesh.h"
 #include "jobs/keys/expand.h"
+#include "jobs/resolve_land.h"
 #include "jobs/sweep_file.h"
 #include "runner/heat_outputs.h"
 #include "runner/job_runner.h"
@@ -39,8 +40,7 @@ constexpr double kValuesPerScene = 4.5;
 constexpr double kBeyond = 5;
 
 struct Computed {
-  schema::ResolvedSweep sweep;
-  std::string model;
+  SceneSweep scene;
   HeatOutputs heat;
   schema::ViewJob job;
   std::vector<schema::SignatureRow> row;
@@ -50,22 +50,18 @@ struct Computed {
 // The sweep of a scene, its temperatures and its view, before any row.
 absl::StatusOr<Computed> resolved_scene(const RandomScene& scene) {
   Computed out;
-  out.model = model_obj(scene);
-  ASSIGN_OR_RETURN(const auto file, parse_sweep(sweep_toml(scene, "model.obj"), "scene.toml"));
-  ASSIGN_OR_RETURN(out.sweep, resolve_sweep(file, out.model));
-  const Assets model = model_alone(out.sweep, out.model);
-  ASSIGN_OR_RETURN(auto heat, heat_outputs(out.sweep, model));
+  ASSIGN_OR_RETURN(out.scene, sweep_of(scene));
+  ASSIGN_OR_RETURN(auto heat, heat_outputs(out.scene.sweep, out.scene.assets));
   out.heat = std::move(heat);
-  for (const schema::JobSpec& job : expand_jobs(out.sweep, physics_version()))
+  for (const schema::JobSpec& job : expand_jobs(out.scene.sweep, physics_version()))
     if (job.has_view()) out.job = job.view();
   return out;
 }
 
 absl::Status compute_rows(Computed& program) {
-  ASSIGN_OR_RETURN(
-      const auto runner,
-      JobRunner::create(program.sweep, model_alone(program.sweep, program.model), program.heat));
-  for (const schema::JobSpec& job : expand_jobs(program.sweep, physics_version())) {
+  ASSIGN_OR_RETURN(const auto runner,
+                   JobRunner::create(program.scene.sweep, program.scene.assets, program.heat));
+  for (const schema::JobSpec& job : expand_jobs(program.scene.sweep, physics_version())) {
     if (!job.has_view()) continue;  // its temperatures are known
     ASSIGN_OR_RETURN(const auto result, runner->run(job));
     program.rays += result.rays();
@@ -108,10 +104,9 @@ JudgedValue judged(const schema::SignatureRow& row, const Named& q, const std::s
 }
 
 absl::StatusOr<ReferenceView> reference_of(const Computed& program) {
-  ASSIGN_OR_RETURN(
-      const auto scene,
-      scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat));
-  ASSIGN_OR_RETURN(const auto request, request_from_job(program.sweep, program.job, nullptr,
+  ASSIGN_OR_RETURN(const auto scene,
+                   scene_from_sweep(program.scene.sweep, program.scene.assets, program.heat));
+  ASSIGN_OR_RETURN(const auto request, request_from_job(program.scene.sweep, program.job, nullptr,
                                                         scene.temperatures, nullptr, {}));
   return ReferenceView::make(scene, request, 0);
 }
@@ -238,6 +233,10 @@ absl::StatusOr<std::string> write_scene(const RandomScene& scene, const std::str
   const std::string name = absl::StrCat("seed_", scene.seed);
   const std::filesystem::path base = std::filesystem::path(folder) / name;
   std::ofstream(base.string() + ".obj") << model_obj(scene);
+  if (scene.land.amplitude_m > 0) {
+    std::ofstream(base.parent_path() / heights_name(name + ".obj")) << heights_asc(scene);
+    std::ofstream(base.parent_path() / fractions_name(name + ".obj")) << fractions_asc(scene);
+  }
   std::ofstream toml(base.string() + ".toml");
   toml << sweep_toml(scene, name + ".obj");
   toml.flush();
@@ -267,6 +266,20 @@ const char* name_of(Invariance invariance) {
       return "other_seed";
   }
   return "";
+}
+
+absl::StatusOr<SceneSweep> sweep_of(const RandomScene& scene) {
+  const std::string name = "model.obj", model = model_obj(scene);
+  ASSIGN_OR_RETURN(auto file, parse_sweep(sweep_toml(scene, name), "scene.toml"));
+  RETURN_IF_ERROR(read_land_files(file, [&](const std::string& map) -> absl::StatusOr<std::string> {
+    return map == heights_name(name) ? heights_asc(scene) : fractions_asc(scene);
+  }));
+  SceneSweep out;
+  ASSIGN_OR_RETURN(out.sweep, resolve_sweep(file, model));
+  out.assets = model_alone(out.sweep, model);
+  for (const auto& [key, bytes] : land_bytes(file))
+    out.assets[sha256_hex(bytes)] = std::string(bytes);
+  return out;
 }
 
 RandomScene changed(const RandomScene& scene, Invariance by) {
@@ -418,6 +431,8 @@ RandomScene shrunk(const RandomScene& scene, const std::function<bool(const Rand
     without([](const RandomScene& s) { return !s.sun; }, [](RandomScene& s) { s.sun = false; });
     without([](const RandomScene& s) { return s.cloud.cover <= 0; },
             [](RandomScene& s) { s.cloud.cover = 0; });
+    without([](const RandomScene& s) { return s.land.amplitude_m <= 0; },
+            [](RandomScene& s) { s.land.amplitude_m = 0; });
     without([](const RandomScene& s) { return !s.sea; }, [](RandomScene& s) { s.sea = false; });
     without([](const RandomScene& s) { return s.all_effects; },
             [](RandomScene& s) { s.all_effects = true; });

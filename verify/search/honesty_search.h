@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/assets.h"
+#include "schema/job.pb.h"
 #include "verify/search/random_scene.h"
 
 namespace irsig {
@@ -14,6 +17,13 @@ namespace irsig {
 // `irsig selftest --search`: random scenes (random_scene.h), each computed by this program as any
 // sweep is - parsed, resolved, run as a job -, and judged by an integrator of other means
 // (verify/reference/reference_view.h) and by what must not change it.
+
+// A scene as a sweep, and its files.
+struct SceneSweep {
+  schema::ResolvedSweep sweep;
+  Assets assets;
+};
+[[nodiscard]] absl::StatusOr<SceneSweep> sweep_of(const RandomScene& scene);
 
 // Changes that must change no number by more than its error.
 enum class Invariance {

@@ -171,6 +171,26 @@ RandomCloud cloud_of(std::uint64_t seed) {
   return out;
 }
 
+// Below one of three skies, under what stands there.
+RandomLand land_of(std::uint64_t seed, const RandomScene& scene) {
+  Dice dice(seed ^ 0x1a9dULL);
+  RandomLand out;
+  if (!dice.chance(0.35)) return out;
+  double top_m = 0;
+  for (const RandomBody& b : scene.body) top_m = std::max(top_m, b.centre_m[2]);
+  const double along_m = scene.range_m * std::cos(scene.elevation_deg * kRadPerDeg),
+               sensor_m = scene.range_m * std::sin(scene.elevation_deg * kRadPerDeg) +
+                          along_m * along_m / (2 * kEarthRadiusM);
+  out.amplitude_m = 0.125 * std::min(top_m, sensor_m) * dice.uniform(0.05, 1);
+  for (double& wave_m : out.wave_m) wave_m = dice.log_uniform(10, 400);
+  for (double& phase : out.phase) phase = dice.uniform(0, 2 * std::numbers::pi);
+  out.turn_rad = dice.uniform(0, 2 * std::numbers::pi);
+  out.patch_m = dice.log_uniform(10, 400);
+  for (double& kelvin : out.temperature_k) kelvin = dice.uniform(265, 325);
+  out.ground_temperature_k = dice.uniform(265, 325);
+  return out;
+}
+
 class Maker {
  public:
   Maker(std::uint64_t seed, const SceneGrammar& grammar) : dice_(seed), grammar_(grammar) {
@@ -178,7 +198,8 @@ class Maker {
   }
 
   RandomScene make() {
-    s_.family = static_cast<SceneFamily>(dice_.below(kSceneFamilies));
+    // Land is what some scenes of weather stand on.
+    s_.family = static_cast<SceneFamily>(dice_.below(kSceneFamilies - 1));
     s_.relative_error =
         dice_.log_uniform(grammar_.best_relative_error, grammar_.worst_relative_error);
     s_.max_samples_per_replicate = grammar_.max_samples_per_replicate;
@@ -215,11 +236,14 @@ class Maker {
         needles();
         break;
       case SceneFamily::kWeather:
+      case SceneFamily::kLand:
         weather();
         break;
     }
     if (s_.atmosphere) s_.cloud = cloud_of(s_.seed);
     lift();
+    if (s_.atmosphere) s_.land = land_of(s_.seed, s_);
+    if (s_.land.amplitude_m > 0) s_.family = SceneFamily::kLand;
     if (dice_.chance(0.15)) s_.max_reflections = static_cast<int>(dice_.below(4));
     return s_;
   }
@@ -565,6 +589,8 @@ const char* name_of(SceneFamily family) {
       return "needles";
     case SceneFamily::kWeather:
       return "weather";
+    case SceneFamily::kLand:
+      return "land";
   }
   return "";
 }

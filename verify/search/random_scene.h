@@ -24,8 +24,9 @@ enum class SceneFamily {
   kCavity,        // several reflections between grey walls
   kNeedles,       // bodies 1 : 100 to 1 : 4000
   kWeather,       // the embedded atmosphere; smooth surfaces under its sky
+  kLand,          // the same above land
 };
-inline constexpr int kSceneFamilies = 10;
+inline constexpr int kSceneFamilies = 11;
 [[nodiscard]] const char* name_of(SceneFamily family);
 
 // Parameters of the scenes.
@@ -61,6 +62,17 @@ struct RandomCloud {
   double base_m = 0, thickness_m = 0, water_path_g_m2 = 0, effective_radius_um = 0;
 };
 
+// Two materials on waves of land, which pass through z = 0 below the reference point. They rise
+// less than half as high as target and sensor. In the frame of the land: x east, y north.
+struct RandomLand {
+  double amplitude_m = 0;  // of each wave; 0: no land
+  std::array<double, 2> wave_m{}, phase{};
+  double turn_rad = 0;  // of the first wave's crests
+  double patch_m = 0;   // wavelength of the fractions
+  std::array<double, 2> temperature_k{};
+  double ground_temperature_k = 0;  // beyond the map
+};
+
 struct RandomBand {
   double lambda_min_um, lambda_max_um, step_um;
 };
@@ -79,6 +91,7 @@ struct RandomScene {
   bool atmosphere = false;
   double visibility_m = 23000, wind_speed_m_s = 5;
   RandomCloud cloud;  // drawn apart: without it the scene of a seed is the same
+  RandomLand land;    // likewise, in place of the sea
   std::string time = "12:00Z";
   double heading_deg = 0;
   double azimuth_deg = 0, elevation_deg = 0, range_m = 1000;
@@ -97,6 +110,13 @@ struct RandomScene {
 // The sweep file, which names `model_name`, and that OBJ file. Both are functions of the scene.
 [[nodiscard]] std::string sweep_toml(const RandomScene& scene, const std::string& model_name);
 [[nodiscard]] std::string model_obj(const RandomScene& scene);
+
+// The maps that the sweep file of a scene with land names: heights, and fractions of its first
+// material.
+[[nodiscard]] std::string heights_name(const std::string& model_name);
+[[nodiscard]] std::string fractions_name(const std::string& model_name);
+[[nodiscard]] std::string heights_asc(const RandomScene& scene);
+[[nodiscard]] std::string fractions_asc(const RandomScene& scene);
 
 // The direction of the scene's sun, as azimuth clockwise from north and elevation. [deg]
 struct SceneSun {

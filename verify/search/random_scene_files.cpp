@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/constants.h"
 #include "verify/search/random_scene.h"
 #include "verify/search/random_scene_basics.h"
 
@@ -120,6 +121,62 @@ std::vector<Piece> pieces_of(const RandomBody& b) {
 
 }  // namespace
 
+namespace {
+
+// visit(east_m, north_m) of a scene that may be mirrored: at the sun's azimuth and its opposite.
+template <typename Value>
+std::string asc_of(const RandomScene& scene, const Value& value) {
+  constexpr int kSamples = 201;
+  const double shortest_m =
+      std::min({scene.land.wave_m[0], scene.land.wave_m[1], scene.land.patch_m});
+  const double spacing_m = shortest_m / 16, half_m = 0.5 * (kSamples - 1) * spacing_m;
+  const double twice_rad = 2 * sun_of(scene.time).azimuth_deg * kRadPerDeg;
+  std::string out = absl::StrFormat(
+      "ncols %d\nnrows %d\nxllcenter %.12g\nyllcenter %.12g\n"
+      "cellsize %.12g\n",
+      kSamples, kSamples, -half_m, -half_m, spacing_m);
+  for (int row = kSamples - 1; row >= 0; --row)
+    for (int column = 0; column < kSamples; ++column) {
+      double x = column * spacing_m - half_m, y = row * spacing_m - half_m;
+      if (scene.mirrored) {
+        const double mirrored_x = -std::cos(twice_rad) * x + std::sin(twice_rad) * y;
+        y = std::sin(twice_rad) * x + std::cos(twice_rad) * y;
+        x = mirrored_x;
+      }
+      absl::StrAppendFormat(&out, "%.9g%c", value(x, y), column + 1 < kSamples ? ' ' : '\n');
+    }
+  return out;
+}
+
+std::string beside(const std::string& model_name, const char* what) {
+  return absl::StrCat(model_name.substr(0, model_name.rfind('.')), "_", what, ".asc");
+}
+
+}  // namespace
+
+std::string heights_name(const std::string& model_name) { return beside(model_name, "heights"); }
+std::string fractions_name(const std::string& model_name) {
+  return beside(model_name, "fractions");
+}
+
+std::string heights_asc(const RandomScene& scene) {
+  const RandomLand& land = scene.land;
+  const double c = std::cos(land.turn_rad), s = std::sin(land.turn_rad);
+  const auto wave = [&](int k, double along_m) {
+    return std::sin(2 * std::numbers::pi * along_m / land.wave_m[k] + land.phase[k]);
+  };
+  return asc_of(scene, [&](double x, double y) {
+    return land.amplitude_m * (wave(0, c * x + s * y) - wave(0, 0) + wave(1, x) - wave(1, 0));
+  });
+}
+
+std::string fractions_asc(const RandomScene& scene) {
+  return asc_of(scene, [&](double x, double y) {
+    const double k = 2 * std::numbers::pi / scene.land.patch_m;
+    return 0.5 + 0.25 * (std::sin(k * x) + std::cos(k * y + 1));
+  });
+}
+
 std::string model_obj(const RandomScene& scene) {
   std::string out = absl::StrCat("# seed ", scene.seed, ", ", name_of(scene.family),
                                  ": x forward, y port, z up, metres\n");
@@ -155,6 +212,7 @@ std::string model_obj(const RandomScene& scene) {
 
 std::string sweep_toml(const RandomScene& scene, const std::string& model_name) {
   const SceneSun sun = sun_of(scene.time);
+  const bool land = scene.land.amplitude_m > 0;
   // Mirrored left for right, the sun stands as far on the other side of the bow.
   const double heading_deg = std::fmod(
       720 + (scene.mirrored ? 2 * sun.azimuth_deg - scene.heading_deg : scene.heading_deg), 360);
@@ -180,12 +238,13 @@ std::string sweep_toml(const RandomScene& scene, const std::string& model_name) 
           b.kind == RandomBody::Kind::kPlate ? "two_sided = true\n" : "");
     }
   }
-  absl::StrAppend(
-      &out, "\n[[season]]\nname = \"any\"\ndate = ", kDate, "\n",
-      scene.atmosphere ? absl::StrCat("wind_speed_m_s = ", number(scene.wind_speed_m_s), "\n") : "",
-      scene.homogeneous_air
-          ? absl::StrCat("air_temperature_k = ", number(scene.air_temperature_k), "\n")
-          : "");
+  absl::StrAppend(&out, "\n[[season]]\nname = \"any\"\ndate = ", kDate, "\n",
+                  scene.atmosphere && !land
+                      ? absl::StrCat("wind_speed_m_s = ", number(scene.wind_speed_m_s), "\n")
+                      : "",
+                  scene.homogeneous_air
+                      ? absl::StrCat("air_temperature_k = ", number(scene.air_temperature_k), "\n")
+                      : "");
   if (scene.cloud.cover > 0)
     absl::StrAppend(&out, "\n[[season.cloud]]\nphase = ", scene.cloud.ice ? "\"ice\"" : "\"water\"",
                     "\ncover = ", number(scene.cloud.cover),
@@ -201,10 +260,21 @@ std::string sweep_toml(const RandomScene& scene, const std::string& model_name) 
   absl::StrAppend(&out, "\n[viewpoints]\nkind = \"list\"\nrange_m = ", number(scene.range_m),
                   "\naspect = [ { azimuth_deg = ", absl::StrFormat("%.10f", azimuth_deg),
                   ", elevation_deg = ", absl::StrFormat("%.10f", scene.elevation_deg), " } ]\n");
-  absl::StrAppend(&out, "\n[surroundings]\nkind = ", scene.sea ? "\"sea\"\n" : "\"none\"\n");
+  absl::StrAppend(&out, "\n[surroundings]\nkind = ",
+                  land        ? "\"ground\"\n"
+                  : scene.sea ? "\"sea\"\n"
+                              : "\"none\"\n");
   if (!scene.atmosphere)
     absl::StrAppend(&out, "sky_temperature_k = ", number(scene.sky_temperature_k), "\n");
-  if (scene.sea)
+  if (land)
+    absl::StrAppend(&out, "ground_temperature_k = ", number(scene.land.ground_temperature_k),
+                    "\nground_emissivity = 0.95\n\n[land]\nheights = \"", heights_name(model_name),
+                    "\"\n\n[[land.material]]\nmaterial = \"grass\"\nfraction_file = \"",
+                    fractions_name(model_name),
+                    "\"\ntemperature_k = ", number(scene.land.temperature_k[0]),
+                    "\n\n[[land.material]]\nmaterial = \"bare_soil_dry\"\ntemperature_k = ",
+                    number(scene.land.temperature_k[1]), "\n");
+  else if (scene.sea)
     absl::StrAppend(&out, "sea_temperature_k = ", number(scene.sea_temperature_k), "\n",
                     scene.atmosphere
                         ? ""
@@ -213,9 +283,9 @@ std::string sweep_toml(const RandomScene& scene, const std::string& model_name) 
     absl::StrAppend(&out, "lower_radiance_w_m2_sr_um = ", number(scene.lower_radiance_w_m2_sr_um),
                     "\n");
   if (scene.atmosphere)
-    absl::StrAppend(&out,
-                    "\n[air]\nmodel = \"atmosphere\"\naerosol = \"maritime\"\nvisibility_m = ",
-                    number(scene.visibility_m), "\n");
+    absl::StrAppend(
+        &out, "\n[air]\nmodel = \"atmosphere\"\naerosol = ", land ? "\"rural\"" : "\"maritime\"",
+        "\nvisibility_m = ", number(scene.visibility_m), "\n");
   else if (scene.homogeneous_air)
     absl::StrAppend(&out, "\n[air]\nmodel = \"homogeneous\"\nabsorption_m2_kg = ",
                     number(scene.absorption_m2_kg),

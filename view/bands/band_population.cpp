@@ -131,7 +131,7 @@ absl::StatusOr<TargetClutter> stored_clutter(StoreReader& reader, const QueryRow
   if (!stored)
     return absl::InvalidArgumentError(fmt::format(
         "row {} has no clutter: its sweep has no land around the target, or an older irsig ran it; "
-        "add [land] to the sweep file and run it again, or leave out --clutter",
+        "add [land] to the sweep file and run it again, or ask without clutter",
         s.row));
   const auto& sigma = stored->patch_sigma_w_m2_sr_um();
   ASSIGN_OR_RETURN(

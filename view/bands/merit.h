@@ -17,10 +17,12 @@ enum class Merit {
 // "mean", "percentile", "worst", "above", "range"; nullopt: none of these.
 [[nodiscard]] std::optional<Merit> merit_named(std::string_view name);
 [[nodiscard]] std::string_view name_of(Merit merit);
+inline constexpr std::string_view kRatio = "SNR", kRatioInClutter = "SCNR";
+
 struct MeritOf {
   Merit merit = Merit::kMean;
   double percentile = 10, threshold = 5;
-  std::string_view ratio = "SNR";  // what s is called: "SCNR" in clutter
+  std::string_view ratio = kRatio;  // the name of s
 };
 
 // Computes the merit of rows with these weights, which sum to 1. kRange: of ranges that are

@@ -31,6 +31,12 @@ struct Explained {
   schema::Accuracy accuracy;                   // of the sweep
   std::vector<schema::Slice> slice = {};
   schema::Weather weather = {};  // of the row's condition; without a cover if it is not known
+  bool land = false;             // around the target
+  struct Fraction {
+    std::string material;
+    double fraction;
+  };
+  std::vector<Fraction> land_seen = {};  // of the background around the target
 
   [[nodiscard]] const StoredSignature& signature() const { return row.signature; }
 };
@@ -77,6 +83,12 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
     for (const schema::Condition& c : stored.resolved.condition())
       if (c.season() == s.season && c.time_utc() == s.time_utc) out.weather = c.weather();
   }
+  const schema::Land& land = stored.resolved.sweep().land();
+  out.land = stored.resolved.sweep().has_land();
+  ASSIGN_OR_RETURN(const auto clutter, reader.clutter(id));
+  if (clutter && clutter->material_fraction_size() == land.material_size())
+    for (int m = 0; m < land.material_size(); ++m)
+      out.land_seen.push_back({land.material(m).material(), clutter->material_fraction(m)});
   ASSIGN_OR_RETURN(const auto heat, HeatEffects::make(stored));
   if (!out.ledger.effect.empty())
     for (StoredEffect& effect : heat.of(s)) out.ledger.effect.push_back(std::move(effect));
@@ -145,21 +157,50 @@ std::string errors(const StoredSignature& row, IntensityOf intensity, double val
                     "sqrt(standard error^2 + unseen^2 + (sum of bounds)^2 / 3)");
 }
 
+// The background around the target, and what of it the target must be told from.
+std::string clutter(const Explained& e) {
+  const StoredSignature& s = e.signature();
+  if (std::isnan(s.clutter_patch_sigma_w_m2_sr)) return "";
+  std::string out =
+      head("clutter", s.clutter_patch_sigma_w_m2_sr,
+           fmt::format("W/(m2 sr), scatter of means over squares of {:.3g} m, the target's size",
+                       s.clutter_patch_m));
+  out +=
+      line("standard error", s.clutter_patch_sigma_stderr_w_m2_sr, s.clutter_patch_sigma_w_m2_sr);
+  const auto other = [&](std::string_view what, double value, double error, std::string_view note) {
+    out += fmt::format("  {:<20} {:>12.6g} +- {:<9.2g}  {}\n", what, value, error, note);
+  };
+  other("mean", s.clutter_mean_w_m2_sr, s.clutter_mean_stderr_w_m2_sr,
+        fmt::format("W/(m2 sr), in a window of {:.3g} m", s.clutter_window_m));
+  other("scatter of pixels", s.clutter_sigma_w_m2_sr, s.clutter_sigma_stderr_w_m2_sr,
+        fmt::format("W/(m2 sr), of {:.3g} m", s.clutter_pixel_m));
+  other("skewness", s.clutter_skewness, s.clutter_skewness_stderr, "");
+  other("correlation length", s.clutter_correlation_m, s.clutter_correlation_stderr_m,
+        fmt::format("m; {:.3g} independent values in the window", s.clutter_cells));
+  for (const Explained::Fraction& f : e.land_seen)
+    if (f.fraction > 0)
+      out += fmt::format("  {:<20} {:>12.3g} % of the window\n", f.material, 100 * f.fraction);
+  return out + fmt::format("  {:<20} {:>12.3g} % of the target's silhouette\n", "in sight",
+                           100 * s.visible_fraction);
+}
+
 std::string values(const Explained& e) {
+  const std::string_view around = e.land ? "sky and ground" : "sky and sea";
   const StoredSignature& s = e.signature();
   const double i = s.intensity_w_sr, a = s.apparent_intensity_w_sr, c = s.contrast_intensity_w_sr;
   std::string out = head("intensity", i, "W/sr, at the target");
   out += errors(s, IntensityOf::kSource, i, s.intensity_stderr_w_sr, s.numerical_error_w_sr);
-  out += line("model error", s.model_error_w_sr, i, "sky and sea; no part of the numerical error");
+  out += line("model error", s.model_error_w_sr, i,
+              fmt::format("{}; no part of the numerical error", around));
   out += head("apparent intensity", a, "W/sr, at the sensor");
   out += errors(s, IntensityOf::kApparent, a, s.apparent_intensity_stderr_w_sr,
                 s.apparent_numerical_error_w_sr);
-  out += line("model error", s.apparent_model_error_w_sr, a, "air, sky and sea");
+  out += line("model error", s.apparent_model_error_w_sr, a, fmt::format("air, {}", around));
   out += head("contrast intensity", c, "W/sr, at the sensor");
   out += errors(s, IntensityOf::kContrast, c, s.contrast_intensity_stderr_w_sr,
                 s.contrast_numerical_error_w_sr);
   out += line("model error", s.contrast_model_error_w_sr, c,
-              "air, sky and sea, glitter behind the target");
+              fmt::format("air, {}, {} behind the target", around, e.land ? "land" : "glitter"));
   out += head("background radiance", s.background_radiance_w_m2_sr, "W/(m2 sr), at the sensor");
   out +=
       line("standard error", s.background_radiance_stderr_w_m2_sr, s.background_radiance_w_m2_sr);
@@ -170,7 +211,7 @@ std::string values(const Explained& e) {
                 "% of the silhouette: one-sided facets, which send nothing");
   if (s.apparent_temperature_k > 0)
     out += head("apparent temperature", s.apparent_temperature_k, "K, at the target");
-  return out;
+  return out + clutter(e);
 }
 
 std::string effort(const Explained& e) {
@@ -359,6 +400,10 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   RETURN_IF_ERROR(write_array(
       "slices", {"source", "sweep_sha256", "source_rows", "source_digest", "filter", "rows"},
       slices, out));
+  out << ",\n";
+  std::vector<std::vector<Cell>> materials;
+  for (const Explained::Fraction& f : e.land_seen) materials.push_back({f.material, f.fraction});
+  RETURN_IF_ERROR(write_array("land_seen", {"material", "fraction"}, materials, out));
   out << ",\n";
   std::vector<std::vector<Cell>> clouds;
   if (const double cover = e.weather.cloud_cover(); cover > 0) {

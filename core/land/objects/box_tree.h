@@ -23,11 +23,12 @@ class BoxTree {
   BoxTree() = default;
   explicit BoxTree(std::span<const LandBox> box);
 
-  // Calls visit(box, most) for every box that the ray origin + t direction meets within 0 <= t <=
-  // most. visit returns the distance beyond which boxes no longer matter. Nearer halves of the tree
-  // come first.
+  // Calls visit(box, most) for every box that the ray origin + t direction may meet within 0 <= t
+  // <= most, with boxes raised as HeightField::first_hit lowers a bent ray. visit returns the
+  // distance beyond which boxes no longer matter. Nearer halves of the tree come first.
   template <typename Visit>
-  void walk(Vec<Enu> origin, Vec<Enu> direction, double most, Visit&& visit) const;
+  void walk(Vec<Enu> origin, Vec<Enu> direction, double most, double bend_per_m,
+            Visit&& visit) const;
 
   // Calls visit(box) for every box that contains the point.
   template <typename Visit>
@@ -52,6 +53,7 @@ class BoxTree {
   // A ray with the inverse of its direction.
   struct Ray {
     std::array<double, 3> origin, direction, inverse;
+    double bend_per_m;
     // The distance at which the ray enters a box; more than `most`: it does not.
     [[nodiscard]] double entry(const LandBox& box, double most) const;
   };
@@ -62,8 +64,19 @@ class BoxTree {
 };
 
 inline double BoxTree::Ray::entry(const LandBox& box, double most) const {
-  const double low[] = {box.low.x, box.low.y, box.low.z};
-  const double high[] = {box.high.x, box.high.y, box.high.z};
+  double low[] = {box.low.x, box.low.y, box.low.z};
+  double high[] = {box.high.x, box.high.y, box.high.z};
+  if (bend_per_m != 0) {
+    // Squares of the least and the largest distance of the box from the origin of the frame.
+    double least2 = 0, most2 = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double least = std::max({0.0, low[k], -high[k]}), far = std::max(-low[k], high[k]);
+      least2 += least * least;
+      most2 += far * far;
+    }
+    low[2] += std::min(bend_per_m * least2, bend_per_m * most2);
+    high[2] += std::max(bend_per_m * least2, bend_per_m * most2);
+  }
   const double never = 2 * most + 1;
   double from = 0, to = most;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -79,11 +92,13 @@ inline double BoxTree::Ray::entry(const LandBox& box, double most) const {
 }
 
 template <typename Visit>
-void BoxTree::walk(Vec<Enu> origin, Vec<Enu> direction, double most, Visit&& visit) const {
+void BoxTree::walk(Vec<Enu> origin, Vec<Enu> direction, double most, double bend_per_m,
+                   Visit&& visit) const {
   if (node_.empty()) return;
   const Ray ray{{origin.x, origin.y, origin.z},
                 {direction.x, direction.y, direction.z},
-                {1 / direction.x, 1 / direction.y, 1 / direction.z}};
+                {1 / direction.x, 1 / direction.y, 1 / direction.z},
+                bend_per_m};
   struct Waiting {
     std::uint32_t node;
     double entry;
@@ -110,7 +125,7 @@ void BoxTree::walk(Vec<Enu> origin, Vec<Enu> direction, double most, Visit&& vis
 
 template <typename Visit>
 void BoxTree::around(Vec<Enu> point, Visit&& visit) const {
-  walk(point, {0, 0, 1}, 0, [&](std::uint32_t box, double most) {
+  walk(point, {0, 0, 1}, 0, 0, [&](std::uint32_t box, double most) {
     visit(box);
     return most;
   });

@@ -183,13 +183,16 @@ absl::StatusOr<LandObjects> LandObjects::create(std::vector<ObjectModel> models,
 }
 
 std::optional<LandObjects::LocalRay> LandObjects::enter(const Object& object, Vec<Enu> origin_m,
-                                                        Vec<Enu> direction, double most_m) const {
+                                                        Vec<Enu> direction, double most_m,
+                                                        double bend_per_m) const {
   const Shape& shape = shape_[object.shape];
   const double c = object.cos_heading, s = object.sin_heading;
+  Vec<Enu> middle_m = object.middle_m;
+  middle_m.z += bend_per_m * (middle_m.x * middle_m.x + middle_m.y * middle_m.y);
   const auto turned = [&](Vec<Enu> v) {
     return Vec<Body>{v.x * s + v.y * c, v.x * c - v.y * s, -v.z};
   };
-  const Vec<Body> from = (1 / object.scale) * turned(origin_m - object.middle_m);
+  const Vec<Body> from = (1 / object.scale) * turned(origin_m - middle_m);
   LocalRay out{from, turned(direction), 0, most_m / object.scale};
   double end = out.length;
   const auto cut = [&](double o, double d, double half) {
@@ -210,16 +213,16 @@ std::optional<LandObjects::LocalRay> LandObjects::enter(const Object& object, Ve
   return out;
 }
 
-std::optional<ObjectHit> LandObjects::first_hit(Vec<Enu> origin_m, Vec<Enu> direction,
-                                                double most) const {
+std::optional<ObjectHit> LandObjects::first_hit(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                                                double bend_per_m) const {
   const double unit = length(direction);
   const Vec<Enu> towards = (1 / unit) * direction;
   const Object* met = nullptr;
   std::uint32_t facet = 0;
   double nearest_m = 0;
-  tree_.walk(origin_m, towards, most * unit, [&](std::uint32_t i, double most_m) {
+  tree_.walk(origin_m, towards, most * unit, bend_per_m, [&](std::uint32_t i, double most_m) {
     const Object& object = object_[i];
-    const auto ray = enter(object, origin_m, towards, most_m);
+    const auto ray = enter(object, origin_m, towards, most_m, bend_per_m);
     if (!ray) return most_m;
     RayPacket packet = packet_of(ray->origin, ray->direction, ray->length);
     shape_[object.shape].tracer->intersect(packet, 1, false);
@@ -243,14 +246,15 @@ std::optional<ObjectHit> LandObjects::first_hit(Vec<Enu> origin_m, Vec<Enu> dire
                    shape.facet[facet].material};
 }
 
-bool LandObjects::hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most) const {
+bool LandObjects::hidden(Vec<Enu> origin_m, Vec<Enu> direction, double most,
+                         double bend_per_m) const {
   const double unit = length(direction);
   const Vec<Enu> towards = (1 / unit) * direction;
   bool out = false;
-  tree_.walk(origin_m, towards, most * unit, [&](std::uint32_t i, double most_m) {
+  tree_.walk(origin_m, towards, most * unit, bend_per_m, [&](std::uint32_t i, double most_m) {
     if (out) return most_m;
     const Object& object = object_[i];
-    const auto ray = enter(object, origin_m, towards, most_m);
+    const auto ray = enter(object, origin_m, towards, most_m, bend_per_m);
     if (!ray) return most_m;
     RayPacket packet = packet_of(ray->origin, ray->direction, ray->length);
     shape_[object.shape].tracer->occluded(packet, 1, false);
@@ -266,7 +270,7 @@ std::optional<ObjectName> LandObjects::around(Vec<Enu> point_m) const {
   tree_.around(point_m, [&](std::uint32_t i) {
     const Object& object = object_[i];
     const Shape& shape = shape_[object.shape];
-    const auto here = enter(object, point_m, {0, 0, 1}, 0);
+    const auto here = enter(object, point_m, {0, 0, 1}, 0, 0);
     if (out || !here) return;
     for (const Vec<Body>& direction : kRay) {
       RayPacket packet = packet_of(here->origin, direction, 3 * shape.radius);
