@@ -58,6 +58,9 @@ constexpr std::string_view kInstrument = "far beyond any instrument";
 constexpr std::string_view kScene = "colder scenes have no light in a band of short waves";
 constexpr std::string_view kEpsg = "WGS 84 in degrees or a UTM zone";
 constexpr std::string_view kLandTemperature = "snow to hot lava";
+constexpr std::string_view kScale = "a model to the mountain that it shows";
+constexpr std::string_view kLandRadius = "the corner of a map that ends 400 km from the target";
+constexpr std::string_view kLandPlace = "a map ends 400 km from the target";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -245,6 +248,17 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Land.fill_m", -1e4, 1e4, "the deepest sea to the highest mountain"},
     {"LandMaterial.fraction_epsg", 4326, 32760, kEpsg},
     {"LandMaterial.temperature_k", 150, 1500, kLandTemperature},
+    {"LandObject.unit_m", 1e-9, 1e6, "nanometres to thousands of kilometres"},
+    {"LandObject.scale", 1e-3, 1e3, kScale},
+    {"LandObject.sink_m", 0, 1000, "an object does not hang above the land"},
+    {"LandObject.count", 1, 1e6, "objects of a land, all tables together"},
+    {"LandObject.seed", 0, 18446744073709551615.0, kSeed},
+    {"LandObject.inner_radius_m", 0, 5.7e5, kLandRadius},
+    {"LandObject.radius_m", 1, 5.7e5, kLandRadius},
+    {"LandObjectPlace.east_m", -4e5, 4e5, kLandPlace},
+    {"LandObjectPlace.north_m", -4e5, 4e5, kLandPlace},
+    {"LandObjectPlace.heading_deg", -360, 360, kAzimuth},
+    {"LandObjectPlace.scale", 1e-3, 1e3, kScale},
 
     {"Transport.max_reflections", 0, 1000, kReflections},
     {"Transport.job_size_vertices", 1, 1e18, "one path to more than a machine's lifetime"},

@@ -12,6 +12,7 @@
 #include "jobs/keys/expand.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_land_objects.h"
 
 namespace irsig {
 namespace {
@@ -26,6 +27,7 @@ std::map<std::string, std::string> land_files(const schema::Land& land) {
   for (int i = 0; i < land.material_size(); ++i)
     if (land.material(i).has_fraction_file())
       out[land_material_path(i) + ".fraction_file"] = land.material(i).fraction_file();
+  add_land_object_files(land, out);
   return out;
 }
 
@@ -119,6 +121,12 @@ void check_cover(const schema::Sweep& sweep, Findings& findings) {
     findings.add("land",
                  "[[land.material]] is missing, expected one or more with material and "
                  "temperature_k");
+  if (land.material_size() > 0 &&
+      std::all_of(land.material().begin(), land.material().end(),
+                  [](const schema::LandMaterial& m) { return m.objects_only(); }))
+    findings.add("land",
+                 "every [[land.material]] has objects_only = true, expected a material that covers "
+                 "the ground");
   std::map<std::string, int> seen;
   int remainder = -1;
   for (int i = 0; i < land.material_size(); ++i) {
@@ -127,12 +135,19 @@ void check_cover(const schema::Sweep& sweep, Findings& findings) {
     check.require({"material"}, "expected the name of a material");
     check_map_file(material.fraction_file(), material.fraction_epsg(),
                    {"fraction_file", "fraction_epsg", false}, check);
-    if (!material.has_fraction_file() && remainder >= 0)
+    if (material.objects_only()) {
+      if (material.has_fraction_file())
+        check.error("fraction_file",
+                    "does not apply with objects_only = true, which covers no ground; delete one "
+                    "of the keys");
+    } else if (!material.has_fraction_file() && remainder >= 0) {
       check.error("fraction_file",
                   absl::StrCat("is missing, as it is in ", land_material_path(remainder),
                                ", expected at most one material without a file, which takes what "
                                "the others leave"));
-    if (!material.has_fraction_file() && remainder < 0) remainder = i;
+    } else if (!material.has_fraction_file()) {
+      remainder = i;
+    }
     if (!material.has_material()) continue;
     const auto [first, is_new] = seen.try_emplace(material.material(), i);
     if (!is_new)
@@ -213,10 +228,13 @@ void check_land(const schema::Sweep& sweep, Findings& findings) {
                                           land.width_m(), ", expected at most that"));
   check_other_tables(sweep, findings);
   check_cover(sweep, findings);
+  check_land_objects(land, findings);
 }
 
 void write_land_defaults(schema::Sweep& sweep) {
-  if (sweep.has_land() && !sweep.land().has_geoid_m()) sweep.mutable_land()->set_geoid_m(0);
+  if (!sweep.has_land()) return;
+  if (!sweep.land().has_geoid_m()) sweep.mutable_land()->set_geoid_m(0);
+  write_land_object_defaults(*sweep.mutable_land());
 }
 
 void resolve_land_materials(std::vector<std::string>& known, schema::Sweep& sweep,
@@ -255,6 +273,16 @@ void resolve_land(const SweepFile& file, schema::ResolvedSweep& resolved) {
       take(land_material_path(i) + ".fraction_file", land.material(i).fraction_file(), fraction);
     land.mutable_material(i)->clear_fraction_file();
   }
+  for (int i = 0; i < land.object_size(); ++i) {
+    schema::LandObject& object = *land.mutable_object(i);
+    schema::LandObjectFiles& of_object = *files.add_object();
+    const std::string path = land_object_path(i);
+    take(path + ".model", object.model(), *of_object.mutable_model());
+    if (object.has_places_file())
+      take(path + ".places_file", object.places_file(), *of_object.mutable_places());
+    object.clear_model();
+    object.clear_places_file();
+  }
   land.clear_heights();
   land.clear_inset();
 }
@@ -267,6 +295,11 @@ schema::Land land_as_written(const schema::ResolvedSweep& resolved) {
   for (int i = 0; i < std::min(land.material_size(), files.fraction_size()); ++i)
     if (!files.fraction(i).file_name().empty())
       land.mutable_material(i)->set_fraction_file(files.fraction(i).file_name());
+  for (int i = 0; i < std::min(land.object_size(), files.object_size()); ++i) {
+    land.mutable_object(i)->set_model(files.object(i).model().file_name());
+    if (files.object(i).has_places())
+      land.mutable_object(i)->set_places_file(files.object(i).places().file_name());
+  }
   return land;
 }
 
@@ -296,6 +329,16 @@ void check_resolved_land(const schema::ResolvedSweep& resolved, Findings& findin
   for (int i = 0; i < files.fraction_size(); ++i)
     if (!files.fraction(i).sha256().empty() || !files.fraction(i).file_name().empty())
       check_land_file(files.fraction(i), absl::StrCat("land.fraction[", i, "]"), findings);
+  if (files.object_size() != land.object_size())
+    findings.add("land.object",
+                 absl::StrCat("land.object has files of ", files.object_size(), " objects for ",
+                              land.object_size(), " tables"));
+  for (int i = 0; i < files.object_size(); ++i) {
+    const std::string path = land_object_path(i);
+    check_land_file(files.object(i).model(), path + ".model", findings);
+    if (files.object(i).has_places())
+      check_land_file(files.object(i).places(), path + ".places_file", findings);
+  }
 }
 
 }  // namespace irsig

@@ -19,6 +19,7 @@ constexpr std::size_t kTable = 100000;      // points of a table over wavelength
 constexpr std::size_t kParts = 10000;       // parts of a target, and what each of them has
 constexpr std::size_t kNames = 1000;        // what is written by hand
 constexpr std::size_t kLandMaterials = 64;  // a byte of each at every place of the land
+constexpr std::size_t kLandObjects = 100;   // meshes; each may stand at many places
 constexpr std::size_t kText = 16 << 20;     // bytes of a file that is part of the sweep
 
 constexpr auto kSizes = std::to_array<SizeBound>({
@@ -71,6 +72,9 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"Effects.without", kNames},
     {"Plume.position_m", 3},
     {"Land.material", kLandMaterials},
+    {"Land.object", kLandObjects},
+    {"LandObject.part", kNames},
+    {"LandObject.place", kParts},
     {"Precompute.ambient_temperature_k", kMostConditions},
     {"Precompute.air_temperature_k", kMostConditions},
     {"Image.pixels", 2},
@@ -91,6 +95,7 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"Condition.part_temperature_k", kParts},
     {"Condition.land_temperature_k", kLandMaterials},
     {"LandFiles.fraction", kLandMaterials},
+    {"LandFiles.object", kLandObjects},
     {"Condition.warning", kNames},
     {"ConditionField.part", kParts},
     {"WeatherCourse.record", 1000000},

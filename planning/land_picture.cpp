@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/base/status_macros.h"
+#include "core/land/objects/land_objects.h"
 #include "planning/accuracy_source.h"
 #include "runner/sweep_land.h"
 #include "view/draw/axis.h"
@@ -60,6 +61,7 @@ struct Relief {
 };
 Relief relief_of(const LandScene& land, const GeodeticPosition& origin, const MapPixels& map,
                  const std::vector<Rgb>& color) {
+  constexpr double kAboveM = 20'000;  // above all land and what stands on it
   const std::size_t shades = 255 / color.size();
   const HeightGrid& grid = land.field->outer();
   const auto z_at = [&](double x_m, double y_m) {
@@ -90,8 +92,12 @@ Relief relief_of(const LandScene& land, const GeodeticPosition& origin, const Ma
       const double lit =
           (0.5 * dx - 0.5 * dy + std::numbers::sqrt2 / 2) / std::sqrt(1 + dx * dx + dy * dy);
       land.cover.at(x_m, y_m, fraction);
-      const auto most = static_cast<std::size_t>(
-          std::max_element(fraction.begin(), fraction.end()) - fraction.begin());
+      auto most = static_cast<std::size_t>(std::max_element(fraction.begin(), fraction.end()) -
+                                           fraction.begin());
+      if (land.objects != nullptr)
+        if (const auto met = land.objects->first_hit({x_m, y_m, kAboveM}, {0, 0, -1},
+                                                     kAboveM - z_at(x_m, y_m)))
+          most = met->material;
       const auto shade = static_cast<std::size_t>(
           std::clamp(lit * static_cast<double>(shades), 0.0, static_cast<double>(shades - 1)));
       pixel.push_back(static_cast<std::uint8_t>(most * shades + shade));

@@ -90,7 +90,8 @@ absl::StatusOr<SweepFile> load_sweep_text(const std::string& text, const std::st
     RETURN_IF_ERROR(read(file, reader(kMostTableBytes)));
   RETURN_IF_ERROR(read_temperature_files(file, reader(kMostModelBytes)));
   RETURN_IF_ERROR(read_plume_file(file, reader(kMostModelBytes)));
-  RETURN_IF_ERROR(read_land_files(file, reader(kMostModelBytes)));
+  RETURN_IF_ERROR(read_land_files(
+      file, [&](const std::string& name) { return read_model_beside(path, name, kMostModelBytes); }));
   return file;
 }
 

@@ -199,6 +199,10 @@ absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& ta
                                                      : SurroundingsKind::kNone;
     condition.above_surface_m = above_surface_m(sweep, c);
   }
+  if (land != nullptr && land->objects != nullptr && !conditions.empty()) {
+    RETURN_IF_ERROR(
+        check_outside_objects(target, *land, conditions.front().above_surface_m));
+  }
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (const absl::Status status =
             check_in_sight(target, conditions, environment, land,

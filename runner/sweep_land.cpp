@@ -18,6 +18,7 @@
 #include "core/land/read_heights.h"
 #include "core/sources/land.h"
 #include "messages/environment/weather_from_message.h"
+#include "runner/sweep_land_objects.h"
 
 namespace irsig {
 namespace {
@@ -79,6 +80,7 @@ absl::StatusOr<LandCover> cover_of(const schema::ResolvedSweep& sweep, const Ass
   for (int i = 0; i < land.material_size(); ++i) {
     const schema::LandMaterial& material = land.material(i);
     CoverLayer& layer = layers.emplace_back();
+    layer.objects_only = material.objects_only();
     layer.key = absl::StrCat("land.material[", i, "].fraction_file");
     if (i >= sweep.land().fraction_size() || sweep.land().fraction(i).sha256().empty()) continue;
     ASSIGN_OR_RETURN(layer.fraction,
@@ -112,6 +114,7 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::R
         "heights everywhere; use a map that reaches farther, or state a width_m");
   out->surface_m = *surface_m;
   ASSIGN_OR_RETURN(out->cover, cover_of(sweep, assets, field, choice.origin));
+  ASSIGN_OR_RETURN(out->objects, land_objects_from_sweep(sweep, assets, field, out->cover));
   out->field = std::make_shared<const HeightField>(std::move(field));
   out->heading_deg = place.heading_deg();
   return out;
@@ -175,7 +178,9 @@ std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep, const Lan
 }
 
 std::size_t bytes_of(const LandScene* land) {
-  return land == nullptr ? 0 : land->field->memory_bytes() + land->cover.memory_bytes();
+  if (land == nullptr) return 0;
+  return land->field->memory_bytes() + land->cover.memory_bytes() +
+         (land->objects == nullptr ? 0 : land->objects->memory_bytes());
 }
 
 }  // namespace irsig

@@ -14,7 +14,8 @@ namespace irsig {
 // Returns the land of a sweep: its maps are read and placed around the target. Null: the sweep has
 // no [land]. One land serves all views.
 // INVALID_ARGUMENT "land...": a file that cannot be read, a map that does not contain the target or
-// that has no heights where they are needed, fractions that do not fit (LandCover::create).
+// that has no heights where they are needed, fractions that do not fit (LandCover::create), objects that do
+// not stand on it (land_objects_from_sweep).
 // assets: with the files of [land].
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(
     const schema::ResolvedSweep& sweep, const Assets& assets);
@@ -25,7 +26,7 @@ namespace irsig {
 [[nodiscard]] std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep,
                                                  const LandScene* land);
 
-// Returns the size of the land's heights and fractions. [bytes] Null: 0.
+// Returns the size of the land's heights, fractions and objects. [bytes] Null: 0.
 [[nodiscard]] std::size_t bytes_of(const LandScene* land);
 
 }  // namespace irsig

@@ -15,6 +15,9 @@ std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep) {
     if (!sha256->empty()) out.insert(*sha256);
   for (const schema::LandFile& file : land.fraction())
     if (!file.sha256().empty()) out.insert(file.sha256());
+  for (const schema::LandObjectFiles& object : land.object())
+    for (const std::string* sha256 : {&object.model().sha256(), &object.places().sha256()})
+      if (!sha256->empty()) out.insert(*sha256);
   return out;
 }
 

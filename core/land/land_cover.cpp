@@ -114,23 +114,24 @@ void quantise(std::span<const double> fraction, std::uint8_t* out) {
 
 class LandCover::Maker {
  public:
-  Maker(std::span<const CoverLayer> layer, const HeightField& field, const GeodeticPosition& origin)
-      : layer_(layer), field_(field), origin_(origin) {}
+  Maker(std::vector<const CoverLayer*> layer, const HeightField& field,
+        const GeodeticPosition& origin)
+      : layer_(std::move(layer)), field_(field), origin_(origin) {}
 
   absl::StatusOr<LandCover> make() {
-    if (layer_.empty()) return absl::InvalidArgumentError("land needs a material");
+    if (layer_.empty()) return absl::InvalidArgumentError("land needs a material of the ground");
     RETURN_IF_ERROR(find_remainder());
     LandCover out;
     if (layer_.size() == 1 && remainder_) return out;
     RETURN_IF_ERROR(choose_cells());
-    for (const CoverLayer& layer : layer_) {
+    for (const CoverLayer* layer : layer_) {
       std::size_t at = 0;
-      while (layer.fraction && at < places_.size() &&
-             !places_[at].frame().same_grid(*layer.fraction))
+      while (layer->fraction && at < places_.size() &&
+             !places_[at].frame().same_grid(*layer->fraction))
         ++at;
       places_of_.push_back(at);
-      if (layer.fraction && at == places_.size())
-        places_.emplace_back(*layer.fraction, origin_,
+      if (layer->fraction && at == places_.size())
+        places_.emplace_back(*layer->fraction, origin_,
                              CellPlaces::Size{cells_.west_m + 0.5 * cells_.spacing_m,
                                               cells_.south_m + 0.5 * cells_.spacing_m,
                                               cells_.spacing_m, cells_.columns, cells_.rows},
@@ -145,14 +146,14 @@ class LandCover::Maker {
  private:
   absl::Status find_remainder() {
     for (std::size_t m = 0; m < layer_.size(); ++m) {
-      if (const auto& raster = layer_[m].fraction) {
+      if (const auto& raster = layer_[m]->fraction) {
         if (raster->columns < 1 || raster->rows < 1 ||
             raster->height_m.size() != std::size_t{raster->columns} * raster->rows)
-          return keyed_problem(layer_[m].key, "the map of fractions has no samples");
+          return keyed_problem(layer_[m]->key, "the map of fractions has no samples");
         continue;
       }
       if (remainder_)
-        return keyed_problem(layer_[m].key,
+        return keyed_problem(layer_[m]->key,
                              "two materials have no map of fractions; expected at most one, which "
                              "takes what the others leave");
       remainder_ = m;
@@ -162,10 +163,10 @@ class LandCover::Maker {
 
   absl::Status choose_cells() {
     const CoverLayer* finest = nullptr;
-    for (const CoverLayer& layer : layer_)
-      if (layer.fraction &&
-          (finest == nullptr || spacing_of(*layer.fraction) < spacing_of(*finest->fraction)))
-        finest = &layer;
+    for (const CoverLayer* layer : layer_)
+      if (layer->fraction &&
+          (finest == nullptr || spacing_of(*layer->fraction) < spacing_of(*finest->fraction)))
+        finest = layer;
     const HeightRaster& raster = *finest->fraction;
     const HeightGrid& map = field_.outer();
     const double spacing_m = spacing_of(raster);
@@ -214,11 +215,11 @@ class LandCover::Maker {
       double sum = 0;
       for (std::size_t m = 0; m < layer_.size(); ++m) {
         fraction[m] = 0;
-        if (!layer_[m].fraction) continue;
+        if (!layer_[m]->fraction) continue;
         const auto& at = sample[places_of_[m]];
         if (!at)
           return keyed_problem(
-              layer_[m].key,
+              layer_[m]->key,
               absl::StrCat("the map of fractions ends before the map of heights: it has no sample ",
                            "at ", point(column, row),
                            "; use a map that covers the heights, or a smaller width_m"));
@@ -238,15 +239,15 @@ class LandCover::Maker {
   }
 
   absl::Status take(std::size_t m, const Sample& at, double& fraction) const {
-    const HeightRaster& raster = *layer_[m].fraction;
+    const HeightRaster& raster = *layer_[m]->fraction;
     fraction = raster.height_m[std::size_t{at.row} * raster.columns + at.column];
     if (std::isnan(fraction))
-      return keyed_problem(layer_[m].key,
+      return keyed_problem(layer_[m]->key,
                            absl::StrCat("the sample in ", at.text(),
                                         " is missing; expected a fraction from 0 to 1"));
     if (!(fraction >= -kFractionTolerance && fraction <= 1 + kFractionTolerance))
       return keyed_problem(
-          layer_[m].key,
+          layer_[m]->key,
           absl::StrCat("the sample in ", at.text(), " is ", fraction,
                        ", expected a fraction from 0 to 1; bytes from 0 to 255 are converted by ",
                        "gdal_translate -ot Float32 -scale 0 255 0 1"));
@@ -258,13 +259,13 @@ class LandCover::Maker {
                                        const std::vector<std::optional<Sample>>& sample,
                                        const std::vector<double>& fraction, double sum) const {
     std::size_t first = 0;
-    while (!layer_[first].fraction) ++first;
+    while (!layer_[first]->fraction) ++first;
     std::string terms;
     for (std::size_t m = 0; m < layer_.size(); ++m)
-      if (layer_[m].fraction)
+      if (layer_[m]->fraction)
         absl::StrAppend(&terms, terms.empty() ? "" : " + ", absl::SixDigits(fraction[m]));
     return keyed_problem(
-        layer_[first].key,
+        layer_[first]->key,
         absl::StrCat("the fractions of all materials at ", sample[places_of_[first]]->text(), " (",
                      point(column, row), ") add up to ", terms, " = ", absl::SixDigits(sum),
                      remainder_ ? ", expected at most 1 + 1/64"
@@ -272,7 +273,7 @@ class LandCover::Maker {
                                   "file of one material, which then takes what the others leave"));
   }
 
-  std::span<const CoverLayer> layer_;
+  std::vector<const CoverLayer*> layer_;
   const HeightField& field_;
   GeodeticPosition origin_;
   std::optional<std::size_t> remainder_;
@@ -284,7 +285,18 @@ class LandCover::Maker {
 absl::StatusOr<LandCover> LandCover::create(std::span<const CoverLayer> layer,
                                             const HeightField& field,
                                             const GeodeticPosition& origin) {
-  return Maker(layer, field, origin).make();
+  std::vector<const CoverLayer*> ground;
+  std::vector<std::uint32_t> number;
+  for (std::size_t m = 0; m < layer.size(); ++m) {
+    if (layer[m].objects_only) continue;
+    ground.push_back(&layer[m]);
+    number.push_back(static_cast<std::uint32_t>(m));
+  }
+  const bool all = ground.size() == layer.size();
+  ASSIGN_OR_RETURN(LandCover out, Maker(std::move(ground), field, origin).make());
+  out.materials_ = static_cast<std::uint32_t>(layer.size());
+  if (!all) out.ground_ = std::move(number);
+  return out;
 }
 
 }  // namespace irsig

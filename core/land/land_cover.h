@@ -21,6 +21,7 @@ struct CoverLayer {
   std::string key;  // of the sweep file, for errors
   // Fractions from 0 to 1, in the place of heights. Absent: what the other materials leave.
   std::optional<HeightRaster> fraction = std::nullopt;
+  bool objects_only = false;  // covers no ground, and has no raster
 };
 
 // Most bytes of a cover: one for each cell and material.
@@ -39,26 +40,34 @@ class LandCover {
   LandCover() = default;
 
   // Places the rasters under the heights of `field`, whose local frame has its origin at `origin`.
-  // Layers without a raster: at most one. INVALID_ARGUMENT with the layer's key, and with row and
-  // column: a raster that does not cover the field's map, a missing sample, a fraction beyond 0 to
-  // 1, fractions whose sum differs from 1 by more than 1/64 (more than 1, if a layer takes what
-  // they leave), more than kMostCoverBytes.
+  // Layers of the ground without a raster: at most one. INVALID_ARGUMENT with the layer's key, and
+  // with row and column: a raster that does not cover the field's map, a missing sample, a fraction
+  // beyond 0 to 1, fractions whose sum differs from 1 by more than 1/64 (more than 1, if a layer
+  // takes what they leave), more than kMostCoverBytes.
   [[nodiscard]] static absl::StatusOr<LandCover> create(std::span<const CoverLayer> layer,
                                                         const HeightField& field,
                                                         const GeodeticPosition& origin);
 
-  [[nodiscard]] std::uint32_t materials() const { return cells_ ? cells_->materials : 1; }
+  // The number of layers, those of objects included.
+  [[nodiscard]] std::uint32_t materials() const { return materials_; }
 
   // Computes the fractions of the materials at (x, y) of the land's local frame: those of the
   // nearest cell. They are not negative and add up to 1 within rounding.
   //   fraction  [materials()]
   void at(double x_m, double y_m, std::span<float> fraction) const {
     if (!cells_) {
-      fraction[0] = 1;
+      std::fill(fraction.begin(), fraction.end(), 0.0F);
+      fraction[ground_.empty() ? 0 : ground_.front()] = 1;
       return;
     }
     const std::uint8_t* here = cells_->at(x_m, y_m);
-    for (std::size_t m = 0; m < cells_->materials; ++m) fraction[m] = (1 / 255.0F) * here[m];
+    if (ground_.empty()) {
+      for (std::size_t m = 0; m < cells_->materials; ++m) fraction[m] = (1 / 255.0F) * here[m];
+      return;
+    }
+    std::fill(fraction.begin(), fraction.end(), 0.0F);
+    for (std::size_t m = 0; m < cells_->materials; ++m)
+      fraction[ground_[m]] = (1 / 255.0F) * here[m];
   }
 
   [[nodiscard]] std::size_t memory_bytes() const { return cells_ ? cells_->share.size() : 0; }
@@ -79,7 +88,9 @@ class LandCover {
     }
   };
   class Maker;
-  std::shared_ptr<const Cells> cells_;  // null: one material
+  std::shared_ptr<const Cells> cells_;  // null: one material covers all ground
+  std::uint32_t materials_ = 1;
+  std::vector<std::uint32_t> ground_;  // the layers of the ground; empty: all layers are
 };
 
 }  // namespace irsig

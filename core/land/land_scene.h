@@ -7,10 +7,13 @@
 
 namespace irsig {
 
+class LandObjects;
+
 // The land on which a target stands. Its local frame has its origin at the target's place. The
 // materials of the cover are those of SceneSpec::land_material.
 struct LandScene {
   std::shared_ptr<const HeightField> field;
+  std::shared_ptr<const LandObjects> objects = nullptr;  // that stand on it; null: none
   LandCover cover;
   double heading_deg = 0;  // of the target's bow, clockwise from north
   double surface_m = 0;    // z of the land below the target

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "absl/strings/str_format.h"
+#include "core/base/problems.h"
 #include "core/environment/line_horizon.h"
 #include "core/signature/prepared_view.h"
 #include "core/sources/view_sources.h"
@@ -42,6 +43,10 @@ absl::Status check_above_land(const Target& target, const LandScene& scene, doub
   // Not owned: the land outlives this call.
   const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
                   above_m - target.centre.z, target.centre, {}, bend_per_m);
+  if (const auto object = land.object_around(sensor))
+    return absl::InvalidArgumentError(
+        absl::StrFormat("%s lies inside an object on the land (%s%s); move the object or the sensor",
+                        text_of(viewpoint), object->text, object->key));
   if (land.covers(sensor))
     return absl::InvalidArgumentError(absl::StrFormat(
         "%s lies below the land there; raise it or take a shorter range", text_of(viewpoint)));
@@ -59,6 +64,17 @@ absl::Status check_above_land(const Target& target, const LandScene& scene, doub
 }
 
 }  // namespace
+
+absl::Status check_outside_objects(const Target& target, const LandScene& scene, double above_m) {
+  const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
+                  above_m - target.centre.z, target.centre, {});
+  for (std::size_t i = 0; i < target.vertex.size() / 3; ++i)
+    if (const auto object = land.object_around(vertex(target, i)))
+      return keyed_problem(
+          object->key, object->text +
+                           "the object covers a part of the target; move it away from the target");
+  return absl::OkStatus();
+}
 
 absl::Status check_in_sight(const Target& target, std::span<const ConditionSpec> condition,
                             const Environment* environment, const LandScene* land,

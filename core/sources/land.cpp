@@ -72,6 +72,13 @@ Vec<Enu> Land::lift(Vec<Body> sensor) const {
 std::optional<LandPoint> Land::meet(Vec<Enu> origin, Vec<Enu> towards,
                                     std::span<float> fraction) const {
   const std::optional<LandHit> hit = field().first_hit(origin, towards, kFarM, bend_per_m_);
+  if (const LandObjects* objects = scene_->objects.get())
+    if (const auto met =
+            objects->first_hit(origin, towards, hit ? hit->distance : kFarM, bend_per_m_)) {
+      std::fill(fraction.begin(), fraction.end(), 0.0f);
+      fraction[met->material] = 1;
+      return LandPoint{met->distance, met->normal, met->departure_m};
+    }
   if (!hit || hit->at_edge) return std::nullopt;
   LandPoint out{hit->distance, hit->normal, field().departure_m(origin, towards, *hit)};
   out.departure_m.z += raised_m(out.departure_m);
@@ -94,14 +101,27 @@ std::optional<LandPoint> Land::meet_in_sight(Vec<Body> sensor, Vec<Body> from, V
 }
 
 bool Land::hides(Vec<Body> from, Vec<Body> along, double most) const {
-  return field().hidden(place(from), direction(along), most, bend_per_m_);
+  return hidden(place(from), direction(along), most);
+}
+
+bool Land::hidden(Vec<Enu> origin, Vec<Enu> towards, double most) const {
+  return field().hidden(origin, towards, most, bend_per_m_) ||
+         (scene_->objects != nullptr &&
+          scene_->objects->hidden(origin, towards, most, bend_per_m_));
+}
+
+double Land::highest_m(double west_m, double east_m, double south_m, double north_m) const {
+  const double land_m = field().highest_m(west_m, east_m, south_m, north_m);
+  return scene_->objects == nullptr
+             ? land_m
+             : std::max(land_m, scene_->objects->highest_m(west_m, east_m, south_m, north_m));
 }
 
 bool Land::hides_from(Vec<Body> sensor, Vec<Body> from, double most) const {
   const Vec<Enu> origin = place(from);
   Vec<Enu> towards = direction(sensor - from);
   towards.z += dot(lift(sensor), towards);
-  return field().hidden(origin, towards, most, bend_per_m_);
+  return hidden(origin, towards, most);
 }
 
 double Land::clear_in_sight_m(Vec<Body> sensor, Vec<Body> along, double radius_m,
@@ -116,7 +136,7 @@ double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) con
   const double east_m = map.west_m + map.columns * map.spacing_m,
                north_m = map.south_m + map.rows * map.spacing_m,
                across_m = std::hypot(east_m - map.west_m, north_m - map.south_m),
-               highest_m = field().highest_m(map.west_m, east_m, map.south_m, north_m);
+               top_m = highest_m(map.west_m, east_m, map.south_m, north_m);
   double out = 0;
   for (double near_m = 0, far_m = radius_m; near_m < 2 * across_m;
        near_m = far_m, far_m = 1.25 * far_m + radius_m) {
@@ -124,10 +144,9 @@ double Land::clear_beyond_m(Vec<Body> along, double radius_m, double spread) con
     const double around_m = radius_m + spread * far_m,
                  raised_m = std::max(0.0, bend_per_m_) * (far_m + around_m) * (far_m + around_m),
                  lowest_m = std::min(a.z, b.z) - around_m - raised_m;
-    if (towards.z > spread + std::max(0.0, bend_per_m_) * 4 * across_m && lowest_m > highest_m)
-      break;
-    if (field().highest_m(std::min(a.x, b.x) - around_m, std::max(a.x, b.x) + around_m,
-                          std::min(a.y, b.y) - around_m, std::max(a.y, b.y) + around_m) > lowest_m)
+    if (towards.z > spread + std::max(0.0, bend_per_m_) * 4 * across_m && lowest_m > top_m) break;
+    if (highest_m(std::min(a.x, b.x) - around_m, std::max(a.x, b.x) + around_m,
+                  std::min(a.y, b.y) - around_m, std::max(a.y, b.y) + around_m) > lowest_m)
       out = far_m + radius_m;
   }
   return out;
@@ -154,20 +173,26 @@ double Land::leaves_map_m(Vec<Body> from, Vec<Body> along) const {
 bool Land::covers(Vec<Body> point) const {
   const Vec<Enu> at = place(point);
   const std::optional<double> surface_m = field().z_m(at.x, at.y);
-  return surface_m && at.z < *surface_m;
+  return (surface_m && at.z < *surface_m) ||
+         (scene_->objects != nullptr && scene_->objects->around(at).has_value());
+}
+
+std::optional<ObjectName> Land::object_around(Vec<Body> point) const {
+  return scene_->objects == nullptr ? std::nullopt : scene_->objects->around(place(point));
 }
 
 bool Land::covers_in_sight(Vec<Body> sensor, Vec<Body> point) const {
   Vec<Enu> at = place(point);
   at.z += dot(lift(sensor), at) - raised_m(at);
   const std::optional<double> surface_m = field().z_m(at.x, at.y);
-  return surface_m && at.z < *surface_m;
+  return (surface_m && at.z < *surface_m) ||
+         (scene_->objects != nullptr && scene_->objects->around(at).has_value());
 }
 
 double Land::sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const {
   const Vec<Enu> towards = direction(towards_sun);
   const double cosine = dot(at.normal, towards);
-  return cosine > 0 && !field().hidden(at.departure_m, towards, kFarM, bend_per_m_) ? cosine : 0;
+  return cosine > 0 && !hidden(at.departure_m, towards, kFarM) ? cosine : 0;
 }
 
 float Land::sky_fraction(const LandPoint& at) {

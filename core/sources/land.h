@@ -9,6 +9,7 @@
 #include "core/environment/environment.h"
 #include "core/geo/frames.h"
 #include "core/land/land_scene.h"
+#include "core/land/objects/land_objects.h"
 
 namespace irsig {
 
@@ -18,8 +19,9 @@ struct LandPoint {
   Vec<Enu> normal, departure_m;
 };
 
-// Land around the target. It hides and shades the target, and rays end on it; what does not meet
-// its map ends as above Ground. Points and directions are relative to the target's centre.
+// Land around the target, with the objects that stand on it. It hides and shades the target, and
+// rays end on it; what does not meet its map ends as above Ground. Points and directions are
+// relative to the target's centre.
 //
 // Air bends rays. All of them are straight lines above land that is raised by the bend: by
 // bend_per_m times the square of the distance from the target. Lines of sight leave the sensor so
@@ -67,8 +69,12 @@ class Land {
   // Returns the distance along a direction, a unit vector, at which a ray leaves the map for the
   // last time; 0: it is never above the map.
   [[nodiscard]] double leaves_map_m(Vec<Body> from, Vec<Body> direction) const;
-  [[nodiscard]] bool covers(Vec<Body> point) const;  // whether the point lies below land
-  // Returns true if a point of a line of sight behind the target lies below land.
+  // Returns true if the point lies below land or inside an object.
+  [[nodiscard]] bool covers(Vec<Body> point) const;
+  // Returns the object that encloses a point.
+  [[nodiscard]] std::optional<ObjectName> object_around(Vec<Body> point) const;
+  // Returns true if a point of a line of sight behind the target lies below land or
+  // inside an object.
   [[nodiscard]] bool covers_in_sight(Vec<Body> sensor, Vec<Body> point) const;
   // Returns the cosine of a sun's incidence on land; 0 in the shadow of land.
   [[nodiscard]] double sun_cosine(const LandPoint& at, Vec<Body> towards_sun) const;
@@ -99,6 +105,9 @@ class Land {
   [[nodiscard]] double raised_m(Vec<Enu> p) const { return bend_per_m_ * (p.x * p.x + p.y * p.y); }
   [[nodiscard]] std::optional<LandPoint> meet(Vec<Enu> origin, Vec<Enu> towards,
                                               std::span<float> fraction) const;
+  [[nodiscard]] bool hidden(Vec<Enu> origin, Vec<Enu> towards, double most) const;
+  [[nodiscard]] double highest_m(double west_m, double east_m, double south_m,
+                                 double north_m) const;
   [[nodiscard]] const HeightField& field() const { return *scene_->field; }
 
   std::shared_ptr<const LandScene> scene_;

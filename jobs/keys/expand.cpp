@@ -198,6 +198,10 @@ std::string encoding_for_views(schema::ResolvedSweep sweep) {
     clear_file_name(*sweep.mutable_land()->mutable_heights());
     if (sweep.land().has_inset()) clear_file_name(*sweep.mutable_land()->mutable_inset());
     for (schema::LandFile& file : *sweep.mutable_land()->mutable_fraction()) clear_file_name(file);
+    for (schema::LandObjectFiles& object : *sweep.mutable_land()->mutable_object()) {
+      clear_file_name(*object.mutable_model());
+      if (object.has_places()) clear_file_name(*object.mutable_places());
+    }
   }
   for (schema::Condition& condition : *sweep.mutable_condition()) {
     condition.clear_warning();

@@ -102,6 +102,64 @@ class Land(unittest.TestCase):
             self.assertIn((self.path / f"maps/{name}.asc").read_bytes(), assets, name)
         self.assertFalse(any(b"maps/" in asset for asset in assets))
 
+    def test_objects_are_computed_stored_and_seen(self):
+        cube = [(x, y, z) for z in (0, 2) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        faces = ((4, 3, 2, 1), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8))
+        (self.path / "cube.obj").write_text("".join("v %g %g %g\n" % p for p in cube) + "o cube\n" +
+                                            "".join("f %d %d %d %d\n" % f for f in faces))
+        (self.path / "places.csv").write_text("east_m,north_m,scale\n-40,2,10\n-30,-40,8\n")
+        table = """[[land.material]]
+material = "brick"
+objects_only = true
+temperature_k = 400
+[[land.object]]
+model = "cube.obj"
+unit_m = 1
+forward_axis = "+x"
+up_axis = "+z"
+material = "brick"
+"""
+        by_file = SWEEP + materials("wheat") + table + 'places_file = "places.csv"\n'
+        by_hand = SWEEP + materials("wheat") + table + (
+            "place = [{ east_m = -40, north_m = 2, scale = 10 }, { east_m = -30, north_m = -40, scale = 8 }]\n")
+        rows = {}
+        for name, text in (("bare", SWEEP + materials("wheat")), ("file", by_file), ("hand", by_hand)):
+            self.irsig("run", "s.toml", "--db", f"{name}.db", "--workers", "1", text=text)
+            with sqlite3.connect(self.path / f"{name}.db") as database:
+                rows[name] = database.execute(
+                    "SELECT intensity_w_sr, contrast_intensity_w_sr FROM signature").fetchall()
+                assets = [bytes(row[0]) for row in database.execute("SELECT bytes FROM asset")]
+                self.assertEqual((self.path / "cube.obj").read_bytes() in assets, name != "bare")
+                self.assertEqual((self.path / "places.csv").read_bytes() in assets, name == "file")
+        # How places are stated does not matter. Hot walls shine on the lid of the target.
+        self.assertEqual(rows["file"], rows["hand"])
+        self.assertGreater(rows["file"][0][0], rows["bare"][0][0])
+        self.irsig("plot", "file.db", "--kind", "land", "--out", "objects.svg", text=by_file)
+        self.assertIn("brick", (self.path / "objects.svg").read_text())
+
+    def test_what_is_wrong_with_objects_is_said_at_its_key(self):
+        (self.path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\no leaf\nf 1 2 3\n")
+        (self.path / "wrong.csv").write_text("east_m,north_m\n1,2\n1,x\n")
+        table = """[[land.object]]
+model = "one.obj"
+unit_m = 1
+forward_axis = "+x"
+up_axis = "+z"
+"""
+        text = SWEEP + materials("wheat") + table
+        line = self.line(text, r"\[\[land.object\]\]")
+        grass, near = 'material = "grass"\n', "place = [{ east_m = 20, north_m = 0 }]\n"
+        self.refused(text.replace("one.obj", "none.obj") + grass + near,
+                     f's.toml:{line + 1}:1: land.object[0].model = "none.obj": ')
+        self.refused(text + 'material = "gras"\n' + near,
+                     f's.toml:{line + 5}:1: land.object[0].material = "gras" is no [[land.material]], did you mean '
+                     '"grass"?')
+        self.refused(text + grass + 'places_file = "wrong.csv"\n',
+                     f's.toml:{line + 6}:1: land.object[0].places_file: wrong.csv:3:3: north_m = "x", expected a number')
+        self.refused(text + grass + "place = [{ east_m = 20000, north_m = 0 }]\n",
+                     f"s.toml:{line + 6}:10: land.object[0].place[0]: the object at east_m = 20000, north_m = 0 stands "
+                     "beyond the map of heights; move it, or use a larger map")
+
     def test_a_picture_of_a_database_and_of_a_sweep_file(self):
         text = SWEEP + materials("wheat")
         self.irsig("run", "s.toml", "--db", "picture.db", "--workers", "1", text=text)

@@ -70,7 +70,8 @@ TEST(Examples, AllOfThemResolveAndExpand) {
                                    "sphere", "box", "cylinder", "cone", "cavity", "cooling_tower",
                                    "painted_sphere", "houses", "frigate_day", "frigate_plume",
                                    "plume_column", "drone", "camera", "training_images",
-                                   "frigate_overcast", "vehicle_land", "vehicle_view"));
+                                   "frigate_overcast", "vehicle_land", "vehicle_view",
+                                   "vehicle_village"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.

@@ -12,6 +12,7 @@
 #include "absl/strings/str_replace.h"
 #include "jobs/check_resolved.h"
 #include "jobs/keys/expand.h"
+#include "schema/assets.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {
@@ -135,6 +136,60 @@ TEST(ResolveLand, FilesThatCannotBeReadAreReportedAtTheirKeys) {
             "s.toml:45:1: land.material[0].fraction_file = \"maps/road.TIF\": does not exist");
 }
 
+constexpr const char* kObjects = R"([[land.material]]
+material = "leaves"
+objects_only = true
+temperature_k = 289
+[[land.object]]
+model = "models/tree.obj"
+unit_m = 1
+forward_axis = "+x"
+up_axis = "+z"
+material = "leaves"
+places_file = "maps/trees.csv"
+[[land.object]]
+model = "models/house.glb"
+material = "asphalt"
+scale = 2
+place = [{ east_m = 50, north_m = -20 }, { east_m = 80, north_m = 0, heading_deg = 45, scale = 3 }]
+[[land.object]]
+model = "models/tree.obj"
+unit_m = 1
+forward_axis = "+x"
+up_axis = "+z"
+material = "leaves"
+part = [{ match = "trunk", material = "asphalt" }]
+count = 100
+within = "grass"
+inner_radius_m = 50
+radius_m = 500
+)";
+
+TEST(ResolveLand, ObjectsAndTheirFilesAreWrittenOut) {
+  const auto sweep = resolved_land(absl::StrCat(kLand, kObjects));
+  ASSERT_TRUE(sweep.ok()) << sweep.status();
+  EXPECT_THAT(sweep->ShortDebugString(), ::testing::Not(HasSubstr("maps/")));
+  EXPECT_THAT(sweep->ShortDebugString(), ::testing::Not(HasSubstr("models/")));
+  ASSERT_EQ(sweep->land().object_size(), 3);
+  EXPECT_EQ(sweep->land().object(0).model().sha256(), sha256_hex("bytes of models/tree.obj"));
+  EXPECT_EQ(sweep->land().object(0).places().sha256(), sha256_hex("bytes of maps/trees.csv"));
+  EXPECT_EQ(sweep->land().object(0).places().file_name(), "trees.csv");
+  EXPECT_FALSE(sweep->land().object(1).has_places());
+  const schema::Land& land = sweep->sweep().land();
+  EXPECT_EQ(land.object(0).reference(), "bbox_bottom_center");
+  EXPECT_EQ(land.object(0).scale(), 1);
+  EXPECT_FALSE(land.object(0).has_seed());
+  EXPECT_EQ(land.object(1).forward_axis(), "+z");
+  EXPECT_EQ(land.object(1).place(0).scale(), 2);
+  EXPECT_EQ(land.object(1).place(0).heading_deg(), 0);
+  EXPECT_EQ(land.object(1).place(1).scale(), 3);
+  EXPECT_EQ(land.object(2).seed(), 1U);
+  EXPECT_THAT(sweep->condition(0).land_temperature_k(), ElementsAre(310, 288, 289));
+  EXPECT_TRUE(check_resolved(*sweep).ok()) << check_resolved(*sweep);
+  // What workers fetch: heights, inset, road, tree, places, house.
+  EXPECT_EQ(needed_assets(*sweep).size(), 6U);
+}
+
 // Rationale: a job's result depends on bytes and temperatures, not on where a map lies.
 TEST(ResolveLand, KeysOfJobsFollowWhatDeterminesResults) {
   const auto key_of = [](const std::string& text,
@@ -162,6 +217,20 @@ TEST(ResolveLand, KeysOfJobsFollowWhatDeterminesResults) {
   EXPECT_NE(key, key_of(kLand, [](schema::ResolvedSweep& s) {
               s.mutable_land()->mutable_fraction(0)->set_sha256(sha256_hex("other bytes"));
             }));
+  const std::string built = absl::StrCat(kLand, kObjects), built_key = key_of(built, nothing);
+  EXPECT_NE(key, built_key);
+  EXPECT_EQ(built_key, key_of(built, [](schema::ResolvedSweep& s) {
+              s.mutable_land()->mutable_object(0)->mutable_model()->set_file_name("other.OBJ");
+              s.mutable_land()->mutable_object(0)->mutable_places()->set_file_name("other.csv");
+            }));
+  EXPECT_NE(built_key, key_of(built, [](schema::ResolvedSweep& s) {
+              s.mutable_land()->mutable_object(0)->mutable_places()->set_sha256(
+                  sha256_hex("other bytes"));
+            }));
+  for (const auto& [from, to] : {std::pair{"north_m = -20", "north_m = -21"},
+                                 {"count = 100", "count = 101"},
+                                 {"scale = 3", "scale = 4"}})
+    EXPECT_NE(built_key, key_of(absl::StrReplaceAll(built, {{from, to}}), nothing)) << to;
 }
 
 TEST(ResolveLand, SubmittedSweepsAreChecked) {
@@ -185,6 +254,18 @@ TEST(ResolveLand, SubmittedSweepsAreChecked) {
       {"land.material[0].material = \"lava\" is no known material",
        [](auto& s) {
          s.mutable_sweep()->mutable_land()->mutable_material(0)->set_material("lava");
+       }},
+      {"land.object has files of 1 objects for 0 tables",
+       [](auto& s) { s.mutable_land()->add_object(); }},
+      {"land.object[0].model.sha256 = \"\", expected a SHA-256 in hex",
+       [](auto& s) {
+         s.mutable_land()->add_object();
+         s.mutable_sweep()->mutable_land()->add_object();
+       }},
+      {"land.object[0].material = \"lava\" is no [[land.material]]",
+       [](auto& s) {
+         s.mutable_land()->add_object();
+         s.mutable_sweep()->mutable_land()->add_object()->set_material("lava");
        }},
   };
   for (const auto& [named, change] : changes) {

@@ -6,10 +6,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/land/generate_terrain.h"
+#include "core/land/objects/land_objects.h"
 #include "jobs/keys/expand.h"
 #include "jobs/resolve_land.h"
 #include "runner/job_runner.h"
@@ -77,11 +80,13 @@ struct OnLand {
   schema::ResolvedSweep sweep;
   Assets assets;
 };
-absl::StatusOr<OnLand> on_land() {
-  auto file = parse_sweep(kOnLand, "s.toml");
+absl::StatusOr<OnLand> on_land(const std::string& more = "",
+                               const std::map<std::string, std::string>& files = {}) {
+  auto file = parse_sweep(kOnLand + more, "s.toml");
   if (!file.ok()) return file.status();
   const absl::Status read =
-      read_land_files(*file, [](const std::string& name) -> absl::StatusOr<std::string> {
+      read_land_files(*file, [&](const std::string& name) -> absl::StatusOr<std::string> {
+        if (const auto at = files.find(name); at != files.end()) return at->second;
         const auto layer = generate_terrain({.seed = 1, .width_m = 2000, .spacing_m = 20},
                                             name.substr(0, name.find('.')));
         if (!layer.ok()) return layer.status();
@@ -153,6 +158,106 @@ TEST(SweepLand, TheMapIsPartOfARunnersMemory) {
   EXPECT_THAT(
       std::string(JobRunner::create(on->sweep, on->assets, {}, std::nullopt).status().message()),
       HasSubstr("land.heights: heights.asc:1:1: "));
+}
+
+// A tent: two groups, open at the ends.
+constexpr const char* kTent =
+    "v -2 -1 0\nv 2 -1 0\nv 2 1 0\nv -2 1 0\nv -2 0 3\nv 2 0 3\n"
+    "o sides\nf 1 2 6 5\nf 3 4 5 6\no floor\nf 4 3 2 1\n";
+constexpr const char* kCube =
+    "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 2\nv 1 -1 2\nv 1 1 2\nv -1 1 2\n"
+    "o cube\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+constexpr const char* kCanvas = R"([[land.material]]
+material = "leaves"
+objects_only = true
+temperature_k = 290
+)";
+
+std::string object_of(const std::string& rest, const std::string& model = "tent.obj") {
+  return "[[land.object]]\nmodel = \"" + model +
+         "\"\nunit_m = 1\nforward_axis = \"+x\"\nup_axis = \"+z\"\n" + rest;
+}
+
+TEST(SweepLand, ObjectsStandOnTheLandOfTheirSweep) {
+  const auto on = on_land(
+      kCanvas +
+          object_of("material = \"leaves\"\npart = [{ match = \"floor\", material = \"asphalt\" "
+                    "}]\nplaces_file = \"tents.csv\"\nscale = 2\nsink_m = 0.5\n") +
+          object_of("material = \"leaves\"\ncount = 40\nwithin = \"grass\"\ninner_radius_m = "
+                    "200\nradius_m = 900\n",
+                    "cube.obj"),
+      {{"tent.obj", kTent}, {"cube.obj", kCube}, {"tents.csv", "east_m,north_m\n300,-400\n"}});
+  ASSERT_TRUE(on.ok()) << on.status();
+  const auto scene = scene_from_sweep(on->sweep, on->assets, {});
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const LandScene& land = *scene->land;
+  ASSERT_NE(land.objects, nullptr);
+  EXPECT_EQ(land.cover.materials(), 3U);
+  ASSERT_EQ(land.objects->count(), 41U);
+  const double ground_m = land.field->z_m(300, -400).value();
+  // The lowest land below the base is a little lower than its middle; a tent is 6 m high.
+  EXPECT_NEAR(land.objects->middle_m(0).z, ground_m - 0.5 + 3, 1.5);
+  EXPECT_LT(land.objects->middle_m(0).z, ground_m - 0.5 + 3);
+  const auto roof = land.objects->first_hit({300.5, -399, ground_m + 50}, {0, 0, -1}, 1e9);
+  ASSERT_TRUE(roof.has_value());
+  EXPECT_EQ(roof->material, 2U);
+  const auto floor = land.objects->first_hit({300.5, -399, ground_m - 50}, {0, 0, 1}, 1e9);
+  ASSERT_TRUE(floor.has_value());
+  EXPECT_EQ(floor->material, 1U);
+  std::vector<float> fraction(3);
+  for (std::size_t i = 1; i < 41; ++i) {
+    const Vec<Enu> at = land.objects->middle_m(i);
+    land.cover.at(at.x, at.y, fraction);
+    EXPECT_GT(fraction[0], 0);
+    EXPECT_GT(std::hypot(at.x, at.y), 199);
+  }
+  EXPECT_GT(bytes_of(&land),
+            land.field->memory_bytes() + land.cover.memory_bytes() + 41 * sizeof(double));
+}
+
+TEST(SweepLand, ObjectsThatCannotStandAreRefused) {
+  const auto refused = [](const std::string& object, const std::string& places = "") {
+    auto on = on_land(kCanvas + object, {{"tent.obj", kTent},
+                                         {"cube.obj", kCube},
+                                         {"places.csv", places},
+                                         {"wrong.obj", "v 1 2 3\nf 1 2 3\n"}});
+    if (!on.ok()) return std::string(on.status().message());
+    return std::string(
+        JobRunner::create(on->sweep, on->assets, {}, std::nullopt).status().message());
+  };
+  const std::string leaves = "material = \"leaves\"\n",
+                    there = "place = [{ east_m = 100, north_m = 0 }]\n";
+  EXPECT_THAT(refused(object_of("part = [{ match = \"sides\", material = \"leaves\" }]\n" + there)),
+              HasSubstr("land.object[0]: no part matches group \"floor\" of the model; add "
+                        "[[land.object.part]], or state material for all other groups"));
+  EXPECT_THAT(
+      refused(object_of(leaves + "part = [{ match = \"roof\", material = \"leaves\" }]\n" + there)),
+      HasSubstr("land.object[0].part[0].match: = \"roof\" matches no group of the model that an "
+                "earlier part leaves; its groups are: \"sides\", \"floor\""));
+  EXPECT_THAT(refused(object_of(leaves + there, "wrong.obj")),
+              HasSubstr("land.object[0].model: wrong.obj:2:"));
+  EXPECT_THAT(refused(object_of(leaves + "place = [{ east_m = 100, north_m = 0 }, { east_m = 5000, "
+                                         "north_m = 0 }]\n")),
+              HasSubstr("land.object[0].place[1]: the object at east_m = 5000, north_m = 0 stands "
+                        "beyond the map of heights"));
+  EXPECT_THAT(refused(object_of(leaves + "places_file = \"places.csv\"\n"),
+                      "east_m,north_m\n1,2\n30,4000\n"),
+              HasSubstr("land.object[0].places_file: places.csv:3:1: the object at"));
+  EXPECT_THAT(
+      refused(object_of(leaves + "places_file = \"places.csv\"\n"), "east_m,north_m\n1,two\n"),
+      HasSubstr(
+          "land.object[0].places_file: places.csv:2:3: north_m = \"two\", expected a number"));
+  EXPECT_THAT(
+      refused(object_of(leaves + "place = [{ east_m = 0, north_m = 0, scale = 5 }]\n", "cube.obj")),
+      HasSubstr("land.object[0].place[0]: the object covers a part of the target; move it "
+                "away from the target"));
+  // The sensor is 1 km to the bow's side, 342 m above the target.
+  EXPECT_THAT(refused(object_of(leaves + "place = [{ east_m = 539, north_m = 770, scale = 200 }]\n",
+                                "cube.obj")),
+              HasSubstr("lies inside an object on the land (land.object[0].place[0])"));
+  EXPECT_THAT(refused(object_of(leaves + "count = 9\nwithin = \"asphalt\"\ninner_radius_m = "
+                                         "5000\nradius_m = 6000\n")),
+              HasSubstr("land.object[0].count: only 0 of 9 places were found in 9000 tries"));
 }
 
 }  // namespace
