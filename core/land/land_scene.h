@@ -4,6 +4,7 @@
 
 #include "core/land/height_field.h"
 #include "core/land/land_cover.h"
+#include "core/land/land_kinds.h"
 
 namespace irsig {
 
@@ -15,6 +16,8 @@ struct LandScene {
   std::shared_ptr<const HeightField> field;
   std::shared_ptr<const LandObjects> objects = nullptr;  // that stand on it; null: none
   LandCover cover;
+  // Kinds of land whose temperatures are computed; null: each material is one kind.
+  std::shared_ptr<const LandKinds> kinds = nullptr;
   double heading_deg = 0;  // of the target's bow, clockwise from north
   double surface_m = 0;    // z of the land below the target
 };

@@ -30,7 +30,9 @@ struct ConditionSpec {
   double air_temperature_k = 0;
   // Height of the target's reference point above sea or ground. [m]
   double above_surface_m = 0;
-  std::vector<double> land_temperature_k = {};  // [material of LandScene::cover]
+  // [kind of LandScene::kinds, or material of LandScene::cover]
+  std::vector<double> land_temperature_k = {};
+  std::vector<double> land_temperature_error_k = {};  // likewise; empty: known
 };
 
 // Sine of the depression of the horizon above a sphere without air, from so high.

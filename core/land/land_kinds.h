@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geo/frames.h"
+
+namespace irsig {
+
+inline constexpr std::uint32_t kHorizonAzimuths = 32;
+
+// Elevation above the level of what stands highest in each direction, at azimuths
+// 2 pi i / kHorizonAzimuths clockwise from north; linear between.  [rad]
+struct LandHorizon {
+  std::array<float, kHorizonAzimuths> elevation_rad{};
+  [[nodiscard]] double at(double azimuth_rad) const;
+};
+
+// Land of one material that lies in one way and has one horizon: its temperature is one.
+struct LandKind {
+  std::uint32_t material = 0;  // of the land's cover
+  std::uint32_t horizon = 0;   // of LandKinds::horizon
+  bool object = false;         // a face of an object
+  Vec<Enu> normal{0, 0, 1};
+};
+
+// A part of what is at one place.
+struct KindShare {
+  std::uint32_t kind;
+  float share;
+};
+
+// A place that stands for none of the kinds: with the kinds that are taken for it.
+struct HeldOutPlace {
+  std::uint32_t material = 0;
+  bool object = false;  // a face of an object
+  Vec<Enu> normal{0, 0, 1};
+  LandHorizon horizon;
+  std::vector<KindShare> mix;  // adds up to 1
+};
+
+// The kinds of land around a target, and which of them stand for a place. Kinds of a material whose
+// temperature is computed are all its horizons with a level place and eight slopes each; and, for the
+// faces of objects, eight roofs and sixteen walls more under a free horizon. A place is the mean of a few of them, so that the absorbed
+// sunlight of a slope is exact as long as all of them are lit. A material whose temperature is
+// stated has one kind.
+//
+// Horizons are known in squares around the target, each twice as wide as the one within it.
+// The numbers are a value: a heat job makes them (kinds/make_land_kinds.h), and views take them.
+struct LandKinds {
+  // A square of cells around the origin of the land's local frame, row by row from the south.
+  struct Square {
+    double cell_m = 0;
+    std::uint32_t cells = 0;            // along each side
+    std::vector<std::uint8_t> horizon;  // [row][column]
+  };
+  std::uint32_t materials = 0;
+  std::vector<bool> computed;         // [material]
+  std::vector<bool> on_objects;       // [material] also has kinds for the faces of objects
+  std::vector<LandHorizon> horizon;   // [0] is free
+  std::vector<Square> square;         // from the narrowest on
+  std::vector<LandKind> kind;         // as index_kinds() numbers them
+  std::vector<HeldOutPlace> held_out;
+
+  // Writes `kind` and what at() needs, from the members above.
+  void index_kinds();
+
+  // Appends the kinds of a place, with shares whose sum is that of the fractions.
+  //   fraction  [material]
+  //   object    a face of an object: its horizon is taken as free
+  void at(double x_m, double y_m, Vec<Enu> normal, bool object, std::span<const float> fraction,
+          std::vector<KindShare>& out) const;
+  // Likewise, of one material with a horizon.
+  void at(std::uint32_t material, std::uint32_t horizon, Vec<Enu> normal, bool object, float share,
+          std::vector<KindShare>& out) const;
+  // The horizon of a place; that of the nearest cell beyond all squares.
+  [[nodiscard]] std::uint32_t horizon_at(double x_m, double y_m) const;
+
+ private:
+  std::vector<std::uint32_t> first_ground_, first_object_;  // [material]
+};
+
+}  // namespace irsig

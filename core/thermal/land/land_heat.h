@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/land/land_kinds.h"
+#include "core/thermal/scene/scene_heat.h"
+
+namespace irsig {
+
+// Temperatures of land in the weather: of each of its kinds.
+
+// A material of land whose temperature is computed.
+struct LandHeatMaterial {
+  WallBuildUp wall;  // not open inside
+  double solar_absorptance = 0, emissivity = 1;
+};
+
+struct LandHeatRequest {
+  // [material of LandKinds] Nothing: its temperature is stated, and its kinds get stated_k.
+  std::vector<std::optional<LandHeatMaterial>> material;
+  std::vector<double> stated_k;
+  // Weather at knots, as SceneHeatRequest has it.
+  std::vector<double> knot_s;
+  std::vector<HeatWeather> weather;  // [knot]
+  std::size_t day_knots = 0;
+  std::vector<std::size_t> output_knot;  // even, increasing
+  double heading_deg = 0;                // of the frame of HeatWeather
+  double convection_factor = 1;
+  double tolerance_k = 0.01;
+};
+
+struct LandHeatResult {
+  // [output][kind] error_k: of conduction and of the knots, and the root mean square of what the
+  // held-out places of the material differ by from the kinds that stand for them. 0: stated.
+  std::vector<std::vector<float>> kelvin, error_k;
+  // [output][material] That root mean square alone. Not a number: no place was held out.
+  std::vector<std::vector<float>> interpolation_k;
+};
+
+// A kind absorbs sunlight from the sky above its horizon and from level land of its own material
+// around it, and exchanges heat with the sky and with land as warm as a level place of the material.
+// INVALID_ARGUMENT: what is wrong in a build-up, by name.
+[[nodiscard]] absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
+                                                             const LandHeatRequest& request);
+
+}  // namespace irsig
