@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace irsig {
 namespace {
@@ -69,8 +68,7 @@ void LandKinds::index_kinds() {
     kind.push_back({m, 0, true});
     for (std::uint32_t i = 0; i < kSlopes; ++i)
       kind.push_back({m, 0, true, tilted(kRoofSine, i, kSlopes)});
-    for (std::uint32_t i = 0; i < kWalls; ++i)
-      kind.push_back({m, 0, true, tilted(1, i, kWalls)});
+    for (std::uint32_t i = 0; i < kWalls; ++i) kind.push_back({m, 0, true, tilted(1, i, kWalls)});
   }
 }
 
@@ -100,30 +98,23 @@ void LandKinds::at(std::uint32_t material, std::uint32_t of_horizon, Vec<Enu> no
       object ? first_object_[material] : first_ground_[material] + of_horizon * kGroundKinds;
   if (!(sine > 1e-9)) return add(level, 1);
   const double azimuth = azimuth_of(normal);
-  // Shares of slopes whose horizontal parts add up to that of the normal.
-  const auto slopes = [&](double times) {
+  // Slopes whose horizontal parts add up to so much of that of the normal; returns what is left.
+  const auto slopes = [&](double times, double part) {
     const BesideAzimuth of = beside(azimuth, kSlopes);
     const double first = times * of.of_first, second = times * of.of_second,
                  most = std::max(1.0, first + second);
-    add(level + 1 + of.first, first / most);
-    add(level + 1 + of.second, second / most);
-    return (first + second) / most;
+    add(level + 1 + of.first, part * first / most);
+    add(level + 1 + of.second, part * second / most);
+    return part * (1 - (first + second) / most);
   };
-  if (!object) {
-    add(level, 1 - slopes(sine / kSlopeSine));
-    return;
-  }
-  const double steep = std::clamp((sine - kRoofSine) / (1 - kRoofSine), 0.0, 1.0),
-               wall = normal.z < 0 ? 1.0 : steep;
-  if (wall < 1) {
-    const double roofs = slopes((1 - wall) * std::min(1.0, sine / kRoofSine));
-    add(level, 1 - wall - roofs);
-  }
-  if (wall > 0) {
+  const double steep =
+      !object ? 0 : (normal.z < 0 ? 1 : std::clamp((sine - kRoofSine) / (1 - kRoofSine), 0.0, 1.0));
+  add(level, slopes(sine / (object ? kRoofSine : kSlopeSine), 1 - steep));
+  if (steep > 0) {
     const BesideAzimuth of = beside(azimuth, kWalls);
     const double sum = of.of_first + of.of_second;
-    add(level + 1 + kSlopes + of.first, wall * of.of_first / sum);
-    add(level + 1 + kSlopes + of.second, wall * of.of_second / sum);
+    add(level + 1 + kSlopes + of.first, steep * of.of_first / sum);
+    add(level + 1 + kSlopes + of.second, steep * of.of_second / sum);
   }
 }
 

@@ -43,10 +43,10 @@ struct HeldOutPlace {
 };
 
 // The kinds of land around a target, and which of them stand for a place. Kinds of a material whose
-// temperature is computed are all its horizons with a level place and eight slopes each; and, for the
-// faces of objects, eight roofs and sixteen walls more under a free horizon. A place is the mean of a few of them, so that the absorbed
-// sunlight of a slope is exact as long as all of them are lit. A material whose temperature is
-// stated has one kind.
+// temperature is computed are all its horizons with a level place and eight slopes each; and, for
+// the faces of objects, eight roofs and sixteen walls more under a free horizon. A place is the
+// mean of a few of them, so that the absorbed sunlight of a slope is exact as long as all of them
+// are lit. A material whose temperature is stated has one kind.
 //
 // Horizons are known in squares around the target, each twice as wide as the one within it.
 // The numbers are a value: a heat job makes them (kinds/make_land_kinds.h), and views take them.
@@ -58,11 +58,11 @@ struct LandKinds {
     std::vector<std::uint8_t> horizon;  // [row][column]
   };
   std::uint32_t materials = 0;
-  std::vector<bool> computed;         // [material]
-  std::vector<bool> on_objects;       // [material] also has kinds for the faces of objects
-  std::vector<LandHorizon> horizon;   // [0] is free
-  std::vector<Square> square;         // from the narrowest on
-  std::vector<LandKind> kind;         // as index_kinds() numbers them
+  std::vector<bool> computed;        // [material]
+  std::vector<bool> on_objects;      // [material] also has kinds for the faces of objects
+  std::vector<LandHorizon> horizon;  // [0] is free
+  std::vector<Square> square;        // from the narrowest on
+  std::vector<LandKind> kind;        // as index_kinds() numbers them
   std::vector<HeldOutPlace> held_out;
 
   // Writes `kind` and what at() needs, from the members above.

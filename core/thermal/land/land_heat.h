@@ -42,8 +42,8 @@ struct LandHeatResult {
 };
 
 // A kind absorbs sunlight from the sky above its horizon and from level land of its own material
-// around it, and exchanges heat with the sky and with land as warm as a level place of the material.
-// INVALID_ARGUMENT: what is wrong in a build-up, by name.
+// around it, and exchanges heat with the sky and with land as warm as a level place of the
+// material. INVALID_ARGUMENT: what is wrong in a build-up, by name.
 [[nodiscard]] absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
                                                              const LandHeatRequest& request);
 
