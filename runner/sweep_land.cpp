@@ -143,14 +143,14 @@ std::optional<Problem> ground_behind(const schema::ResolvedSweep& sweep, const L
   const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene), above_m,
                   {0, 0, 0}, {});
   const double dip = std::sqrt(2 * above_m / kEarthRadiusM);
-  std::vector<float> fraction(land.materials());
+  LandMix mix;
   int beyond = 0;
   const schema::Viewpoint* first = nullptr;
   double leaves_m = 0;
   for (const schema::Viewpoint& v : sweep.viewpoint()) {
     const Vec<Body> behind =
         -1.0 * body_from_aspect(v.aspect_azimuth_deg(), v.aspect_elevation_deg());
-    if (behind.z <= dip || land.meet({0, 0, 0}, behind, fraction)) continue;
+    if (behind.z <= dip || land.meet({0, 0, 0}, behind, mix)) continue;
     ++beyond;
     if (first == nullptr) {
       first = &v;

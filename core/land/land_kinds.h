@@ -33,6 +33,12 @@ struct KindShare {
   float share;
 };
 
+// What land is at one place.
+struct LandMix {
+  std::vector<float> fraction;  // [material] not negative, adds up to 1
+  std::vector<KindShare> kind;  // positive, adds up to 1
+};
+
 // A place that stands for none of the kinds: with the kinds that are taken for it.
 struct HeldOutPlace {
   std::uint32_t material = 0;

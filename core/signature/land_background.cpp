@@ -63,7 +63,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
   const Land& land = std::get<Land>(geometry.boundary);
   const SourceRange behind = layout.behind();
   std::vector<std::uint32_t> place(behind.size(), kUnused);
-  std::vector<float> fraction(land.materials());
+  LandMix mix;
   TargetShadow of_target(scene.target);
   const float share = 1.0f / static_cast<float>(rays * rays / 2);
   for (std::size_t i = 0; i < direction.size(); ++i) {
@@ -83,13 +83,13 @@ absl::StatusOr<LandBackground> LandBackground::make(
         }
       out.weight_.push_back({at, half, share * weight});
     };
-    if (const auto hit = land.meet_in_sight(frame.sensor, frame.sensor, direction[i], fraction)) {
+    if (const auto hit = land.meet_in_sight(frame.sensor, frame.sensor, direction[i], mix)) {
       const Vec<Body> lift{0, 0, static_cast<double>(scene.target.offset_m())};
       const auto shaded = [&](std::uint32_t j) {
         return shadow && of_target.falls_on(frame.sensor + hit->distance * direction[i] - lift,
                                             geometry.sun[j].direction);
       };
-      for_each_behind(land, layout, geometry.sun, *hit, hit->distance, fraction, shaded, add);
+      for_each_behind(land, layout, geometry.sun, *hit, hit->distance, mix, shaded, add);
       continue;
     }
     BackgroundDirections::Share shares[2];
@@ -108,18 +108,22 @@ const ConditionSources& LandBackground::light(std::uint32_t condition) const {
 
 LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandOnAxis& band) const {
   const ConditionSources& from = light(condition);
-  std::vector<double> radiance;
+  std::vector<double> radiance, error;
   for (const SourceId id : source_) {
     const auto of = from.light_of_path(id);
     radiance.push_back(of ? in_band(from.apparent(*of), band) : 0);
+    error.push_back(of ? from.land_error_w_m2_sr(*of, band).apparent : 0);
   }
   Radiance out;
   for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
-    double half[2] = {0, 0};
-    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w)
-      half[weight_[w].half] += static_cast<double>(weight_[w].value) * radiance[weight_[w].source];
+    double half[2] = {0, 0}, temperature = 0;
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
+      const auto weight = static_cast<double>(weight_[w].value);
+      half[weight_[w].half] += weight * radiance[weight_[w].source];
+      temperature += 0.5 * weight * error[weight_[w].source];
+    }
     out.w_m2_sr.push_back(0.5 * (half[0] + half[1]));
-    out.scatter_w_m2_sr.push_back(std::abs(half[0] - half[1]));
+    out.error_w_m2_sr.push_back(std::abs(half[0] - half[1]) + temperature);
   }
   return out;
 }

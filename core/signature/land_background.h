@@ -25,10 +25,10 @@ class LandBackground {
       const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays, bool shadow);
 
   // Means over pixels under one of the selected conditions, [pixel]: in-band radiance without that
-  // of the air between target and sensor, and the difference of a pixel's two halves of rays.
-  // [W/(m2 sr)]
+  // of the air between target and sensor, and its error: the difference of a pixel's two halves of
+  // rays, and that of temperatures. [W/(m2 sr)]
   struct Radiance {
-    std::vector<double> w_m2_sr, scatter_w_m2_sr;
+    std::vector<double> w_m2_sr, error_w_m2_sr;
   };
   [[nodiscard]] Radiance of(std::uint32_t condition, const BandOnAxis& band) const;
 
@@ -36,6 +36,7 @@ class LandBackground {
   [[nodiscard]] const std::vector<SourceId>& sources() const { return source_; }
   [[nodiscard]] std::vector<float> weights() const;
   [[nodiscard]] const SourceLayout& layout() const { return paths_; }
+  [[nodiscard]] const Land& land() const { return std::get<Land>(light_->geometry().boundary); }
   // Returns the light of one of the request's selected conditions.
   [[nodiscard]] const ConditionSources& light(std::uint32_t condition) const;
 

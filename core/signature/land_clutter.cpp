@@ -31,13 +31,13 @@ std::vector<double> on_bins(std::span<const double> spectrum, const BandOnAxis& 
 // Of the window, by the land's materials.
 std::vector<double> material_fractions(const ClutterField& field,
                                        const std::vector<SourceId>& source,
-                                       const SourceLayout& layout) {
+                                       const SourceLayout& layout, const Land& land) {
   using Kind = SourceLayout::Kind;
-  std::vector<double> out(layout.land_materials(), 0.0);
+  std::vector<double> out(land.materials(), 0.0);
   for (std::size_t i = 0; i < field.sources; ++i) {
     const SourceLayout::Place at = layout.place_of(source[i]);
     if (at.kind != Kind::kBehindLand) continue;
-    double& sum = out[at.index / layout.behind_ranges() % layout.land_materials()];
+    double& sum = out[land.material_of(at.index / layout.behind_ranges() % layout.land_kinds())];
     for (std::size_t pixel = 0; pixel < field.pixels(); ++pixel)
       sum += static_cast<double>(field.weight[pixel * field.sources + i]);
   }
@@ -89,7 +89,7 @@ absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request, V
       std::vector<SourceId> source;
       for (const std::size_t i : used) source.push_back(land.sources()[i]);
       at->second.factor = weight_factor(field, seen_m2);
-      at->second.material = material_fractions(field, source, land.layout());
+      at->second.material = material_fractions(field, source, land.layout(), land.land());
     }
     std::vector<SpectralSet> spectra;
     for (const std::uint32_t b : bands) {

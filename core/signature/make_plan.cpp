@@ -334,6 +334,7 @@ void leave_out_late_reflections(MeasuredView& pilot, EffectPlanner& planner, Vie
 // Land goes on as the ground, at one height, and is in no gas.
 absl::Status check_land(const PreparedScene& scene, const ViewRequest& request) {
   const std::uint32_t materials = request.land->cover.materials();
+  const std::size_t kinds = request.land->kinds ? request.land->kinds->kind.size() : materials;
   if (scene.land_emissivity.size() != materials)
     return absl::InvalidArgumentError(absl::StrCat("land of ", materials, " materials, and ",
                                                    scene.land_emissivity.size(),
@@ -343,9 +344,10 @@ absl::Status check_land(const PreparedScene& scene, const ViewRequest& request) 
                          "land needs [surroundings] kind = \"ground\", which lies beyond "
                          "its map");
   for (const ConditionSpec& c : request.condition) {
-    if (c.land_temperature_k.size() != materials)
+    if (c.land_temperature_k.size() != kinds || (!c.land_temperature_error_k.empty() &&
+                                                 c.land_temperature_error_k.size() != kinds))
       return absl::InvalidArgumentError(
-          "a condition does not state one temperature for each material of the land");
+          "a condition does not state one temperature for each kind of the land");
     if (c.gas != nullptr)
       return keyed_problem("plume",
                            "hot gas before land is not modelled; leave out [plume] or "

@@ -90,7 +90,7 @@ absl::StatusOr<PixelBackground> PixelBackground::make(const PreparedScene& scene
 PixelBackground::Radiance PixelBackground::of(const Row& row) const {
   if (land_) {
     LandBackground::Radiance seen = land_->of(row.condition, row.on_axis);
-    return {std::move(seen.w_m2_sr), std::move(seen.scatter_w_m2_sr)};
+    return {std::move(seen.w_m2_sr), std::move(seen.error_w_m2_sr)};
   }
   const ViewEnvironment& e = environments_.condition[row.condition];
   const auto of_directions = [&](const std::vector<ViewEnvironment::Spectrum>& spectra) {

@@ -112,10 +112,10 @@ namespace {
 // Returns the first hit's distance of each ray; infinity: it meets no land of the map.
 std::vector<double> distances_m(const Land& land, Vec<Body> sensor,
                                 std::span<const Vec<Body>> direction) {
-  std::vector<float> fraction(land.materials());
+  LandMix mix;
   std::vector<double> out;
   for (const Vec<Body>& d : direction) {
-    const auto hit = land.meet_in_sight(sensor, sensor, d, fraction);
+    const auto hit = land.meet_in_sight(sensor, sensor, d, mix);
     out.push_back(hit ? hit->distance : INFINITY);
   }
   return out;

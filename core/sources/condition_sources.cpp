@@ -89,34 +89,49 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
       }
     }
   // Land that another slope faces sees land of its own temperature there, of emissivity 1.
+  const Land* land = std::get_if<Land>(&geometry.boundary);
+  const std::uint32_t kinds = land != nullptr ? land->kinds() : 0;
   for (const bool open : {true, false})
-    for (std::size_t m = 0; m < land_emissivity.size(); ++m) {
-      const double kelvin = condition.land_temperature_k[m];
+    for (std::uint32_t kind = 0; kind < kinds; ++kind) {
+      const std::vector<double>& emissivity = land_emissivity[land->material_of(kind)];
+      const double kelvin = condition.land_temperature_k[kind];
       coldest_k_ = std::min(coldest_k_, kelvin);
       hottest_k_ = std::max(hottest_k_, kelvin);
       std::vector<double> planck(nodes);
       for (std::size_t i = 0; i < nodes; ++i)
         planck[i] = planck_radiance_w_m2_sr_um(node_um[i], kelvin);
-      const auto add_land = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& thermal,
-                                std::vector<Spectrum>& sunlit) {
+      const auto add_land = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& thermal) {
         for (const LandAir& at : air) {
           Spectrum& sent = thermal.emplace_back(nodes);
-          for (std::size_t i = 0; i < nodes; ++i) {
-            const double e = land_emissivity[m][i];
-            sent[i] = at.path_radiance[i] +
-                      (open ? at.transmittance[i] * e * planck[i] + (1 - e) * at.sky[i]
-                            : at.transmittance[i] * planck[i]);
-          }
-          if (!open) continue;
-          Spectrum& mirrored = sunlit.emplace_back(nodes);
           for (std::size_t i = 0; i < nodes; ++i)
-            mirrored[i] = (1 - land_emissivity[m][i]) / std::numbers::pi * at.sun[i];
+            sent[i] = at.path_radiance[i] +
+                      (open ? at.transmittance[i] * emissivity[i] * planck[i] +
+                                  (1 - emissivity[i]) * at.sky[i]
+                            : at.transmittance[i] * planck[i]);
         }
       };
-      add_land(environment.land.at_target, land_, land_sun_);
-      add_land(environment.land.apparent, land_apparent_, land_sun_apparent_);
-      add_land(environment.land.behind, behind_land_, behind_land_sun_);
+      add_land(environment.land.at_target, land_);
+      add_land(environment.land.apparent, land_apparent_);
+      add_land(environment.land.behind, behind_land_);
+      if (condition.land_temperature_error_k.empty()) continue;
+      const double hotter_k = kelvin + condition.land_temperature_error_k[kind];
+      Spectrum& error = land_error_.emplace_back(nodes);
+      for (std::size_t i = 0; i < nodes; ++i)
+        error[i] = (open ? emissivity[i] : 1) *
+                   (planck_radiance_w_m2_sr_um(node_um[i], hotter_k) - planck[i]);
     }
+  for (std::size_t m = 0; land != nullptr && m < land_emissivity.size(); ++m) {
+    const auto add_sunlit = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& sunlit) {
+      for (const LandAir& at : air) {
+        Spectrum& mirrored = sunlit.emplace_back(nodes);
+        for (std::size_t i = 0; i < nodes; ++i)
+          mirrored[i] = (1 - land_emissivity[m][i]) / std::numbers::pi * at.sun[i];
+      }
+    };
+    add_sunlit(environment.land.at_target, land_sun_);
+    add_sunlit(environment.land.apparent, land_sun_apparent_);
+    add_sunlit(environment.land.behind, behind_land_sun_);
+  }
   light_.reserve(layout_.light.count());
   for (const SourceId id : layout_.light.all())
     light_.push_back(light_of(id, geometry.emitters, effects));
@@ -271,6 +286,26 @@ SummedWeights ConditionSources::temperature_errors(const SourceWeights& of_paths
       add(from, kelvin, -1, row);
     });
   return out;
+}
+
+ConditionSources::LandError ConditionSources::land_error_w_m2_sr(SourceId land,
+                                                                const BandOnAxis& band) const {
+  const SourceLayout::Place at = layout_.light.place_of(land);
+  const bool behind = at.kind == SourceLayout::Kind::kBehindLand;
+  if (land_error_.empty() || (!behind && at.kind != SourceLayout::Kind::kLand)) return {};
+  const std::uint32_t ranges =
+      behind ? layout_.light.behind_ranges() : layout_.light.land_ranges();
+  const Spectrum& error = land_error_[at.index / ranges];
+  Spectrum arriving(error.size());
+  const auto through = [&](const std::vector<LandAir>& air) {
+    if (air.empty()) return 0.0;
+    const Spectrum& t = air[at.index % ranges].transmittance;
+    for (std::size_t i = 0; i < error.size(); ++i) arriving[i] = t[i] * error[i];
+    return in_band(arriving, band);
+  };
+  const LandLight& land_light = environment_->land;
+  if (behind) return {0, through(land_light.behind)};
+  return {through(land_light.at_target), through(land_light.apparent)};
 }
 
 std::array<std::vector<SourceRange>, kCauses> ConditionSources::causes() const {

@@ -90,6 +90,13 @@ class ConditionSources {
   [[nodiscard]] SummedWeights temperature_errors(const SourceWeights& of_paths,
                                                  std::size_t parts) const;
   [[nodiscard]] bool has_temperature_errors() const { return has_temperature_errors_; }
+  // Returns the additional radiance of land, a source of layout(), if its temperature were higher by
+  // its error: at the target, and as much of it as arrives at the sensor. [W/(m2 sr)]
+  struct LandError {
+    double source = 0, apparent = 0;
+  };
+  [[nodiscard]] LandError land_error_w_m2_sr(SourceId land, const BandOnAxis& band) const;
+  [[nodiscard]] bool has_land_errors() const { return !land_error_.empty(); }
   // The most by which a radiance between blackbodies can be wrong, relative to it.
   [[nodiscard]] double emission_error(double shortest_um) const {
     return by_element() ? layout_.nodes.relative_error(shortest_um) : 0;
@@ -132,10 +139,12 @@ class ConditionSources {
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
-  // [material x ranges + node of the range] of land, twice as many materials as SourceLayout has
-  // them, and of its reflected sunlight.
+  // [kind x ranges + node of the range] of land, twice as many kinds as SourceLayout has them; and
+  // [material x ranges + node of the range] of its reflected sunlight.
   std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
       behind_land_sun_;
+  // [kind] Twice as many: emission by which land may be wrong. Empty: temperatures are stated.
+  std::vector<Spectrum> land_error_;
   Spectrum none_;
   IncidentRadiance around_;
   std::vector<Light> light_;  // [source]

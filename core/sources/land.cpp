@@ -69,35 +69,46 @@ Vec<Enu> Land::lift(Vec<Body> sensor) const {
   return {bend_per_m_ * at.x, bend_per_m_ * at.y, 0};
 }
 
-std::optional<LandPoint> Land::meet(Vec<Enu> origin, Vec<Enu> towards,
-                                    std::span<float> fraction) const {
+void Land::set_kinds(const LandPoint& at, bool object, LandMix& mix) const {
+  mix.kind.clear();
+  if (scene_->kinds)
+    return scene_->kinds->at(at.departure_m.x, at.departure_m.y, at.normal, object, mix.fraction,
+                             mix.kind);
+  for (std::uint32_t m = 0; m < mix.fraction.size(); ++m)
+    if (mix.fraction[m] > 0) mix.kind.push_back({m, mix.fraction[m]});
+}
+
+std::optional<LandPoint> Land::meet(Vec<Enu> origin, Vec<Enu> towards, LandMix& mix) const {
+  mix.fraction.resize(materials());
   const std::optional<LandHit> hit = field().first_hit(origin, towards, kFarM, bend_per_m_);
   if (const LandObjects* objects = scene_->objects.get())
     if (const auto met =
             objects->first_hit(origin, towards, hit ? hit->distance : kFarM, bend_per_m_)) {
-      std::fill(fraction.begin(), fraction.end(), 0.0f);
-      fraction[met->material] = 1;
-      return LandPoint{met->distance, met->normal, met->departure_m};
+      std::fill(mix.fraction.begin(), mix.fraction.end(), 0.0f);
+      mix.fraction[met->material] = 1;
+      const LandPoint out{met->distance, met->normal, met->departure_m};
+      set_kinds(out, true, mix);
+      return out;
     }
   if (!hit || hit->at_edge) return std::nullopt;
   LandPoint out{hit->distance, hit->normal, field().departure_m(origin, towards, *hit)};
   out.departure_m.z += raised_m(out.departure_m);
-  scene_->cover.at(out.departure_m.x, out.departure_m.y, fraction);
+  scene_->cover.at(out.departure_m.x, out.departure_m.y, mix.fraction);
+  set_kinds(out, false, mix);
   return out;
 }
 
-std::optional<LandPoint> Land::meet(Vec<Body> from, Vec<Body> along,
-                                    std::span<float> fraction) const {
-  return meet(place(from), direction(along), fraction);
+std::optional<LandPoint> Land::meet(Vec<Body> from, Vec<Body> along, LandMix& mix) const {
+  return meet(place(from), direction(along), mix);
 }
 
 std::optional<LandPoint> Land::meet_in_sight(Vec<Body> sensor, Vec<Body> from, Vec<Body> along,
-                                             std::span<float> fraction) const {
+                                             LandMix& mix) const {
   Vec<Enu> origin = place(from), towards = direction(along);
   const Vec<Enu> higher = lift(sensor);
   origin.z += dot(higher, origin);
   towards.z += dot(higher, towards);
-  return meet(origin, towards, fraction);
+  return meet(origin, towards, mix);
 }
 
 bool Land::hides(Vec<Body> from, Vec<Body> along, double most) const {

@@ -44,16 +44,21 @@ class Land {
                                       double along_m);
 
   [[nodiscard]] std::uint32_t materials() const { return scene_->cover.materials(); }
+  // Kinds of land, each of one material and temperature (LandScene::kinds).
+  [[nodiscard]] std::uint32_t kinds() const {
+    return scene_->kinds ? static_cast<std::uint32_t>(scene_->kinds->kind.size()) : materials();
+  }
+  [[nodiscard]] std::uint32_t material_of(std::uint32_t kind) const {
+    return scene_->kinds ? scene_->kinds->kind[kind].material : kind;
+  }
 
-  // Returns the point where a ray meets land. Sets the fractions of the materials there.
-  //   fraction  [materials()]
+  // Returns the point where a ray meets land. Sets what land is there.
   [[nodiscard]] std::optional<LandPoint> meet(Vec<Body> from, Vec<Body> direction,
-                                              std::span<float> fraction) const;
+                                              LandMix& mix) const;
   // Returns where a line of sight meets land, from the sensor or from where it has passed the
   // target on.
   [[nodiscard]] std::optional<LandPoint> meet_in_sight(Vec<Body> sensor, Vec<Body> from,
-                                                       Vec<Body> direction,
-                                                       std::span<float> fraction) const;
+                                                       Vec<Body> direction, LandMix& mix) const;
   // Returns true if land covers the segment from + t direction, 0 <= t <= most.
   [[nodiscard]] bool hides(Vec<Body> from, Vec<Body> direction, double most) const;
   // Returns true if land covers the part t <= most of the line of sight
@@ -104,7 +109,8 @@ class Land {
   [[nodiscard]] Vec<Enu> lift(Vec<Body> sensor) const;
   [[nodiscard]] double raised_m(Vec<Enu> p) const { return bend_per_m_ * (p.x * p.x + p.y * p.y); }
   [[nodiscard]] std::optional<LandPoint> meet(Vec<Enu> origin, Vec<Enu> towards,
-                                              std::span<float> fraction) const;
+                                              LandMix& mix) const;
+  void set_kinds(const LandPoint& at, bool object, LandMix& mix) const;
   [[nodiscard]] bool hidden(Vec<Enu> origin, Vec<Enu> towards, double most) const;
   [[nodiscard]] double highest_m(double west_m, double east_m, double south_m,
                                  double north_m) const;

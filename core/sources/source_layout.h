@@ -50,12 +50,12 @@ inline constexpr std::size_t kCauses = 5;
 //   sun(j)        direct sun j, per unit irradiance normal to the beam
 //   glint(j, k)   sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
 //                 irradiance normal to the beam and unit reflectance
-//   land(m, r)    land of material m at node r of its range: emission and the sky that it reflects.
-//                 Materials from land_materials() on: the same, facing land instead of the sky
-//   land_sun(j, m, r)  sun j reflected by such land, per unit cosine of its incidence
+//   land(k, r)    land of kind k at node r of its range: emission and the sky that it reflects.
+//                 Kinds from land_kinds() on: the same, facing land instead of the sky
+//   land_sun(j, m, r)  sun j reflected by land of material m, per unit cosine of its incidence
 //   behind(k)     not part of the intensity: what of the silhouette stands before direction node k
 //                 (seen from the sensor, beyond the target), for the contrast
-//   behind_land(m, r), behind_land_sun(j, m, r)  likewise, before land
+//   behind_land(k, r), behind_land_sun(j, m, r)  likewise, before land
 class SourceLayout {
  public:
   SourceLayout() = default;
@@ -81,11 +81,10 @@ class SourceLayout {
   };
   struct Place {
     Kind kind;
-    // Index of the emitter, the node (below the horizon: as above it), the sun; of land: material x
-    // ranges
-    // + node of the range.
+    // Index of the emitter, the node (below the horizon: as above it), the sun; of land: kind x
+    // ranges + node of the range.
     std::uint32_t index;
-    std::uint32_t second = 0;  // of kGlintCosines; of a sun's land: as kLand has it
+    std::uint32_t second = 0;  // of kGlintCosines; of a sun's land: material x ranges + node of the range
   };
   [[nodiscard]] Place place_of(SourceId id) const;
 
@@ -104,23 +103,23 @@ class SourceLayout {
   [[nodiscard]] SourceId glint(std::uint32_t j, std::uint32_t k) const {
     return SourceId{glint_ + j * glint_nodes_ + k};
   }
-  [[nodiscard]] SourceId land(std::uint32_t material, std::uint32_t range) const {
-    return SourceId{land_ + material * land_ranges_ + range};
+  [[nodiscard]] SourceId land(std::uint32_t kind, std::uint32_t range) const {
+    return SourceId{land_ + kind * land_ranges_ + range};
   }
   [[nodiscard]] SourceId land_sun(std::uint32_t j, std::uint32_t material,
                                   std::uint32_t range) const {
     return SourceId{land_sun_ + (land_slot(j) * land_materials_ + material) * land_ranges_ + range};
   }
   [[nodiscard]] SourceId behind(std::uint32_t k) const { return SourceId{behind_ + k}; }
-  [[nodiscard]] SourceId behind_land(std::uint32_t material, std::uint32_t range) const {
-    return SourceId{behind_land_ + material * behind_ranges_ + range};
+  [[nodiscard]] SourceId behind_land(std::uint32_t kind, std::uint32_t range) const {
+    return SourceId{behind_land_ + kind * behind_ranges_ + range};
   }
   [[nodiscard]] SourceId behind_land_sun(std::uint32_t j, std::uint32_t material,
                                          std::uint32_t range) const {
     return SourceId{behind_land_sun_ +
                     (land_slot(j) * land_materials_ + material) * behind_ranges_ + range};
   }
-  [[nodiscard]] std::uint32_t land_materials() const { return land_materials_; }
+  [[nodiscard]] std::uint32_t land_kinds() const { return land_kinds_; }
   [[nodiscard]] std::uint32_t land_ranges() const { return land_ranges_; }
   [[nodiscard]] std::uint32_t behind_ranges() const { return behind_ranges_; }
 
@@ -164,7 +163,7 @@ class SourceLayout {
     return land_suns_ == suns_ ? j : 0;
   }
 
-  std::uint32_t emitters_ = 0, suns_ = 0, land_suns_ = 0, glint_nodes_ = 0, land_materials_ = 0,
+  std::uint32_t emitters_ = 0, suns_ = 0, land_suns_ = 0, glint_nodes_ = 0, land_kinds_ = 0, land_materials_ = 0,
                 land_ranges_ = 0, behind_ranges_ = 0;
   // Index at which each kind begins.
   std::uint32_t sky_ = 0, lower_ = 0, land_ = 0, sun_ = 0, glint_ = 0, land_sun_ = 0, behind_ = 0,

@@ -39,19 +39,20 @@ template <bool kSpectral>
 bool PathTracer::end_on_land(Work& work, std::uint32_t order, const PathState& path, Float3 from,
                              Float3 direction, const float* spectrum) const {
   const std::optional<LandPoint> land =
-      land_->meet(to_double(from), to_double(direction), work.land_fraction);
+      land_->meet(to_double(from), to_double(direction), work.land_mix);
   if (!land) return false;
   const Land::RangeShare range = Land::around(land->distance);
   const float open = Land::sky_fraction(*land);
-  const auto materials = static_cast<std::uint32_t>(work.land_fraction.size());
-  for (std::uint32_t m = 0; m < 2 * materials; ++m) {
-    const float fraction = m < materials ? work.land_fraction[m] * open
-                                         : work.land_fraction[m - materials] * (1 - open);
-    if (!(fraction > 0)) continue;
-    for (std::uint32_t k = 0; k < 2; ++k)
-      add<kSpectral>(work, path, order, layout_.land(m, range.node + k),
-                     path.weight * fraction * range.weight(k), spectrum);
-  }
+  const LandMix& mix = work.land_mix;
+  for (const bool faces_sky : {true, false})
+    for (const KindShare& part : mix.kind) {
+      const float share = part.share * (faces_sky ? open : 1 - open);
+      if (!(share > 0)) continue;
+      const std::uint32_t kind = part.kind + (faces_sky ? 0 : layout_.land_kinds());
+      for (std::uint32_t k = 0; k < 2; ++k)
+        add<kSpectral>(work, path, order, layout_.land(kind, range.node + k),
+                       path.weight * share * range.weight(k), spectrum);
+    }
   const auto t = static_cast<float>(land->distance);
   const auto offset_m = static_cast<float>(target_.offset_m());
   const Float3 place{from.x + t * direction.x, from.y + t * direction.y,
@@ -64,9 +65,9 @@ bool PathTracer::end_on_land(Work& work, std::uint32_t order, const PathState& p
     const std::uint32_t ray = work.land_shadow.push(place, work.sun[j].direction, s);
     work.land_sun[ray] = j;
     work.land_range[ray] = range;
-    std::copy(
-        work.land_fraction.begin(), work.land_fraction.end(),
-        work.land_fractions.begin() + static_cast<std::ptrdiff_t>(ray * std::size_t{materials}));
+    std::copy(mix.fraction.begin(), mix.fraction.end(),
+              work.land_fractions.begin() +
+                  static_cast<std::ptrdiff_t>(ray * mix.fraction.size()));
     if (spectral_)
       std::copy_n(spectrum, nodes_,
                   work.land_shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_);
@@ -84,7 +85,7 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
       [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
   work.counts->rays += batch.size;
   work.counts->glint_rays += batch.size;
-  const auto materials = static_cast<std::uint32_t>(work.land_fraction.size());
+  const std::uint32_t materials = land_->materials();
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
     const PathState& s = batch.state[i];
@@ -106,10 +107,10 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
 // of the target on land. The background of rows has none: the target would not be there.
 template <typename Visit>
 void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
-                                        std::span<float> fraction, Visit&& visit) const {
+                                        LandMix& mix, Visit&& visit) const {
   const auto lift_m = static_cast<double>(target_.offset_m());
   if (layout_.behind_ranges() > 0)
-    if (const auto land = land_->meet_in_sight(view_.frame.sensor, from, direction, fraction)) {
+    if (const auto land = land_->meet_in_sight(view_.frame.sensor, from, direction, mix)) {
       const double range_m = length(from - view_.frame.sensor) + land->distance;
       const auto shaded = [&](std::uint32_t j) {
         if (settings_.pixel_samples == 0) return false;
@@ -117,7 +118,7 @@ void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
         return shadow.falls_on(from + land->distance * direction - Vec<Body>{0, 0, lift_m},
                                sources_.sun[j].direction);
       };
-      for_each_behind(*land_, layout_, sources_.sun, *land, range_m, fraction, shaded, visit);
+      for_each_behind(*land_, layout_, sources_.sun, *land, range_m, mix, shaded, visit);
       return;
     }
   BackgroundDirections::Share share[2];
@@ -129,7 +130,7 @@ void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
 void PathTracer::find_mean_behind() {
   constexpr int kRays = 16;  // along each side
   const ViewFrame& frame = view_.frame;
-  std::vector<float> fraction(land_->materials());
+  LandMix mix;
   std::vector<float> sum(layout_.behind().size(), 0.0f);
   int rays = 0;
   for (int i = 0; i < kRays; ++i)
@@ -141,7 +142,7 @@ void PathTracer::find_mean_behind() {
       const Vec<Body> from = frame.sensor + length(frame.sensor) * direction;
       if (land_->covers_in_sight(frame.sensor, from)) continue;
       ++rays;
-      for_each_behind_target(from, direction, fraction, [&](SourceId source, float weight) {
+      for_each_behind_target(from, direction, mix, [&](SourceId source, float weight) {
         sum[index_of(source) - layout_.behind().first] += weight;
       });
     }
@@ -166,7 +167,7 @@ void PathTracer::add_land_behind(Work& work, const PathState& path, Float3 from,
     mean -= static_cast<double>(scale * path.weight);
   }
   for_each_behind_target(
-      to_double(from), to_double(direction), work.land_fraction,
+      to_double(from), to_double(direction), work.land_mix,
       [&](SourceId source, float weight) { add_behind_to(work, path, source, scale * weight); });
 }
 

@@ -117,7 +117,6 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
   if (land_ != nullptr) {
     const auto rays = static_cast<std::uint32_t>(most * sources_.sun.size());
     const std::uint32_t materials = land_->materials();
-    work.land_fraction.resize(materials);
     work.land_shadow.resize(rays, row);
     work.land_sun.resize(rays);
     work.land_range.resize(rays);

@@ -255,7 +255,7 @@ class PathTracer {
   void trace_land_suns(Work& work, std::uint32_t order) const;
   void find_mean_behind();
   template <typename Visit>
-  void for_each_behind_target(Vec<Body> from, Vec<Body> direction, std::span<float> fraction,
+  void for_each_behind_target(Vec<Body> from, Vec<Body> direction, LandMix& mix,
                               Visit&& visit) const;
   void add_land_behind(Work& work, const PathState& path, Float3 from, Float3 direction) const;
   void add_mean_behind(Work& work) const;

@@ -174,9 +174,9 @@ struct PathTracer::Work {
   RayBatch glint_shadow;             // from the sea to suns that it mirrors
   std::vector<std::uint32_t> glint_sun;
   std::vector<GlintShare> glint_at;
-  // Land: fractions of its materials where the last ray met it; and rays to suns from there, with
+  // Land: what it is where the last ray met it; and rays to suns from there, with
   // the sun, the range and the fractions of each, [ray][material].
-  std::vector<float> land_fraction;
+  LandMix land_mix;
   RayBatch land_shadow;
   std::vector<std::uint32_t> land_sun;
   std::vector<Land::RangeShare> land_range;

@@ -166,10 +166,10 @@ TEST(LandView, TheHorizonIsThatOfBentRays) {
         Land::bend_of((*made)->horizon((*made)->line(above)), height_m, along_m);
     const Land land(scene, 0, {0, 0, 0}, {}, bend_per_m);
     const Vec<Body> sensor{0, 0, -height_m};
-    std::vector<float> fraction(land.materials());
+    LandMix mix;
     const auto met = [&](double below) {
       const Vec<Body> down{0.6 * std::cos(below), 0.8 * std::cos(below), std::sin(below)};
-      return land.meet_in_sight(sensor, sensor, down, fraction).has_value();
+      return land.meet_in_sight(sensor, sensor, down, mix).has_value();
     };
     double low = 0, high = 0.3;
     while (high - low > 1e-8) (met(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
@@ -181,7 +181,7 @@ TEST(LandView, TheHorizonIsThatOfBentRays) {
          {1.01 * dip, 1.03 * dip, 1.1 * dip, 1.5 * dip, 3 * dip, 0.4, 1.2}) {
       const auto hit = land.meet_in_sight(
           sensor, sensor,
-          {0.6 * std::cos(depression), 0.8 * std::cos(depression), std::sin(depression)}, fraction);
+          {0.6 * std::cos(depression), 0.8 * std::cos(depression), std::sin(depression)}, mix);
       ASSERT_TRUE(hit.has_value());
       const LightPath path =
           look(weather.air.profile, height_m, 90 + depression / kRadPerDeg, INFINITY);

@@ -61,8 +61,8 @@ std::optional<double> ReferenceView::Parts::see_land(Path& p, Body3 from, Body3 
                                                      bool shaded,
                                                      std::vector<double>& radiance) const {
   if (!land) return std::nullopt;
-  std::vector<float> fraction(land_emissivity.size());
-  const std::optional<LandPoint> at = land->meet(from, towards, fraction);
+  LandMix mix;
+  const std::optional<LandPoint> at = land->meet(from, towards, mix);
   if (!at) return std::nullopt;
   double sunlit = sun ? land->sun_cosine(*at, condition.sun_direction) : 0;
   const Body3 place = from + at->distance * towards;
@@ -73,12 +73,12 @@ std::optional<double> ReferenceView::Parts::see_land(Path& p, Body3 from, Body3 
   const double open = 0.5 * (1 + at->normal.z);
   for (std::size_t i = 0; i < channels(); ++i) {
     radiance[i] = 0;
-    for (std::size_t m = 0; m < fraction.size(); ++m) {
-      const double e = land_emissivity[m],
-                   black = grey ? land_in_band[i][m]
-                                : planck_radiance_w_m2_sr_um(p.lambda_um[i],
-                                                             condition.land_temperature_k[m]);
-      radiance[i] += static_cast<double>(fraction[m]) *
+    for (const KindShare& part : mix.kind) {
+      const double e = land_emissivity[land->material_of(part.kind)],
+                   black = grey ? land_in_band[i][part.kind]
+                                : planck_radiance_w_m2_sr_um(
+                                      p.lambda_um[i], condition.land_temperature_k[part.kind]);
+      radiance[i] += static_cast<double>(part.share) *
                      (e * black + (1 - e) * (open * p.sky[i] + (1 - open) * black +
                                              sunlit * p.sunlight[i] / kPi));
     }

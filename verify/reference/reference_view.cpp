@@ -108,8 +108,8 @@ absl::StatusOr<ReferenceView> ReferenceView::make(const SceneSpec& scene,
   for (const Band& b : scene.band) {
     std::vector<double>& of_band = p.part_in_band.emplace_back();
     std::vector<double>& of_land = p.land_in_band.emplace_back();
-    for (std::size_t m = 0; m < p.land_emissivity.size(); ++m)
-      of_land.push_back(integral_in_band(b, of_temperature(c.land_temperature_k[m])));
+    for (const double kelvin : c.land_temperature_k)
+      of_land.push_back(integral_in_band(b, of_temperature(kelvin)));
     std::vector<std::function<double(double)>> spectra;
     for (const double t : c.part_temperature_k) {
       of_band.push_back(integral_in_band(b, of_temperature(t)));

@@ -1,9 +1,44 @@
+#include <cmath>
+
 #include "core/signature/row_bounds/row_bounds.h"
 
 namespace irsig {
+namespace {
 
-// By how much more the target would emit if all its temperatures were as much higher as they may be
-// wrong.
+// Land around the target and behind it. What paths weaken of its light they weaken of the error.
+void add_land(const BoundInput& in, ThreeBounds& out) {
+  const ConditionSources& light = *in.row.light;
+  if (!light.has_land_errors()) return;
+  const SourceTable& table = in.row.in_band;
+  const SourceLayout& layout = light.layout();
+  const auto share = [&](double error, std::span<const double> radiance) {
+    const double all = in_band(radiance, in.row.on_axis);
+    return all > 0 ? error / all : 0;
+  };
+  double seen = 0;
+  for (const SourceId id : layout.land()) {
+    const double* weight = in.mean.row(id) + table.first_column;
+    double source = 0, apparent = 0;
+    for (std::size_t k = 0; k < table.columns; ++k) {
+      source += weight[k] * table.row(id)[k];
+      apparent += weight[k] * table.apparent[index_of(id) * table.columns + k];
+    }
+    if (source == 0 && apparent == 0) continue;
+    const auto error = light.land_error_w_m2_sr(id, in.row.on_axis);
+    out.source += std::abs(source) * share(error.source, light.radiance(id));
+    seen += std::abs(apparent) * share(error.apparent, light.apparent(id));
+  }
+  out.apparent += seen;
+  out.contrast += seen;
+  for (const SourceId id : layout.behind_lands())
+    if (const double area_m2 = std::abs(in.mean.row(id)[0]); area_m2 > 0)
+      out.contrast += area_m2 * light.land_error_w_m2_sr(id, in.row.on_axis).apparent;
+}
+
+}  // namespace
+
+// By how much more target and land would emit if all temperatures were as much higher as they may
+// be wrong.
 ThreeBounds temperature_bound(const BoundInput& in) {
   ThreeBounds out;
   const SourceTable& table = in.row.in_band;
@@ -15,6 +50,7 @@ ThreeBounds temperature_bound(const BoundInput& in) {
         out.apparent += weight * table.apparent[index_of(id) * table.columns + k];
       }
   out.contrast = out.apparent;
+  add_land(in, out);
   return out;
 }
 
