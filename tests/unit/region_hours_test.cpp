@@ -164,7 +164,7 @@ TEST(RegionHours, EachPartAndTheWholeImage) {
                  HasSubstr("box ship, azimuth 90.0\u00b0, elevation 10.0\u00b0, range 2 km"),
                  HasSubstr(">lwir (8\u201312 \u00b5m)<"), HasSubstr("Radiance in W/(m\u00b2 sr)"),
                  HasSubstr(">Temperature in K<"), HasSubstr("\u00b1 2 standard errors"),
-                 HasSubstr(">funnel (50 % target)<"), HasSubstr(">hull<"), Not(HasSubstr("nan"))));
+                 HasSubstr(">funnel, 50 %<"), HasSubstr(">hull<"), Not(HasSubstr("nan"))));
   EXPECT_EQ(count_of(svg, "<circle"), 3U * 3U * 4U);
   // A curve of radiance is drawn with both edges of its band.
   EXPECT_EQ(count_of(svg, "<polyline"), 2U * 3U * 3U + 3U);

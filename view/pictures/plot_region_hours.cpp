@@ -80,7 +80,7 @@ std::vector<DayPanels> panels_of_days(const RegionHours& hours, const CurvePanel
     if (day.radiance.size() > 1 || std::isnan(v.mean.temperature_k)) continue;
     const double percent = 100 * v.mean.target_fraction;
     const std::string name =
-        percent > 99.5 ? v.region : fmt::format("{} ({:.2g} % target)", v.region, percent);
+        percent > 99.5 ? v.region : fmt::format("{}, {:.2g} %", v.region, percent);
     Curve& temperature = region_curve(day.temperature, name, place);
     temperature.x.push_back(v.at.hour);
     temperature.y.push_back(v.mean.temperature_k);
@@ -115,7 +115,8 @@ std::string plot_region_hours(const RegionHours& hours) {
                                   [](const auto& v) { return !std::isnan(v.mean.stderr_w_m2_sr); });
   std::string subtitle = fmt::format("Means over regions of the images, layer {}", hours.layer);
   if (errors) subtitle += "; shaded: \u00b1 2 standard errors";
-  if (temperatures) subtitle += "; temperatures: of the target in a region";
+  if (temperatures)
+    subtitle += "; temperatures: of the target, and the percentage of a region that it fills";
   return plot_curves(title, subtitle, panels, columns);
 }
 
