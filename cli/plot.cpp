@@ -15,7 +15,9 @@
 #include "core/base/status_macros.h"
 #include "planning/land_picture.h"
 #include "planning/temperature_picture.h"
+#include "view/pictures/image_regions.h"
 #include "view/pictures/plot_picture.h"
+#include "view/pictures/region_hours.h"
 #include "view/pictures/sky_picture.h"
 #include "view/report/hours.h"
 
@@ -30,13 +32,14 @@ struct PlotCommand {
   FilterOptions filter;
   OutputOptions output;
   std::string kind, scale, layer;
+  std::vector<std::string> region;
   std::optional<double> elevation_deg;
   std::optional<std::uint32_t> pixels;
 
   [[nodiscard]] absl::Status run() const {
     RETURN_IF_ERROR(check_options());
     ASSIGN_OR_RETURN(const auto format, output.format());
-    if (format != "svg" && kind != "hours" && kind != "polar")
+    if (format != "svg" && kind != "hours" && kind != "regions" && kind != "polar")
       return absl::InvalidArgumentError("--kind " + kind +
                                         " is drawn as svg alone; `irsig query` and `irsig export` "
                                         "write its numbers");
@@ -54,6 +57,7 @@ struct PlotCommand {
     }
     ASSIGN_OR_RETURN(auto reader, StoreReader::open(filter.database()));
     if (kind == "hours") return write_hours_as(format, *reader, query);
+    if (kind == "regions") return write_regions_as(format, *reader, query);
     if (kind == "polar" && format != "svg")
       return output.write([&](std::string_view table, std::ostream& out) {
         return write_polar(*reader, query, elevation_deg, table, out, stored_target_extent);
@@ -91,7 +95,8 @@ struct PlotCommand {
   [[nodiscard]] absl::Status check_options() const {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
     status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures", "sky"}));
-    status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet"}));
+    status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet", "regions"}));
+    status.Update(belongs(!region.empty(), "--region", {"regions"}));
     status.Update(belongs(pixels.has_value(), "--pixels",
                           {"picture", "sheet", "temperatures", "sky", "land"}));
     return status;
@@ -109,6 +114,18 @@ struct PlotCommand {
     return output.write(
         [&](std::string_view table, std::ostream& out) { return write_hours(hours, table, out); });
   }
+
+  [[nodiscard]] absl::Status write_regions_as(const std::string& format, StoreReader& reader,
+                                              const Query& query) const {
+    ASSIGN_OR_RETURN(const auto rectangles, parse_rectangles(region));
+    const std::string shown = layer.empty() ? name_of(ImageLayer::kAtSensor) : layer;
+    ASSIGN_OR_RETURN(const auto hours,
+                     region_hours(reader, query, rectangles, shown, read_pictures));
+    if (format == "svg") return output.write(plot_region_hours(hours));
+    return output.write([&](std::string_view table, std::ostream& out) {
+      return write_region_hours(hours, table, out);
+    });
+  }
 };
 
 }  // namespace
@@ -120,20 +137,25 @@ void add_plot(CLI::App& app, int& exit_code) {
       "spectrum (of one viewpoint), map (in-band values over all aspects) or hours (in-band values "
       "of one viewpoint "
       "against the time of day, and the temperatures that were computed for them; also csv and "
-      "json), of the source intensity or of --quantity; transmittance (of the air, from one "
+      "json), of the source intensity or of --quantity; regions (mean radiances and temperatures "
+      "of "
+      "rectangles or parts in the stored images of one viewpoint, against the time of day; also "
+      "csv "
+      "and json); transmittance (of the air, from one "
       "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
       "and apparent temperature), sheet (the images of many, side by side) or temperatures (of the "
       "target's facets, from any --aspect); sky (its in-band radiance by direction, in a "
       "condition); land (its relief and materials from above, of a database or a sweep file)");
   const auto options = std::make_shared<PlotCommand>(*command);
   command
-      ->add_option(
-          "--kind", options->kind,
-          "polar, spectrum, map, hours, transmittance, picture, sheet, temperatures, sky or land")
+      ->add_option("--kind", options->kind,
+                   "polar, spectrum, map, hours, regions, transmittance, picture, sheet, "
+                   "temperatures, sky or "
+                   "land")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "transmittance", "picture",
-                             "sheet", "temperatures", "sky", "land"}));
+      ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "regions", "transmittance",
+                             "picture", "sheet", "temperatures", "sky", "land"}));
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
@@ -157,11 +179,21 @@ void add_plot(CLI::App& app, int& exit_code) {
   std::vector<std::string> layers;
   for (const ImageLayerInfo& layer : kImageLayers) layers.emplace_back(layer.name);
   command
-      ->add_option("--layer", options->layer,
-                   "Of picture and sheet: a further image of the rows, as [image] layers of the "
-                   "sweep asked for it; default: the radiance at the target")
+      ->add_option(
+          "--layer", options->layer,
+          "Of picture, sheet and regions: a further image of the rows, as [image] layers of "
+          "the sweep asked for it; default: the radiance at the target, of regions at_sensor")
       ->type_name("NAME")
       ->check(CLI::IsMember(layers));
+  command
+      ->add_option(
+          "--region", options->region,
+          "Of regions: a rectangle of the image, pixels from the top left corner, x0 <= x < "
+          "x1 and y0 <= y < y1; may be given several times (default: each part of the "
+          "target, and the whole image)")
+      ->type_name("NAME=X0,Y0,X1,Y1")
+      ->take_all()
+      ->allow_extra_args(false);
   options->filter.add_ranges(*command);
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }

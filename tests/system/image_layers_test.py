@@ -167,6 +167,37 @@ class ImageLayers(unittest.TestCase):
             self.assertIn(TITLES.get(layer, "W/(m"), file.read_text())
         irsig("plot", self.db, "--kind", "sheet", "--layer", "at_sensor", "--band", "mwir", "--out", self.path / "sheet.svg")
 
+    def test_regions_through_a_day_are_means_of_the_stored_pixels(self):
+        text = self.text.replace('["10:30+09:00"]', '["04:00+09:00", "10:00+09:00", "16:00+09:00"]')
+        text = text.replace("  { azimuth_deg = 90, elevation_deg = 0.3 },\n  { azimuth_deg = 40, elevation_deg = 20 },\n", "")
+        sweep, db, table = (self.path / name for name in ("day.toml", "day.sigdb", "day.csv"))
+        sweep.write_text(text)
+        irsig("run", sweep, "--db", db, "--workers", "2")
+        plot = ("plot", db, "--kind", "regions")
+        irsig(*plot, "--region", "ship=20,18,44,28", "--region", "sky=0,0,64,6", "--out", table)
+        lines = {(int(l["row"]), l["region"]): l for l in csv.DictReader(table.open())}
+        rows = reader.open(db).query()
+        self.assertEqual(len(lines), 2 * len(rows))
+        for row, seen, stderr, kelvin, parts in zip(range(1, 7), rows.images("at_sensor"), rows.images("at_sensor", stderr=True),
+                                                    rows.images("temperature"), rows.silhouettes()):
+            filled = sum(parts.values())
+            for name, box in (("ship", numpy.s_[18:28, 20:44]), ("sky", numpy.s_[0:6, 0:64])):
+                line, target = lines[row, name], filled[box] > 0
+                self.assertAlmostEqual(float(line["radiance_w_m2_sr"]), seen[box].mean(dtype=float), places=5)
+                error = numpy.hypot(numpy.sqrt((stderr[box][target].astype(float) ** 2).sum()), stderr[box][~target].sum(dtype=float))
+                self.assertAlmostEqual(float(line["radiance_stderr_w_m2_sr"]) / (error / seen[box].size), 1, places=4)
+                self.assertAlmostEqual(float(line["target_fraction"]), filled[box].mean(dtype=float), places=5)
+                if target.any():
+                    mean = (filled[box] * kelvin[box].astype(float)).sum() / filled[box].sum(dtype=float)
+                    self.assertAlmostEqual(float(line["temperature_k"]), mean, places=2)
+                else:
+                    self.assertEqual(line["temperature_k"], "")
+        drawn = self.path / "day.svg"
+        irsig(*plot, "--out", drawn)
+        for words in (">hull<", ">whole image<", "Temperature in K", "Local mean solar time"):
+            self.assertIn(words, drawn.read_text())
+        self.assertIn("beyond the image of 64 x 48 pixels", irsig(*plot, "--region", "a=0,0,65,1", "--out", drawn, expect=2).stderr)
+
     def test_a_layer_that_is_not_there_or_damaged_has_words(self):
         few = self.path / "few.toml"
         few.write_text(self.text.replace('"range", ', ""))

@@ -34,6 +34,7 @@ class FakeDatabase {
   std::map<std::int64_t, std::vector<StoredInput>> input;
   std::map<std::int64_t, StoredLedger> ledgers;
   std::map<std::int64_t, schema::Thumbnail> thumbnails;
+  std::map<std::int64_t, std::vector<schema::ImageLayer>> image_layers;
   std::map<std::int64_t, StoredSilhouette> silhouettes;
   std::map<std::string, StoredSweep> sweeps;
   std::vector<StoredTemperature> temperatures;
@@ -252,6 +253,10 @@ class FakeDatabase {
             sql::insert_thumbnail, id, at->second.width_px(), at->second.height_px(),
             at->second.pixel_rad(), at->second.error_relative(), at->second.error_k(),
             Blob{at->second.png()}, Blob{at->second.exr()}, Blob{at->second.stderr_exr()}));
+      if (const auto at = given_.image_layers.find(given); at != given_.image_layers.end())
+        for (const schema::ImageLayer& layer : at->second)
+          must(database_->run(sql::insert_image_layer, id, layer.name(), Blob{layer.exr()},
+                              Blob{layer.stderr_exr()}));
       if (const auto at = given_.silhouettes.find(given); at != given_.silhouettes.end())
         add(at->second,
             *database_->integer("SELECT job_id FROM signature WHERE signature_id = ?1", id));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "view/plot/hour_axis.h"
 #include "view/plot/plot_curves.h"
 #include "view/plot/plot_frame.h"
 #include "view/report/hours.h"
@@ -25,26 +26,13 @@ class Names {
   std::vector<std::string> name_;
 };
 
-// 24 hours or more, a tick every 3 h with the hour of its day.
-Axis hour_axis(const Hours& hours) {
-  double low = 0, high = 0;
+Axis hour_axis_of(const Hours& hours) {
+  double first_h = 0, last_h = 0;
   for (const HourlyValue& v : hours.value) {
-    low = std::min(low, std::floor(v.at.hour));
-    high = std::max(high, std::ceil(v.at.hour));
+    first_h = std::min(first_h, v.at.hour);
+    last_h = std::max(last_h, v.at.hour);
   }
-  Axis axis{low, std::max(high, low + 24), {}, {}};
-  for (double tick = std::ceil(low / 3) * 3; tick <= axis.high; tick += 3) {
-    axis.tick.push_back(tick);
-    axis.label.push_back(fmt::format("{:02}", (static_cast<int>(tick) + 48) % 24));
-  }
-  return axis;
-}
-
-std::string hour_label(const Hours& hours) {
-  if (!hours.solar_offset_h) return "UTC in h";
-  const double offset_h = *hours.solar_offset_h;
-  return fmt::format("Local mean solar time in h (UTC {} {:.2f} h)", offset_h < 0 ? "\u2212" : "+",
-                     std::abs(offset_h));
+  return hour_axis(first_h, last_h);
 }
 
 Curve& curve_named(std::vector<Curve>& curves, const std::string& name, std::size_t place) {
@@ -130,7 +118,7 @@ std::vector<CurvePanel> value_panels(const Hours& hours, const CurvePanel& like)
 }  // namespace
 
 std::string plot_hours(const Hours& hours) {
-  const CurvePanel like{"", hour_label(hours), "", {}, 0, 0, hour_axis(hours)};
+  const CurvePanel like{"", hour_label(hours.solar_offset_h), "", {}, 0, 0, hour_axis_of(hours)};
   std::vector<CurvePanel> panels = temperature_panels(hours, like);
   const bool temperatures = !panels.empty();
   const std::vector<CurvePanel> values = value_panels(hours, like);

@@ -1,8 +1,5 @@
 #include "view/report/hours.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,68 +15,11 @@
 namespace irsig {
 namespace {
 
-constexpr double kHour_s = 3600, kDay_s = 24 * kHour_s;
-
-absl::StatusOr<double> unix_s_of(const std::string& time_utc) {
-  ASSIGN_OR_RETURN(const auto time, parse_rfc3339(time_utc));
-  return unix_seconds(time);
-}
-
-// Sorts the times of each season into days.
-class Days {
- public:
-  explicit Days(double offset_h) : offset_s_(offset_h * kHour_s) {}
-
-  absl::Status add(const std::string& season, const std::string& time_utc) {
-    ASSIGN_OR_RETURN(const auto time, unix_s_of(time_utc));
-    times_[season].insert(time + offset_s_);
-    return absl::OkStatus();
-  }
-
-  [[nodiscard]] HourOfDay place(const std::string& season, const std::string& time_utc) const {
-    return place(season, *unix_s_of(time_utc));
-  }
-  [[nodiscard]] HourOfDay place(const std::string& season, double unix_s) const {
-    const double time = unix_s + offset_s_;
-    const std::set<double>& times = times_.at(season);
-    const double first = *times.begin(), last = *times.rbegin();
-    const bool one_day = last - first <= kDay_s;
-    const double midnight_s = std::floor((one_day ? (first + last) / 2 : time) / kDay_s) * kDay_s;
-    std::string day = season;
-    if (!one_day) day += ' ' + format_rfc3339_utc(utc_time(midnight_s)).substr(0, 10);
-    return {std::move(day), (time - midnight_s) / kHour_s};
-  }
-
- private:
-  double offset_s_;
-  std::map<std::string, std::set<double>> times_;
-};
-
-absl::Status one_viewpoint_of_hours(const std::vector<QueryRow>& rows) {
-  for (const QueryRow& r : rows) {
-    const StoredSignature &a = rows.front().signature, &b = r.signature;
-    if (a.sweep != b.sweep || a.aspect_azimuth_deg != b.aspect_azimuth_deg ||
-        a.aspect_elevation_deg != b.aspect_elevation_deg || a.range_m != b.range_m)
-      return absl::InvalidArgumentError(
-          "a plot over the hours shows one viewpoint of one sweep: choose it with --aspect (the "
-          "nearest, or --interpolate), the range with --at-range-m and the sweep with --sweep");
-  }
-  return absl::OkStatus();
-}
-
 absl::Status two_times(const Hours& hours) {
-  std::map<std::string, std::set<double>> times;
-  for (const HourlyValue& v : hours.value) times[v.at.day].insert(v.at.hour);
-  for (const HourlyTemperature& t : hours.temperature) times[t.at.day].insert(t.at.hour);
-  std::vector<std::string> found;
-  for (const auto& [day, of_day] : times) {
-    if (of_day.size() > 1) return absl::OkStatus();
-    found.push_back(day);
-  }
-  return absl::InvalidArgumentError(
-      fmt::format("a plot over the hours needs two times or more of a day, and there is one alone "
-                  "of each: {}",
-                  fmt::join(found, ", ")));
+  std::vector<HourOfDay> all;
+  for (const HourlyValue& v : hours.value) all.push_back(v.at);
+  for (const HourlyTemperature& t : hours.temperature) all.push_back(t.at);
+  return check_two_times(all);
 }
 
 // A schedule between two instants.
@@ -114,7 +54,7 @@ absl::Status add_inside(const schema::Sweep& sweep, const Days& days, Hours& hou
   std::vector<std::string> order;
   std::map<std::string, Span> of_day;
   for (const HourlyTemperature& t : hours.temperature) {
-    const double s = *unix_s_of(t.part.time_utc);
+    const double s = unix_seconds(*parse_rfc3339(t.part.time_utc));
     const auto [found, added] = of_day.try_emplace(t.at.day, Span{t.part.season, s, s, {}});
     if (added) order.push_back(t.at.day);
     found->second.first_s = std::min(found->second.first_s, s);
@@ -142,15 +82,14 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
   ASSIGN_OR_RETURN(auto rows, run_query(reader, asked));
   if (rows.empty()) return absl::NotFoundError("nothing to plot: no signature matches the filters");
-  RETURN_IF_ERROR(one_viewpoint_of_hours(rows));
+  RETURN_IF_ERROR(check_one_viewpoint(rows, "--aspect (the nearest, or --interpolate)"));
   std::vector<StoredSignature> signatures;
   for (const QueryRow& r : rows) signatures.push_back(r.signature);
   RETURN_IF_ERROR(check_computed(signatures, query.quantity));
 
   Hours out{rows.front().signature.sweep, query.quantity, std::nullopt, {}, {}};
   ASSIGN_OR_RETURN(const auto sweep, reader.sweep(out.sweep, SweepFiles::kNone));
-  if (sweep.resolved.sweep().place().has_latitude_deg())
-    out.solar_offset_h = sweep.resolved.sweep().place().longitude_deg() / 15;
+  out.solar_offset_h = solar_offset_h(sweep.resolved.sweep());
   // The temperatures of what is drawn: a day of which no signature is asked for has none.
   std::set<std::pair<std::string, std::string>> conditions;
   Days days(out.solar_offset_h.value_or(0));

@@ -9,15 +9,9 @@
 #include "absl/status/statusor.h"
 #include "schema/store/reader.h"
 #include "view/query/query.h"
+#include "view/report/days.h"
 
 namespace irsig {
-
-// A place on the axis of hours. A season whose times span more than 24 h has several days, each
-// named by its date.
-struct HourOfDay {
-  std::string day;  // "winter", "winter 2025-01-29"
-  double hour;  // since the midnight of the season's middle time; below 0 or above 24: beyond it
-};
 
 struct HourlyValue {
   HourOfDay at;

@@ -163,10 +163,11 @@ class LandExposure {
                                                   (1 - e_ir) * light.sky_w_m2;
     to.incoming_w_m2[at] = sky * light.sky_w_m2 + land * around;
     to.fluid_k[at] = w.air_k;
-    const bool windward = dot(place_[e].normal, wind_from_[k]) > -1e-6;
-    to.forced_h_w_m2_k[at] =
-        request_.convection_factor *
-        mowitt_forced_w_m2_k(w.wind_m_s, windward ? WindSide::kWindward : WindSide::kLeeward);
+    // Level land is windward, a wall in the lee leeward; slopes lie between, without a jump.
+    const double lee = std::clamp(-dot(place_[e].normal, wind_from_[k]), 0.0, 1.0);
+    to.forced_h_w_m2_k[at] = request_.convection_factor *
+                             std::lerp(mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kWindward),
+                                       mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kLeeward), lee);
     if (to.vapour_pa.empty()) return;
     to.vapour_pa[at] = vapour_pressure_pa(w.humid->dew_point_k);
     to.inverse_gamma_k_pa[at] = inverse_gamma_k_pa(w.air_k, w.humid->pressure_pa);

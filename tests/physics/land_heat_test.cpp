@@ -1,0 +1,291 @@
+// Kinds of land and their temperatures.
+#include "core/thermal/land/land_heat.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <utility>
+
+#include "core/base/constants.h"
+#include "core/land/generate_terrain.h"
+#include "core/land/kinds/make_land_kinds.h"
+#include "core/land/objects/land_objects.h"
+#include "core/thermal/heat_solver.h"
+#include "core/thermal/solids.h"
+#include "heat_days.h"
+#include "heat_scene.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kPi = std::numbers::pi, kDeg = kPi / 180;
+
+LandScene land_of(const std::function<double(double, double)>& z, double half_m, double spacing_m) {
+  HeightGrid grid{-half_m, -half_m, spacing_m, 0, 0, {}};
+  grid.columns = grid.rows = static_cast<std::uint32_t>(std::lround(2 * half_m / spacing_m));
+  for (std::uint32_t row = 0; row <= grid.rows; ++row)
+    for (std::uint32_t column = 0; column <= grid.columns; ++column)
+      grid.z_m.push_back(
+          static_cast<float>(z(grid.west_m + column * spacing_m, grid.south_m + row * spacing_m)));
+  auto field = HeightField::create(std::move(grid));
+  EXPECT_TRUE(field.ok()) << field.status();
+  LandScene out;
+  out.field = std::make_shared<const HeightField>(*std::move(field));
+  return out;
+}
+
+// Made-up hills of so many metres, as local metres around the target.
+LandScene hills(double relief_m) {
+  const double width_m = 3000, spacing_m = 20;
+  const auto raster = generate_terrain({5, width_m, spacing_m, relief_m}, "heights");
+  EXPECT_TRUE(raster.ok()) << raster.status();
+  const auto columns = raster->columns;
+  return land_of(
+      [&](double x, double y) {
+        const auto at = [&](double along) {
+          return static_cast<std::size_t>(
+              std::clamp(along / spacing_m + 0.5 * (columns - 1), 0.0, columns - 1.0));
+        };
+        return static_cast<double>(raster->height_m[(columns - 1 - at(y)) * columns + at(x)]);
+      },
+      1400, spacing_m);
+}
+
+LandHeatRequest land_day(double step_s, double turned_deg = 0) {
+  const SceneHeatRequest day = clear_day(step_s, turned_deg);
+  LandHeatRequest out;
+  out.knot_s = day.knot_s;
+  out.weather = day.weather;
+  out.day_knots = day.day_knots;
+  out.output_knot = day.output_knot;
+  out.heading_deg = turned_deg;
+  out.material = {LandHeatMaterial{day.build_up[0], 0.75, 0.94}};
+  out.stated_k = {0};
+  return out;
+}
+
+LandHeatResult solved(const LandKinds& kinds, const LandHeatRequest& request) {
+  auto out = solve_land_heat(kinds, request);
+  EXPECT_TRUE(out.ok()) << out.status();
+  return *std::move(out);
+}
+
+Vec<Enu> tilted(double tilt, double azimuth) {
+  return {std::sin(tilt) * std::sin(azimuth), std::sin(tilt) * std::cos(azimuth), std::cos(tilt)};
+}
+
+// Rationale: a place is the mean of kinds. Expected: shares that add up to 1, none negative, and on
+// the ground kinds whose mean normal lies in the place's direction.
+TEST(LandKinds, APlaceIsAMeanOfKinds) {
+  LandKinds kinds;
+  kinds.materials = 2;
+  kinds.computed = {false, true};
+  kinds.on_objects = {false, true};
+  kinds.horizon.resize(3);
+  kinds.index_kinds();
+  EXPECT_EQ(kinds.kind.size(), 1u + 3 * 9 + 25);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (int i = 0; i < 20000; ++i) {
+    const bool object = i % 2 == 0;
+    const double tilt = u(random) * (object ? 90 : 29) * kDeg, azimuth = 2 * kPi * u(random);
+    const Vec<Enu> normal = tilted(tilt, azimuth);
+    std::vector<KindShare> mix;
+    kinds.at(1, 2, normal, object, 0.5f, mix);
+    double sum = 0;
+    Vec<Enu> mean;
+    for (const KindShare& part : mix) {
+      ASSERT_LT(part.kind, kinds.kind.size());
+      const LandKind& kind = kinds.kind[part.kind];
+      ASSERT_EQ(kind.material, 1u);
+      ASSERT_EQ(kind.object, object);
+      ASSERT_EQ(kind.horizon, object ? 0u : 2u);
+      ASSERT_GT(part.share, 0);
+      sum += static_cast<double>(part.share);
+      mean = mean + static_cast<double>(part.share) * kind.normal;
+    }
+    ASSERT_NEAR(sum, 0.5, 1e-6);
+    if (object) {
+      ASSERT_LT(length(normalized(mean) - normal), 0.21) << tilt / kDeg;
+    } else if (tilt < 27 * kDeg) {
+      ASSERT_NEAR(2 * mean.x, normal.x, 1e-6);
+      ASSERT_NEAR(2 * mean.y, normal.y, 1e-6);
+    }
+  }
+  std::vector<KindShare> mix;
+  kinds.at(0, 1, {0, 0, 1}, false, 1, mix);
+  ASSERT_EQ(mix.size(), 1u);
+  EXPECT_EQ(mix[0].kind, 0u);
+}
+
+// Rationale: a valley between two banks has a horizon in closed form. Expected: each cell's horizon
+// is that of its group, within what one group holds together and the resolution.
+TEST(LandKinds, HorizonsOfAValleyAreThoseOfItsBanks) {
+  // Banks of 30 m at 60 m east and west, steep; free to the north and south for 800 m.
+  const LandScene land =
+      land_of([](double x, double) { return std::abs(x) > 60 ? 30.0 : 0.0; }, 800, 4);
+  const LandKinds kinds = make_land_kinds(land, {true}, {false}, 16);
+  ASSERT_GE(kinds.horizon.size(), 2u);
+  for (const double x : {-30.0, 0.0, 30.0}) {
+    const LandHorizon& seen = kinds.horizon[kinds.horizon_at(x, 2)];
+    for (const double azimuth_deg : {45.0, 90.0, 112.5, 270.0}) {
+      const double east = std::sin(azimuth_deg * kDeg),
+                   to_bank_m = (east > 0 ? 62 - x : 62 + x) / std::abs(east),
+                   expected = std::atan2(30, to_bank_m);
+      EXPECT_NEAR(seen.at(azimuth_deg * kDeg) / kDeg, expected / kDeg, 9)
+          << x << " " << azimuth_deg;
+    }
+    EXPECT_LT(seen.at(0), 5 * kDeg);
+  }
+  EXPECT_EQ(kinds.horizon_at(1e6, -1e6), kinds.horizon_at(790, -790));
+  ASSERT_EQ(kinds.held_out.size(), 16u);
+}
+
+TEST(LandKinds, FlatLandHasOneHorizon) {
+  const LandKinds kinds =
+      make_land_kinds(land_of([](double, double) { return 3; }, 500, 10), {true}, {false}, 8);
+  EXPECT_EQ(kinds.horizon.size(), 1u);
+  EXPECT_EQ(kinds.kind.size(), 9u);
+}
+
+// Rationale: level land under a free horizon is one wall. Expected: what the solver of one wall
+// finds for it.
+TEST(LandHeat, LevelLandIsOneWall) {
+  LandKinds kinds;
+  kinds.materials = 1;
+  kinds.computed = {true};
+  kinds.on_objects = {false};
+  kinds.horizon.resize(1);
+  kinds.index_kinds();
+  const LandHeatRequest r = land_day(600);
+  const LandHeatResult land = solved(kinds, r);
+  HeatRequest alone;
+  alone.layers = r.material[0]->wall.layers;
+  alone.inner_side = InnerSide::kAdiabatic;
+  alone.knot_s = r.knot_s;
+  Convection air = tarp_natural(1);
+  air.mixing = 0;
+  alone.outer = {{0.94, air}};
+  alone.start = PeriodicStart{293, r.day_knots, 1e-3, 200};
+  alone.output_knot = r.output_knot;
+  alone.output_boundary = {0};
+  const auto wall =
+      solve_heat(alone, [&](std::size_t k, std::span<const std::uint32_t>, const Exposure& to) {
+        const auto fill = [&](const HeatWeather& w, const HeatRadiation& light,
+                              const FaceExposure& face) {
+          face.absorbed_w_m2[0] = 0.75 * (light.direct_normal_w_m2 * std::max(0.0, -w.sun.z) +
+                                          light.diffuse_horizontal_w_m2);
+          face.incoming_w_m2[0] = light.sky_w_m2;
+          face.fluid_k[0] = w.air_k;
+          face.forced_h_w_m2_k[0] = 3.26 * std::pow(w.wind_m_s, 0.89);
+        };
+        fill(r.weather[k], r.weather[k].after, to.outer_begin);
+        fill(r.weather[k + 1], r.weather[k + 1].before, to.outer_end);
+      });
+  ASSERT_TRUE(wall.ok()) << wall.status();
+  for (std::size_t o = 0; o < r.output_knot.size(); ++o) {
+    const double off = static_cast<double>(land.kelvin[o][0]) - wall->temperature_k[o];
+    EXPECT_NEAR(off, 0, 0.02);
+    EXPECT_LE(std::abs(off), static_cast<double>(land.error_k[o][0]) + 0.01);
+    EXPECT_LT(land.error_k[o][0], 0.3f);
+  }
+}
+
+// Rationale: the frame of the weather is the target's. Expected: land does not know its heading.
+TEST(LandHeat, TheTargetsHeadingChangesNothing) {
+  const LandKinds kinds = make_land_kinds(hills(150), {true}, {true}, 8);
+  const LandHeatResult a = solved(kinds, land_day(600)), b = solved(kinds, land_day(600, 77));
+  for (std::size_t o = 0; o < a.kelvin.size(); ++o)
+    for (std::size_t k = 0; k < kinds.kind.size(); ++k)
+      EXPECT_NEAR(a.kelvin[o][k], b.kelvin[o][k], 2e-3);
+}
+
+// Rationale: a bank to the west takes the evening's sun. Expected: land east of it is as free land
+// until then, and colder after.
+TEST(LandHeat, ABankTakesTheEveningSun) {
+  LandKinds kinds;
+  kinds.materials = 1;
+  kinds.computed = {true};
+  kinds.on_objects = {false};
+  kinds.horizon.resize(2);
+  for (std::uint32_t i = 0; i < kHorizonAzimuths; ++i)
+    if (i > kHorizonAzimuths / 2) kinds.horizon[1].elevation_rad[i] = static_cast<float>(40 * kDeg);
+  kinds.index_kinds();
+  const LandHeatRequest r = land_day(600);
+  const LandHeatResult land = solved(kinds, r);
+  double most_k = 0;
+  for (std::size_t o = 0; o + 1 < r.output_knot.size(); ++o) {
+    const double hour = (r.knot_s[r.output_knot[o]] - r.knot_s[0]) / 3600,
+                 colder_k = static_cast<double>(land.kelvin[o][0] - land.kelvin[o][9]);
+    // By day the bank, as warm as land, is warmer than the sky that it covers.
+    if (hour >= 8 && hour <= 14) {
+      EXPECT_NEAR(colder_k, -1.5, 2) << hour;
+    }
+    if (hour >= 16 && hour <= 18) {
+      EXPECT_GT(colder_k, 2) << hour;
+    }
+    most_k = std::max(most_k, colder_k);
+  }
+  EXPECT_GT(most_k, 5);
+}
+
+// Rationale: kinds stand for all places; held-out ones show by how much. Expected on hills: 0.3 K
+// in the root mean square over the day; more where slopes are steeper than those of the kinds.
+TEST(LandHeat, KindsStandForHills) {
+  for (const auto& [relief_m, most_k] : {std::pair{30.0, 0.1}, {150.0, 0.3}, {400.0, 0.5}}) {
+    const auto begin = std::chrono::steady_clock::now();
+    const LandKinds kinds = make_land_kinds(hills(relief_m), {true}, {false}, 64);
+    const auto made = std::chrono::steady_clock::now();
+    const LandHeatRequest r = land_day(600);
+    const LandHeatResult land = solved(kinds, r);
+    const auto end = std::chrono::steady_clock::now();
+    double square = 0, worst = 0;
+    for (std::size_t o = 0; o < r.output_knot.size(); ++o) {
+      const auto rms = static_cast<double>(land.interpolation_k[o][0]);
+      square += rms * rms / static_cast<double>(r.output_knot.size());
+      worst = std::max(worst, rms);
+    }
+    std::printf(
+        "relief %g m: %zu horizons, %zu kinds; rms %.3f K over the day, %.3f at its worst; "
+        "%.2f s + %.2f s\n",
+        relief_m, kinds.horizon.size(), kinds.kind.size(), std::sqrt(square), worst,
+        std::chrono::duration<double>(made - begin).count(),
+        std::chrono::duration<double>(end - made).count());
+    EXPECT_LT(std::sqrt(square), most_k) << relief_m;
+  }
+}
+
+TEST(LandHeat, FacesOfObjectsAreWallsAndRoofs) {
+  LandScene land = land_of([](double, double) { return 0; }, 200, 10);
+  const LandKinds kinds = make_land_kinds(land, {true}, {true}, 64);
+  LandHeatRequest r = land_day(600);
+  const LandHeatResult solution = solved(kinds, r);
+  double square = 0, count = 0;
+  for (std::size_t o = 0; o < r.output_knot.size(); ++o) {
+    const auto rms = static_cast<double>(solution.interpolation_k[o][0]);
+    square += rms * rms;
+    ++count;
+  }
+  std::printf("walls and roofs: rms %.3f K\n", std::sqrt(square / count));
+  EXPECT_LT(std::sqrt(square / count), 1);
+  // In the morning an east wall is warmer than a west wall, in the evening it is colder.
+  const auto wall_k = [&](std::size_t hour, double azimuth_deg) {
+    std::vector<KindShare> mix;
+    kinds.at(0, 0, tilted(90 * kDeg, azimuth_deg * kDeg), true, 1, mix);
+    double k = 0;
+    for (const KindShare& part : mix)
+      k += static_cast<double>(part.share) * static_cast<double>(solution.kelvin[hour][part.kind]);
+    return k;
+  };
+  EXPECT_GT(wall_k(9, 90), wall_k(9, 270) + 5);
+  EXPECT_LT(wall_k(17, 90), wall_k(17, 270) - 5);
+}
+
+}  // namespace
+}  // namespace irsig
