@@ -194,6 +194,29 @@ const schema::BuildUp* build_up_of(const schema::Sweep& sweep, const std::string
   return nullptr;
 }
 
+// What sunlight does to a part or a material of the land.
+template <typename Section>
+void check_absorptance(const schema::Sweep& sweep, const Section& section,
+                       const SectionCheck& check) {
+  const schema::Material* material = material_of(sweep, section.material());
+  if (material != nullptr && !material->has_solar_absorptance())
+    check.error("material",
+                absl::StrCat("= \"", one_line(section.material()),
+                             "\" has no solar_absorptance, expected the share of sunlight (0.3 to "
+                             "2.5 um) that it absorbs, in its [[material]]: temperatures are to "
+                             "be computed"));
+  if (const schema::BuildUp* build_up = build_up_of(sweep, section.build_up());
+      material != nullptr && material->has_solar_absorptance() &&
+      material->solar_absorptance() == 0 && build_up != nullptr && build_up->has_canopy())
+    check.error("build_up",
+                absl::StrCat("= \"", one_line(section.build_up()),
+                             "\" has a canopy, which answers to sunlight, and solar_absorptance "
+                             "of material \"",
+                             one_line(section.material()),
+                             "\" is 0, expected more: crops have "
+                             "0.8"));
+}
+
 }  // namespace
 
 void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
@@ -210,11 +233,13 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
     resolve_water(build_up, path, check, findings);
     check_heat_flux(build_up, path, findings);  // before schedules are brought into order
     resolve_schedule(build_up, path, check, findings);
-    const auto uses = [&](const schema::Part& p) { return p.build_up() == build_up.name(); };
-    if (build_up.has_name() && std::none_of(sweep.part().begin(), sweep.part().end(), uses))
-      check.error("name", absl::StrCat("= \"", one_line(build_up.name()),
-                                       "\" is used by no part, expected build_up = \"",
-                                       one_line(build_up.name()), "\" in one of them"));
+    const auto uses = [&](const auto& of) { return of.build_up() == build_up.name(); };
+    if (build_up.has_name() && std::none_of(sweep.part().begin(), sweep.part().end(), uses) &&
+        std::none_of(sweep.land().material().begin(), sweep.land().material().end(), uses))
+      check.error("name", absl::StrCat("= \"", one_line(build_up.name()), "\" is used by no part",
+                                       sweep.has_land() ? " and no [[land.material]]" : "",
+                                       ", expected build_up = \"", one_line(build_up.name()),
+                                       "\" in one of them"));
   }
   for (int p = 0; p < sweep.part_size(); ++p) {
     const schema::Part& part = sweep.part(p);
@@ -232,24 +257,22 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
                                              "its back is a face too"));
       }
     }
-    if (!sweep.has_heat()) continue;
-    const schema::Material* material = material_of(sweep, part.material());
-    if (material != nullptr && !material->has_solar_absorptance())
-      check.error(
-          "material",
-          absl::StrCat("= \"", one_line(part.material()),
-                       "\" has no solar_absorptance, expected the share of sunlight (0.3 to "
-                       "2.5 um) that it absorbs, in its [[material]]: temperatures are to "
-                       "be computed"));
-    if (const schema::BuildUp* build_up = build_up_of(sweep, part.build_up());
-        material != nullptr && material->has_solar_absorptance() &&
-        material->solar_absorptance() == 0 && build_up != nullptr && build_up->has_canopy())
-      check.error(
-          "build_up",
-          absl::StrCat("= \"", one_line(part.build_up()),
-                       "\" has a canopy, which answers to sunlight, and solar_absorptance "
-                       "of material \"",
-                       one_line(part.material()), "\" is 0, expected more: crops have 0.8"));
+    if (sweep.has_heat()) check_absorptance(sweep, part, check);
+  }
+  for (int m = 0; m < sweep.land().material_size(); ++m) {
+    const schema::LandMaterial& material = sweep.land().material(m);
+    if (!material.has_build_up()) continue;
+    const SectionCheck check(material, absl::StrCat("land.material[", m, "]"), findings);
+    const schema::BuildUp* build_up = build_up_of(sweep, material.build_up());
+    if (build_up == nullptr)
+      check.error("build_up",
+                  absl::StrCat("= \"", one_line(material.build_up()), "\" is no [[build_up]], ",
+                               suggestion(material.build_up(), names)));
+    else if (build_up->inside() == "open")
+      check.error("build_up", absl::StrCat("= \"", one_line(material.build_up()),
+                                           "\", whose inside is open, expected another inside: "
+                                           "land has one face"));
+    if (sweep.has_heat()) check_absorptance(sweep, material, check);
   }
   if (sweep.heat().has_element_size_m())
     for (int f = 0; f < sweep.temperature_field_size(); ++f)

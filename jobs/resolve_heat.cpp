@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_cloud.h"
+#include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 
 namespace irsig {
@@ -38,6 +39,9 @@ std::string bytes_of(schema::HeatRun run) {
   run.clear_time_utc();
   return run.SerializeAsString();
 }
+
+// Of parts in a run that computes land alone.
+constexpr double kUnusedK = 290;
 
 // The parts whose temperatures are computed in a season.
 std::vector<int> computed_parts(const schema::Sweep& sweep, const schema::Season& season) {
@@ -90,8 +94,8 @@ void check_heat(const schema::Sweep& sweep, Findings& findings) {
   bool any = false;
   for (int s = 0; s < sweep.season_size(); ++s) {
     const std::vector<int> parts = computed_parts(sweep, sweep.season(s));
+    any = any || !parts.empty() || !computed_land(sweep, sweep.season(s)).empty();
     if (parts.empty()) continue;
-    any = true;
     if (!sweep.season(s).has_temperature_field()) continue;
     const std::string path = absl::StrCat("season[", s, "].temperature_field");
     const int part = parts.front();
@@ -101,9 +105,11 @@ void check_heat(const schema::Sweep& sweep, Findings& findings) {
                                     "them in a season"));
   }
   if (!any && sweep.season_size() > 0)
-    findings.add("heat",
-                 "[heat], but the temperatures of all parts are stated or have no build_up, "
-                 "expected a part with build_up and no temperature_k");
+    findings.add("heat", absl::StrCat("[heat], but the temperatures of all parts ",
+                                      sweep.has_land() ? "and of all land " : "",
+                                      "are stated or have no build_up, expected a part ",
+                                      sweep.has_land() ? "or a [[land.material]] " : "",
+                                      "with build_up and no temperature_k"));
 }
 
 void write_heat_defaults(schema::Sweep& sweep) {
@@ -126,8 +132,9 @@ void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep&
   std::vector<std::set<double>> instants;  // of each run
   for (const SeasonGroup& group : groups) {
     const schema::Season& season = sweep.season(group.season.front());
-    const std::vector<int> parts = computed_parts(sweep, season);
-    if (parts.empty() || !group.course) continue;
+    const std::vector<int> parts = computed_parts(sweep, season),
+                           land = computed_land(sweep, season);
+    if ((parts.empty() && land.empty()) || !group.course) continue;
     const schema::Condition& first = resolved.condition(group.season.front() * times);
     schema::HeatRun run;
     run.set_season(season.name());
@@ -144,7 +151,11 @@ void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep&
                     [](const schema::WeatherRecord& r) { return r.cloud_cover() > 0; }))
       *run.mutable_weather()->mutable_cloud() = cloud_layer(season, run.weather());
     *run.mutable_part_temperature_k() = first.part_temperature_k();
+    // Those of a file are 0, and not to be computed; land does not depend on any.
+    if (parts.empty())
+      for (double& kelvin : *run.mutable_part_temperature_k()) kelvin = kUnusedK;
     for (const int p : parts) run.set_part_temperature_k(p, 0);
+    if (!land.empty()) *run.mutable_land_temperature_k() = first.land_temperature_k();
     const std::string bytes = bytes_of(run);
     const auto same = std::find(known.begin(), known.end(), bytes);
     const auto index = static_cast<std::size_t>(same - known.begin());
@@ -157,6 +168,8 @@ void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep&
     for (const int s : group.season)
       for (int t = 0; t < times; ++t) {
         schema::Condition& condition = *resolved.mutable_condition(s * times + t);
+        if (!land.empty()) condition.set_land_heat(static_cast<std::uint32_t>(index));
+        if (parts.empty()) continue;
         schema::ConditionField& from = *condition.mutable_temperature_field();
         from.set_heat(static_cast<std::uint32_t>(index));
         for (const int p : parts) {

@@ -10,9 +10,11 @@
 #include "core/base/problems.h"
 #include "core/land/height_raster.h"
 #include "jobs/keys/expand.h"
+#include "jobs/land_build_ups.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_land_objects.h"
+#include "schema/heat_run.h"
 
 namespace irsig {
 namespace {
@@ -97,14 +99,27 @@ void check_other_tables(const schema::Sweep& sweep, Findings& findings) {
                               "sky above the land is the atmosphere's"));
 }
 
-// Every material has a temperature in every season: its own, or the season's.
+// What else makes a temperature of a material whose temperature is stated nowhere.
+std::string remedy_without_temperature(const schema::Sweep& sweep, const std::string& entry) {
+  if (entry == "sea_water")
+    return "; the temperature of water is not computed: water flows and mixes";
+  if (entry == "leaves")
+    return "; the temperature of leaves is not computed";
+  if (sweep.has_heat()) return ", or build_up = \"...\", from which [heat] computes it";
+  return has_land_build_up(entry) ? ", or [heat], which computes it from the weather" : "";
+}
+
+// Every material has a temperature in every season: its own, the season's, or a computed one.
 void check_land_temperature(const schema::Sweep& sweep, const schema::LandMaterial& material,
                             const SectionCheck& check) {
-  if (material.has_temperature_k()) return;
+  if (material.has_temperature_k() || material.has_build_up()) return;
   std::set<std::string> without;
   for (const schema::Season& season : sweep.season())
-    if (!season.land_temperature_k().contains(material.material())) without.insert(season.name());
+    if (!is_stated(season, material)) without.insert(season.name());
   if (without.empty() && sweep.season_size() > 0) return;
+  const auto stated =
+      std::find_if(sweep.material().begin(), sweep.material().end(),
+                   [&](const schema::Material& m) { return m.name() == material.material(); });
   check.error(
       "temperature_k",
       absl::StrCat("is missing",
@@ -112,7 +127,22 @@ void check_land_temperature(const schema::Sweep& sweep, const schema::LandMateri
                        ? ""
                        : absl::StrCat(" in season ", quoted_list({without.begin(), without.end()})),
                    ", expected temperature_k here, or \"", material.material(),
-                   "\" in land_temperature_k of every season"));
+                   "\" in land_temperature_k of every season",
+                   remedy_without_temperature(
+                       sweep, stated == sweep.material().end() ? "" : stated->entry())));
+}
+
+// Materials whose temperatures are computed need what walls of parts need.
+void check_land_build_up(const schema::Sweep& sweep, const schema::LandMaterial& material,
+                         const SectionCheck& check) {
+  if (!material.has_build_up()) return;
+  if (!sweep.has_heat())
+    check.error("build_up", absl::StrCat("= \"", one_line(material.build_up()),
+                                         "\", but [heat] is missing, expected it: the temperature "
+                                         "of the land is computed"));
+  else if (material.has_temperature_k())
+    check.error("build_up",
+                "stands beside temperature_k, which would be taken: expected only one of the two");
 }
 
 void check_cover(const schema::Sweep& sweep, Findings& findings) {
@@ -155,6 +185,7 @@ void check_cover(const schema::Sweep& sweep, Findings& findings) {
                   absl::StrCat("= \"", one_line(material.material()), "\" is also that of ",
                                land_material_path(first->second), ", expected each material once"));
     check_land_temperature(sweep, material, check);
+    check_land_build_up(sweep, material, check);
   }
 }
 
@@ -188,6 +219,44 @@ void check_land_file(const schema::LandFile& file, const std::string& path, Find
       !is_one_line(file.file_name()))
     findings.add(path, absl::StrCat(path, ".file_name = \"", one_line(file.file_name()),
                                     "\", expected a name without folders"));
+}
+
+// A condition names the run that computes its land exactly if some of its land has no temperature.
+void check_land_heat(const schema::ResolvedSweep& resolved, Findings& findings) {
+  const int materials = resolved.sweep().land().material_size();
+  for (int h = 0; h < resolved.heat_size(); ++h)
+    if (const schema::HeatRun& run = resolved.heat(h);
+        run.land_temperature_k_size() != 0 && run.land_temperature_k_size() != materials)
+      findings.add(
+          absl::StrCat("heat[", h, "]"),
+          absl::StrCat("heat[", h, "].land_temperature_k has ", run.land_temperature_k_size(),
+                       " elements for ", materials, " materials of the land"));
+    else if (computes_land(run))
+      for (int m = 0; m < materials; ++m)
+        if (run.land_temperature_k(m) == 0 && !resolved.sweep().land().material(m).has_build_up())
+          findings.add(absl::StrCat("heat[", h, "]"),
+                       absl::StrCat("heat[", h, "] computes ", land_material_path(m),
+                                    ", which has no build_up"));
+  for (int c = 0; c < resolved.condition_size(); ++c) {
+    const schema::Condition& condition = resolved.condition(c);
+    const std::string path = absl::StrCat("condition[", c, "]");
+    const auto add = [&](const std::string& what) { findings.add(path, path + what); };
+    const auto& kelvin = condition.land_temperature_k();
+    const bool computed = std::find(kelvin.begin(), kelvin.end(), 0.0) != kelvin.end();
+    if (computed != condition.has_land_heat())
+      add(computed ? ".land_temperature_k = 0 without a land_heat that computes it"
+                   : ".land_heat does not apply: all land_temperature_k are stated");
+    else if (computed && condition.land_heat() >= static_cast<std::uint32_t>(resolved.heat_size()))
+      add(absl::StrCat(".land_heat = ", condition.land_heat(), ": there is no such run"));
+    else if (computed) {
+      const schema::HeatRun& run = resolved.heat(static_cast<int>(condition.land_heat()));
+      if (!computes_land(run) ||
+          !std::equal(kelvin.begin(), kelvin.end(), run.land_temperature_k().begin(),
+                      run.land_temperature_k().end()))
+        add(absl::StrCat(".land_heat = ", condition.land_heat(),
+                         " is a run of other land than land_temperature_k"));
+    }
+  }
 }
 
 }  // namespace
@@ -229,6 +298,19 @@ void check_land(const schema::Sweep& sweep, Findings& findings) {
   check_other_tables(sweep, findings);
   check_cover(sweep, findings);
   check_land_objects(land, findings);
+}
+
+bool is_stated(const schema::Season& season, const schema::LandMaterial& material) {
+  return material.has_temperature_k() || season.land_temperature_k().contains(material.material());
+}
+
+std::vector<int> computed_land(const schema::Sweep& sweep, const schema::Season& season) {
+  std::vector<int> out;
+  for (int m = 0; m < sweep.land().material_size(); ++m)
+    if (const schema::LandMaterial& material = sweep.land().material(m);
+        material.has_build_up() && !is_stated(season, material))
+      out.push_back(m);
+  return out;
 }
 
 void write_land_defaults(schema::Sweep& sweep) {
@@ -319,6 +401,7 @@ void check_resolved_land(const schema::ResolvedSweep& resolved, Findings& findin
                    absl::StrCat("condition[", c, "].land_temperature_k has ",
                                 resolved.condition(c).land_temperature_k_size(), " elements for ",
                                 land.material_size(), " materials of the land"));
+  check_land_heat(resolved, findings);
   if (!resolved.has_land()) return;
   check_land_file(files.heights(), "land.heights", findings);
   if (files.has_inset()) check_land_file(files.inset(), "land.inset", findings);
@@ -330,9 +413,8 @@ void check_resolved_land(const schema::ResolvedSweep& resolved, Findings& findin
     if (!files.fraction(i).sha256().empty() || !files.fraction(i).file_name().empty())
       check_land_file(files.fraction(i), absl::StrCat("land.fraction[", i, "]"), findings);
   if (files.object_size() != land.object_size())
-    findings.add("land.object",
-                 absl::StrCat("land.object has files of ", files.object_size(), " objects for ",
-                              land.object_size(), " tables"));
+    findings.add("land.object", absl::StrCat("land.object has files of ", files.object_size(),
+                                             " objects for ", land.object_size(), " tables"));
   for (int i = 0; i < files.object_size(); ++i) {
     const std::string path = land_object_path(i);
     check_land_file(files.object(i).model(), path + ".model", findings);

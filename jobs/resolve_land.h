@@ -20,6 +20,13 @@ namespace irsig {
 // Returns the bytes of these files by the keys that name them: "land.heights".
 [[nodiscard]] std::map<std::string, std::string_view> land_bytes(const SweepFile& file);
 
+// Returns true if the sweep file states a material's temperature in a season: its own, or the
+// season's.
+[[nodiscard]] bool is_stated(const schema::Season& season, const schema::LandMaterial& material);
+// Returns the materials of the land whose temperatures are computed in a season, by their index.
+[[nodiscard]] std::vector<int> computed_land(const schema::Sweep& sweep,
+                                             const schema::Season& season);
+
 // Checks [land], the tables that it needs, and land_temperature_k of seasons.
 void check_land(const schema::Sweep& sweep, Findings& findings);
 void write_land_defaults(schema::Sweep& sweep);

@@ -4,6 +4,7 @@
 #include "core/base/status_macros.h"
 #include "jobs/check_weather.h"
 #include "jobs/condition_table.h"
+#include "jobs/land_build_ups.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
@@ -161,13 +162,14 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   if (!findings.empty()) return findings.status();
   check_numbers(file.sweep, "", findings);
   resolve_target(model_bytes, resolved, findings);
+  write_land_build_ups(*resolved.mutable_sweep());
   resolve_build_ups(*resolved.mutable_sweep(), findings);
   check_temperature_fields(file, findings);
   check_run(resolved.sweep(), findings);
   check_effects(file, findings);
-  check_heat(file.sweep, findings);
+  check_heat(resolved.sweep(), findings);
   check_plume(file.sweep, findings);
-  check_land(file.sweep, findings);
+  check_land(resolved.sweep(), findings);
   check_heights(file.sweep, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);

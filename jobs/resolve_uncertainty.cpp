@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "jobs/resolve.h"
 #include "messages/inputs/moved_sweep.h"
+#include "schema/heat_run.h"
 
 namespace irsig {
 namespace {
@@ -122,7 +123,7 @@ void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
     for (const double move : moves_of(nominal, input)) {
       const MovedSweep moved = moved_sweep(nominal, input, move);
       for (int r = 0; r < nominal.heat_size(); ++r) {
-        if (!changes(nominal, moved, input, r)) continue;
+        if (!computes_parts(nominal.heat(r)) || !changes(nominal, moved, input, r)) continue;
         schema::InputMove& asked = *runs[static_cast<std::size_t>(r)].add_input();
         asked.set_name(input.name);
         asked.set_sigma(input.sigma);
@@ -132,6 +133,7 @@ void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
   for (std::size_t r = 0; r < runs.size(); ++r) {
     if (runs[r].input_size() == 0) continue;
     runs[r].set_base(static_cast<std::uint32_t>(r));
+    runs[r].clear_land_temperature_k();
     *resolved.add_heat() = std::move(runs[r]);
   }
 }

@@ -101,6 +101,7 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"WeatherCourse.record", 1000000},
     {"HeatRun.time_utc", kMostConditions},
     {"HeatRun.part_temperature_k", kParts},
+    {"HeatRun.land_temperature_k", kLandMaterials},
     {"HeatRun.input", kNames},
     {"Weather.profile_csv", kText},
     {"Weather.modtran_text", 3 * kText},

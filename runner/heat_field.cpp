@@ -15,47 +15,20 @@
 #include "core/base/status_macros.h"
 #include "core/effects/effects.h"
 #include "core/geo/sun.h"
-#include "core/materials/total_emissivity.h"
 #include "core/thermal/scene/part_temperatures.h"
 #include "core/thermal/scene/scene_heat.h"
-#include "messages/environment/inside_schedule.h"
 #include "messages/environment/weather_from_message.h"
 #include "messages/inputs/moved_sweep.h"
-#include "messages/scene/heat_from_message.h"
-#include "messages/scene/material_from_message.h"
 #include "messages/scene/scene_from_message.h"
+#include "runner/heat_land.h"
+#include "runner/heat_walls.h"
 #include "runner/heat_weather.h"
 #include "runner/model_mesh.h"
+#include "runner/sweep_land.h"
+#include "schema/heat_run.h"
 
 namespace irsig {
 namespace {
-
-// Emissivities change little with temperature: taken at that of the outdoors.
-constexpr double kOutdoorsK = 290;
-// A blackbody's flux that a material's tables should cover; less is said.
-constexpr double kCoveredShare = 0.9;
-
-struct Surface {
-  double solar_absorptance, emissivity;
-};
-absl::StatusOr<Surface> surface_of(const schema::Material& material, const std::string& path,
-                                   std::vector<std::string>& warning) {
-  if (!material.has_solar_absorptance())
-    return keyed_problem(path + ".solar_absorptance", "is missing");
-  if (material.has_thermal_emissivity())
-    return Surface{material.solar_absorptance(), material.thermal_emissivity()};
-  const auto spec = material_from_message(material);
-  if (!spec.ok()) return at_key(path, spec.status());
-  const auto total = total_emissivity(*spec, kOutdoorsK);
-  if (!total.ok()) return at_key(path, total.status());
-  if (total->covered < kCoveredShare)
-    warning.push_back(absl::StrCat(path, ": the spectrum of \"", material.name(), "\" covers ",
-                                   std::lround(100 * total->covered),
-                                   " % of what it emits; beyond it, its last values make its "
-                                   "thermal emissivity ",
-                                   absl::SixDigits(total->value), ": state thermal_emissivity"));
-  return Surface{material.solar_absorptance(), total->value};
-}
 
 void add_parts(const std::vector<PartTemperature>& parts, schema::HeatJobResult& out) {
   for (const PartTemperature& part : parts) {
@@ -112,31 +85,24 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
                                const Target& target) {
   Asked out;
   SceneHeatRequest& request = out.request;
-  for (int b = 0; b < sweep.build_up_size(); ++b) {
-    ASSIGN_OR_RETURN(auto build_up,
-                     wall_from_message(sweep.build_up(b), absl::StrCat("build_up[", b, "]")));
-    request.build_up.push_back(std::move(build_up));
-  }
+  ASSIGN_OR_RETURN(auto weather, heat_weather(sweep, heat));
+  ASSIGN_OR_RETURN(request.build_up, walls_at_knots(sweep, weather.knot_s));
   for (int p = 0; p < sweep.part_size(); ++p) {
     const int m = static_cast<int>(target.part[static_cast<std::size_t>(p)].material);
-    ASSIGN_OR_RETURN(const auto surface,
-                     surface_of(sweep.material(m), absl::StrCat("material[", m, "]"), out.warning));
+    ASSIGN_OR_RETURN(
+        const auto surface,
+        heat_surface(sweep.material(m), absl::StrCat("material[", m, "]"), out.warning));
     HeatPart part{surface.solar_absorptance, surface.emissivity, std::nullopt,
                   heat.part_temperature_k(p)};
     for (std::uint32_t b = 0; b < request.build_up.size() && part.stated_k == 0; ++b)
       if (request.build_up[b].name == sweep.part(p).build_up()) part.build_up = b;
     request.part.push_back(part);
   }
-  ASSIGN_OR_RETURN(auto weather, heat_weather(sweep, heat));
   out.warning.insert(out.warning.end(), weather.warning.begin(), weather.warning.end());
-  for (int b = 0; b < sweep.build_up_size(); ++b) {
-    const auto schedule = inside_schedule(sweep.build_up(b));
-    if (!schedule.ok()) return at_key(absl::StrCat("build_up[", b, "]"), schedule.status());
-    if (*schedule)
-      request.build_up[static_cast<std::size_t>(b)].inner_at = at_knots(**schedule, weather.knot_s);
-  }
   request.beneath = weather.beneath;
-  if (std::string crossing = crossing_warning(target, request.part, request.beneath.surface_z_m);
+  if (std::string crossing =
+          computes_parts(heat) ? crossing_warning(target, request.part, request.beneath.surface_z_m)
+                               : "";
       !crossing.empty())
     out.warning.push_back(std::move(crossing));
   request.knot_s = weather.knot_s;
@@ -197,6 +163,38 @@ absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRu
   return absl::OkStatus();
 }
 
+// The temperatures of facets at each time wanted; their parts' and warnings are added to `out` and
+// `asked`. Of a run that computes land alone no facet has one.
+absl::StatusOr<SceneHeatResult> solve_parts(const schema::Sweep& sweep, const schema::HeatRun& heat,
+                                            const Mesh& mesh, const Target& target, Asked& asked,
+                                            schema::HeatJobResult& out) {
+  SceneHeatResult by_time;
+  if (!computes_parts(heat)) {
+    const std::vector<float> none(target.facet.size(), NAN);
+    by_time.kelvin.assign(asked.output_of_time.size(), none);
+    by_time.error_k = by_time.kelvin;
+    by_time.exchange_bound_k = by_time.diffuse_sun_bound_k = none;
+    return by_time;
+  }
+  auto solved = solve_scene_heat(target, asked.request);
+  if (!solved.ok()) return at_key("heat", solved.status());
+  by_time.exchange_bound_k = std::move(solved->exchange_bound_k);
+  by_time.diffuse_sun_bound_k = std::move(solved->diffuse_sun_bound_k);
+  // Times of several days may share a knot of the one that repeats.
+  for (const std::size_t k : asked.output_of_time) {
+    by_time.kelvin.push_back(solved->kelvin[k]);
+    by_time.error_k.push_back(solved->error_k[k]);
+  }
+  RETURN_IF_ERROR(check_temperatures(sweep, heat, target, by_time));
+  if (std::string dark = dark_warning(sweep, target, asked.request.part, by_time); !dark.empty())
+    asked.warning.push_back(std::move(dark));
+  const std::vector<PartTemperature> parts_k =
+      part_temperatures(target, facet_areas_m2(mesh), by_time);
+  add_parts(parts_k, out);
+  fill_degenerate(target, asked.request.part, parts_k, by_time);
+  return by_time;
+}
+
 // By how much each input of a run changes its temperatures.
 absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
                          const Target& target, const Asked& asked, schema::HeatField& field) {
@@ -226,7 +224,8 @@ absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
 }  // namespace
 
 absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& resolved,
-                                                   const Assets& assets, std::size_t run) {
+                                                   const Assets& assets, std::size_t run,
+                                                   const LandScene* land) {
   const schema::Sweep& sweep = resolved.sweep();
   if (run >= static_cast<std::size_t>(resolved.heat_size()))
     return absl::InvalidArgumentError(
@@ -250,25 +249,18 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
     return out;
   }
 
-  auto solved = solve_scene_heat(target, asked.request);
-  if (!solved.ok()) return at_key("heat", solved.status());
-  // Times of several days may share a knot of the one that repeats.
-  SceneHeatResult by_time;
-  for (const std::size_t k : asked.output_of_time) {
-    by_time.kelvin.push_back(solved->kelvin[k]);
-    by_time.error_k.push_back(solved->error_k[k]);
-  }
-  RETURN_IF_ERROR(check_temperatures(sweep, heat, target, by_time));
-  if (std::string dark = dark_warning(sweep, target, asked.request.part, by_time); !dark.empty())
-    asked.warning.push_back(std::move(dark));
-  const std::vector<PartTemperature> parts_k =
-      part_temperatures(target, facet_areas_m2(mesh), by_time);
-  add_parts(parts_k, out);
-  fill_degenerate(target, asked.request.part, parts_k, by_time);
-
+  ASSIGN_OR_RETURN(const auto by_time, solve_parts(sweep, heat, mesh, target, asked, out));
   field.set_kelvin(bytes_of(by_time.kelvin));
   field.set_error_k(bytes_of(by_time.error_k));
-  add_effects(asked.request, *solved, field);
+  add_effects(asked.request, by_time, field);
+  if (computes_land(heat)) {
+    std::shared_ptr<const LandScene> read;
+    if (land == nullptr) {
+      ASSIGN_OR_RETURN(read, land_from_sweep(resolved, assets));
+      land = read.get();
+    }
+    ASSIGN_OR_RETURN(*field.mutable_land(), compute_land_heat(sweep, heat, *land, asked.warning));
+  }
   out.set_field(field.SerializeAsString());
   out.mutable_warning()->Assign(asked.warning.begin(), asked.warning.end());
   return out;

@@ -5,8 +5,10 @@
 
 #include "core/environment/land_air.h"
 #include "messages/environment/sweep_environment.h"
+#include "runner/heat_land.h"
 #include "runner/heat_weather.h"
 #include "runner/input_views.h"
+#include "schema/heat_run.h"
 #include "schema/image_size.h"
 
 namespace irsig {
@@ -41,11 +43,16 @@ double heat_bytes(const schema::ResolvedSweep& sweep, std::size_t facets) {
   bool sheets = false;  // both of whose faces are outside
   for (const schema::BuildUp& b : sweep.sweep().build_up()) sheets |= b.inside() == "open";
   const double faces = static_cast<double>(facets) * (sheets ? 2 : 1);
-  for (const schema::HeatRun& run : sweep.heat())
-    if (const auto weather = heat_weather(sweep.sweep(), run); weather.ok())
-      most =
-          std::max(most, faces * (kBytesPerFace + kBytesPerFaceAndKnot *
-                                                      static_cast<double>(weather->knot_s.size())));
+  for (const schema::HeatRun& run : sweep.heat()) {
+    const auto weather = heat_weather(sweep.sweep(), run);
+    if (!weather.ok()) continue;
+    const double each =
+        kBytesPerFace + kBytesPerFaceAndKnot * static_cast<double>(weather->knot_s.size());
+    // One after the other.
+    if (computes_parts(run)) most = std::max(most, faces * each);
+    if (computes_land(run))
+      most = std::max(most, static_cast<double>(most_land_kinds(sweep.sweep())) * each);
+  }
   return most;
 }
 

@@ -16,10 +16,12 @@
 #include "messages/results/result_to_proto.h"
 #include "runner/check_numbers.h"
 #include "runner/heat_field.h"
+#include "runner/heat_land.h"
 #include "runner/input_views.h"
 #include "runner/model_warnings.h"
 #include "runner/profile_rows.h"
 #include "runner/spec_to_request.h"
+#include "schema/heat_run.h"
 
 namespace irsig {
 namespace {
@@ -30,12 +32,14 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Of what the heat jobs leave: a temperature and its error, of each facet at each time.
+// Of what the heat jobs leave: a temperature and its error, of each facet and of each kind of land
+// at each time.
 std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t facets) {
-  std::size_t times = 0;
+  std::size_t numbers = 0;
   for (const schema::HeatRun& run : sweep.heat())
-    times += static_cast<std::size_t>(run.time_utc_size());
-  return 2 * sizeof(float) * facets * times;
+    numbers += static_cast<std::size_t>(run.time_utc_size()) *
+               (facets + (computes_land(run) ? most_land_kinds(sweep.sweep()) : 0));
+  return 2 * sizeof(float) * numbers;
 }
 
 class CoreJobRunner final : public JobRunner {
@@ -98,7 +102,7 @@ class CoreJobRunner final : public JobRunner {
     if (job.heat() >= static_cast<std::uint32_t>(sweep_.heat_size()))
       return absl::InvalidArgumentError(
           absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
-    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep_, assets_, job.heat()));
+    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep_, assets_, job.heat(), land_.get()));
     schema::JobResult result;
     *result.mutable_heat() = std::move(computed);
     result.set_seed_hex(absl::StrFormat("%016x", sweep_.sweep().seed()));

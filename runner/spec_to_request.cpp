@@ -59,7 +59,7 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
     if (!sweep.part(p).has_hot() && scene.temperatures.emitters)
       scene.part[static_cast<std::size_t>(p)].hot =
           is_hot(resolved, scene.temperatures, static_cast<std::size_t>(p));
-  ASSIGN_OR_RETURN(scene.land, land_from_sweep(resolved, assets));
+  ASSIGN_OR_RETURN(scene.land, land_from_sweep(resolved, assets, scene.temperatures.land.kinds));
   return scene;
 }
 
@@ -125,8 +125,13 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     ASSIGN_OR_RETURN(auto surroundings, surroundings_from_message(c.surroundings()));
     condition.surroundings = surroundings;
     condition.air_temperature_k = c.air_temperature_k();
-    condition.land_temperature_k.assign(c.land_temperature_k().begin(),
-                                        c.land_temperature_k().end());
+    if (temperatures.land.kinds != nullptr) {
+      condition.land_temperature_k = temperatures.land.kelvin[request.condition.size()];
+      condition.land_temperature_error_k = temperatures.land.error_k[request.condition.size()];
+    } else {
+      condition.land_temperature_k.assign(c.land_temperature_k().begin(),
+                                          c.land_temperature_k().end());
+    }
     condition.above_surface_m = above_surface_m(resolved, c);
     if (c.has_plume() && !plumes.empty()) {
       if (c.plume() >= plumes.size())

@@ -93,8 +93,9 @@ absl::StatusOr<LandCover> cover_of(const schema::ResolvedSweep& sweep, const Ass
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::ResolvedSweep& sweep,
-                                                                 const Assets& assets) {
+absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(
+    const schema::ResolvedSweep& sweep, const Assets& assets,
+    std::shared_ptr<const LandKinds> kinds) {
   if (!sweep.sweep().has_land()) return nullptr;
   const schema::Land& land = sweep.sweep().land();
   const schema::Place& place = sweep.sweep().place();
@@ -116,6 +117,7 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(const schema::R
   ASSIGN_OR_RETURN(out->cover, cover_of(sweep, assets, field, choice.origin));
   ASSIGN_OR_RETURN(out->objects, land_objects_from_sweep(sweep, assets, field, out->cover));
   out->field = std::make_shared<const HeightField>(std::move(field));
+  out->kinds = std::move(kinds);
   out->heading_deg = place.heading_deg();
   return out;
 }

@@ -282,7 +282,9 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
   for (const std::uint32_t group : mesh.triangle_group) part_of_facet.push_back(of_groups[group]);
   if (awaits_temperatures(sweep, heat)) {
     out.awaited = true;
-    out.awaited_emitters = parts.size() + facets_of_computed_parts(sweep, part_of_facet);
+    if (std::any_of(sweep.condition().begin(), sweep.condition().end(),
+                    [](const schema::Condition& c) { return c.has_temperature_field(); }))
+      out.awaited_emitters = parts.size() + facets_of_computed_parts(sweep, part_of_facet);
     schema::ResolvedSweep of_files = sweep;  // what is wrong with those is said now
     for (schema::Condition& c : *of_files.mutable_condition())
       if (c.temperature_field().has_heat()) c.clear_temperature_field();
@@ -293,6 +295,7 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
   }
   ASSIGN_OR_RETURN(const auto facets,
                    facet_temperatures(sweep, assets, heat, mesh, part_of_facet, &out.unknown));
+  ASSIGN_OR_RETURN(out.land, land_temperatures_from_sweep(sweep, heat));
   if (facets.empty()) return out;
   ElementEmission emission = make_element_emission(part_of_facet, parts.size(), facets);
   out.emitters = std::make_shared<const Emitters>(std::move(emission.emitters));

@@ -10,6 +10,7 @@
 #include "core/scene/mesh.h"
 #include "core/scene/trace/target.h"
 #include "core/sources/emission.h"
+#include "runner/land_temperatures.h"
 #include "schema/assets.h"
 
 namespace irsig {
@@ -28,6 +29,7 @@ struct SweepTemperatures {
   // [condition] What was computed of facets that nobody can say the temperature of, as text, by
   // facet: "286 K +- 295 K"; empty: no ray from outside reaches it, nor any facet of its part.
   std::vector<std::map<std::size_t, std::string>> unknown;
+  LandTemperatures land;
 };
 
 // Why a view that sees such a facet fails: which it is, where, and what there is of it.

@@ -7,6 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "core/effects/effects.h"
+#include "schema/heat_run.h"
 #include "schema/image_size.h"
 #include "schema/shard.h"
 
@@ -184,6 +185,17 @@ void clear_file_name(schema::LandFile& file) {
     file.set_file_name(ending);
 }
 
+// Their endings remain, and what the content follows from.
+void clear_file_names(schema::LandFiles& files) {
+  clear_file_name(*files.mutable_heights());
+  if (files.has_inset()) clear_file_name(*files.mutable_inset());
+  for (schema::LandFile& file : *files.mutable_fraction()) clear_file_name(file);
+  for (schema::LandObjectFiles& object : *files.mutable_object()) {
+    clear_file_name(*object.mutable_model());
+    if (object.has_places()) clear_file_name(*object.mutable_places());
+  }
+}
+
 void clear_file_names(schema::Weather& weather) {
   weather.clear_profile_file_name();
   weather.clear_modtran_file_name();
@@ -194,15 +206,7 @@ std::string encoding_for_views(schema::ResolvedSweep sweep) {
   clear_what_no_job_reads(sweep);
   sweep.clear_viewpoint();
   sweep.clear_heat();  // the keys of what views need stand for it
-  if (sweep.has_land()) {
-    clear_file_name(*sweep.mutable_land()->mutable_heights());
-    if (sweep.land().has_inset()) clear_file_name(*sweep.mutable_land()->mutable_inset());
-    for (schema::LandFile& file : *sweep.mutable_land()->mutable_fraction()) clear_file_name(file);
-    for (schema::LandObjectFiles& object : *sweep.mutable_land()->mutable_object()) {
-      clear_file_name(*object.mutable_model());
-      if (object.has_places()) clear_file_name(*object.mutable_places());
-    }
-  }
+  if (sweep.has_land()) clear_file_names(*sweep.mutable_land());
   for (schema::Condition& condition : *sweep.mutable_condition()) {
     condition.clear_warning();
     if (condition.has_temperature_field()) {
@@ -227,6 +231,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   *sweep.add_heat() = only;
   sweep.mutable_heat(0)->clear_season();  // a name
   sweep.mutable_heat(0)->clear_base();    // a place
+  if (computes_land(only)) clear_file_names(*sweep.mutable_land());
   if (only.has_weather()) clear_file_names(*sweep.mutable_heat(0)->mutable_weather());
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.clear_band();

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/hottest.h"
 #include "core/base/printable.h"
+#include "schema/heat_run.h"
 #include "schema/store/check_result.h"
 #include "schema/store/database.h"
 #include "schema/store/heat_time.h"
@@ -90,6 +91,34 @@ absl::Status check_heat_numbers(const schema::HeatField& field) {
   return absl::OkStatus();
 }
 
+// Numbers of the land, as many as there are times: how many kinds they are of is found where they
+// are read (messages/scene/land_heat_messages.h).
+absl::Status check_land(const schema::HeatField& field, const schema::HeatRun& run) {
+  if (field.has_land() != computes_land(run))
+    return wrong_heat("field.land", field.has_land() ? "was not asked for" : "is missing");
+  if (!field.has_land()) return absl::OkStatus();
+  const schema::LandHeat& land = field.land();
+  const std::size_t times = static_cast<std::size_t>(field.unix_s_size());
+  if (land.kelvin().empty() || land.kelvin().size() % (sizeof(float) * times) != 0 ||
+      land.error_k().size() != land.kelvin().size())
+    return wrong_heat("field.land.kelvin",
+                      absl::StrCat("and error_k have ", land.kelvin().size(), " and ",
+                                   land.error_k().size(), " bytes for ", times, " times"));
+  if (land.interpolation_k().size() !=
+      sizeof(float) * times * static_cast<std::size_t>(run.land_temperature_k_size()))
+    return wrong_heat("field.land.interpolation_k",
+                      absl::StrCat("has ", land.interpolation_k().size(), " bytes for ", times,
+                                   " times and ", run.land_temperature_k_size(), " materials"));
+  for (std::size_t i = 0; i < land.kelvin().size() / sizeof(float); ++i) {
+    const float kelvin = number_at(land.kelvin(), i), error_k = number_at(land.error_k(), i);
+    if (!(kelvin > 0 && kelvin <= kHottest_k))
+      return wrong_heat(absl::StrCat("field.land.kelvin[", i, "]"), absl::StrCat("is ", kelvin));
+    if (!(error_k >= 0 && error_k <= kHottest_k))
+      return wrong_heat(absl::StrCat("field.land.error_k[", i, "]"), absl::StrCat("is ", error_k));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_changes(const schema::HeatField& field, const schema::HeatRun& run) {
   if (field.change_k_size() != run.input_size() || !field.kelvin().empty() ||
       !field.error_k().empty())
@@ -154,6 +183,7 @@ absl::Status check_heat_result(const schema::JobResult& result, const std::strin
   if (!field.ParseFromString(result.heat().field())) return wrong_heat("field", "cannot be read");
   IRSIG_STORE_TRY(check_times(field, run));
   IRSIG_STORE_TRY(run.input_size() > 0 ? check_changes(field, run) : check_heat_numbers(field));
+  IRSIG_STORE_TRY(check_land(field, run));
   IRSIG_STORE_TRY(check_parts(result.heat(), run));
   for (const std::string& warning : result.heat().warning())
     if (!is_one_line(warning))

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
+#include "schema/heat_run.h"
 #include "schema/shard.h"
 #include "schema/store/database.h"
 #include "schema/store/heat_time.h"
@@ -178,13 +179,26 @@ absl::Status check_heat(const schema::ResolvedSweep& sweep) {
     if (run.part_temperature_k_size() != parts)
       return wrong_sweep(sweep, absl::StrCat(name, "has ", run.part_temperature_k_size(),
                                              " temperatures for ", parts, " parts"));
-    if (std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0) == 0)
+    if (run.land_temperature_k_size() > 0 &&
+        run.land_temperature_k_size() != sweep.sweep().land().material_size())
+      return wrong_sweep(
+          sweep, absl::StrCat(name, "has ", run.land_temperature_k_size(), " temperatures for ",
+                              sweep.sweep().land().material_size(), " materials of the land"));
+    if (!computes_parts(run) && !computes_land(run))
       return wrong_sweep(sweep, name + "has nothing to compute");
   }
   for (const schema::Condition& c : sweep.condition()) {
+    const std::string name = absl::StrCat("season \"", c.season(), "\" at ", c.time_utc());
+    if (c.has_land_heat()) {
+      if (c.land_heat() >= static_cast<std::uint32_t>(sweep.heat_size()))
+        return wrong_sweep(sweep, absl::StrCat(name, " has the land of heat run ", c.land_heat(),
+                                               " of ", sweep.heat_size()));
+      const schema::HeatRun& run = sweep.heat(static_cast<int>(c.land_heat()));
+      if (!computes_land(run) || !time_index_of(run, c.time_utc()))
+        return wrong_sweep(sweep, name + " is no time of the heat run of its land");
+    }
     const schema::ConditionField& from = c.temperature_field();
     if (!from.has_heat()) continue;
-    const std::string name = absl::StrCat("season \"", c.season(), "\" at ", c.time_utc());
     if (from.heat() >= static_cast<std::uint32_t>(sweep.heat_size()))
       return wrong_sweep(sweep, absl::StrCat(name, " has the temperatures of heat run ",
                                              from.heat(), " of ", sweep.heat_size()));

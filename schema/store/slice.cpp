@@ -152,9 +152,11 @@ class Slicing {
   // The runs of the conditions, and what uncertain inputs change of these.
   absl::Status keep_heat(schema::ResolvedSweep& resolved, std::int64_t sweep_id) {
     std::set<int> used;
-    for (const schema::Condition& c : resolved.condition())
+    for (const schema::Condition& c : resolved.condition()) {
       if (c.temperature_field().has_heat())
         used.insert(static_cast<int>(c.temperature_field().heat()));
+      if (c.has_land_heat()) used.insert(static_cast<int>(c.land_heat()));
+    }
     for (int h = 0; h < resolved.heat_size(); ++h)
       if (resolved.heat(h).input_size() > 0 &&
           used.contains(static_cast<int>(resolved.heat(h).base())))
@@ -170,9 +172,11 @@ class Slicing {
     keep(*resolved.mutable_heat(), runs);
     for (schema::HeatRun& run : *resolved.mutable_heat())
       if (run.input_size() > 0) run.set_base(place_of(run.base()));
-    for (schema::Condition& c : *resolved.mutable_condition())
+    for (schema::Condition& c : *resolved.mutable_condition()) {
       if (c.temperature_field().has_heat())
         c.mutable_temperature_field()->set_heat(place_of(c.temperature_field().heat()));
+      if (c.has_land_heat()) c.set_land_heat(place_of(c.land_heat()));
+    }
     return absl::OkStatus();
   }
 

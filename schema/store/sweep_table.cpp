@@ -57,17 +57,24 @@ std::string condition_definition(const schema::Condition& condition,
   definition.clear_sun_irradiance_from_distance();
   definition.clear_warning();
   Sha256 hash;
+  // What the run is, and not its place in the list.
+  const auto add_run = [&](std::uint32_t index) {
+    schema::HeatRun run = sweep.heat(static_cast<int>(index));
+    run.clear_season();
+    run.clear_time_utc();
+    hash.add(serialized(run));
+  };
   if (definition.has_temperature_field()) {
     schema::ConditionField& from = *definition.mutable_temperature_field();
     from.clear_file_name();
-    // What the run is, and not its place in the list.
     if (from.has_heat()) {
-      schema::HeatRun run = sweep.heat(static_cast<int>(from.heat()));
-      run.clear_season();
-      run.clear_time_utc();
-      hash.add(serialized(run));
+      add_run(from.heat());
       from.set_heat(0);
     }
+  }
+  if (definition.has_land_heat()) {
+    add_run(definition.land_heat());
+    definition.set_land_heat(0);
   }
   hash.add(serialized(definition));
   for (const schema::Part& part : sweep.sweep().part())

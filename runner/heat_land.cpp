@@ -1,0 +1,121 @@
+#include "runner/heat_land.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/hottest.h"
+#include "core/base/problems.h"
+#include "core/base/status_macros.h"
+#include "core/land/kinds/make_land_kinds.h"
+#include "core/thermal/land/land_heat.h"
+#include "messages/scene/land_heat_messages.h"
+#include "messages/scene/scene_from_message.h"
+#include "runner/heat_walls.h"
+#include "runner/heat_weather.h"
+
+namespace irsig {
+namespace {
+
+// As many as make_land_kinds() tells apart.
+constexpr std::size_t kMostLandHorizons = 8;
+
+// Places of each material that show how well its kinds stand for it.
+constexpr std::uint32_t kHeldOutPlaces = 48;
+
+// The target may drive through the wind, the land does not.
+absl::StatusOr<HeatKnots> weather_of_land(const schema::Sweep& sweep, const schema::HeatRun& heat) {
+  if (sweep.place().speed_m_s() == 0) return heat_weather(sweep, heat);
+  schema::Sweep at_rest = sweep;
+  at_rest.mutable_place()->set_speed_m_s(0);
+  return heat_weather(at_rest, heat);
+}
+
+absl::StatusOr<LandHeatMaterial> material_of(const schema::Sweep& sweep, int m,
+                                             std::uint32_t material,
+                                             const std::vector<WallBuildUp>& walls,
+                                             std::vector<std::string>& warning) {
+  ASSIGN_OR_RETURN(const auto surface,
+                   heat_surface(sweep.material(static_cast<int>(material)),
+                                absl::StrCat("material[", material, "]"), warning));
+  const std::string& name = sweep.land().material(m).build_up();
+  for (const WallBuildUp& wall : walls)
+    if (wall.name == name)
+      return LandHeatMaterial{wall, surface.solar_absorptance, surface.emissivity};
+  return keyed_problem(absl::StrCat("land.material[", m, "].build_up"),
+                       absl::StrCat("= \"", name, "\" is no [[build_up]]"));
+}
+
+absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRun& heat,
+                                const LandKinds& kinds, const LandHeatResult& by_time) {
+  for (std::size_t o = 0; o < by_time.kelvin.size(); ++o)
+    for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
+      const float kelvin = by_time.kelvin[o][k];
+      if (kelvin > 0 && static_cast<double>(kelvin) <= kHottestK) continue;
+      const auto m = static_cast<int>(kinds.kind[k].material);
+      const schema::LandMaterial& material = sweep.land().material(m);
+      return keyed_problem(
+          absl::StrCat("land.material[", m, "].build_up"),
+          absl::StrCat("= \"", material.build_up(), "\": \"", material.material(),
+                       "\" would be at ", kelvin, " K at ", heat.time_utc(static_cast<int>(o)),
+                       ": no weather makes up for what the build_up says of its inside"));
+    }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::size_t most_land_kinds(const schema::Sweep& sweep) {
+  LandKinds kinds;
+  kinds.materials = static_cast<std::uint32_t>(sweep.land().material_size());
+  kinds.computed = land_computed(sweep);
+  kinds.on_objects = land_on_objects(sweep);
+  kinds.horizon.resize(kMostLandHorizons);
+  kinds.index_kinds();
+  return kinds.kind.size();
+}
+
+absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
+                                                   const schema::HeatRun& heat,
+                                                   const LandScene& land,
+                                                   std::vector<std::string>& warning) {
+  ASSIGN_OR_RETURN(auto weather, weather_of_land(sweep, heat));
+  ASSIGN_OR_RETURN(const auto walls, walls_at_knots(sweep, weather.knot_s));
+  ASSIGN_OR_RETURN(const auto numbers, land_materials_from_sweep(sweep));
+  LandHeatRequest request;
+  std::vector<std::string> odd;
+  for (int m = 0; m < sweep.land().material_size(); ++m) {
+    const double stated_k = heat.land_temperature_k(m);
+    request.stated_k.push_back(stated_k);
+    request.material.emplace_back();
+    if (stated_k > 0) continue;
+    ASSIGN_OR_RETURN(request.material.back(),
+                     material_of(sweep, m, numbers[static_cast<std::size_t>(m)], walls, odd));
+  }
+  for (std::string& text : odd)
+    if (std::find(warning.begin(), warning.end(), text) == warning.end())
+      warning.push_back(std::move(text));
+  request.knot_s = std::move(weather.knot_s);
+  request.weather = std::move(weather.at);
+  request.day_knots = weather.day_knots;
+  request.output_knot = weather.output_knot;
+  request.heading_deg = sweep.place().heading_deg();
+  request.tolerance_k = sweep.heat().tolerance_k();
+  const LandKinds kinds =
+      make_land_kinds(land, land_computed(sweep), land_on_objects(sweep), kHeldOutPlaces);
+  auto solved = solve_land_heat(kinds, request);
+  if (!solved.ok()) return at_key("land", solved.status());
+  // Times of several days may share a knot of the one that repeats.
+  LandHeatResult by_time;
+  for (const std::size_t k : weather.output_of_time) {
+    by_time.kelvin.push_back(solved->kelvin[k]);
+    by_time.error_k.push_back(solved->error_k[k]);
+    by_time.interpolation_k.push_back(solved->interpolation_k[k]);
+  }
+  RETURN_IF_ERROR(check_temperatures(sweep, heat, kinds, by_time));
+  return land_heat_to_message(kinds, by_time);
+}
+
+}  // namespace irsig

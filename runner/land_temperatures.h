@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/land/land_kinds.h"
+#include "schema/assets.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// The temperatures of a sweep's land, where some of them are computed.
+struct LandTemperatures {
+  std::shared_ptr<const LandKinds> kinds;            // null: none is computed, or all are awaited
+  std::vector<std::vector<double>> kelvin, error_k;  // [condition][kind]; empty without kinds
+};
+
+// Reads what heat jobs have left of land. A stated temperature is that of all kinds of its
+// material. heat: of the sweep's heat runs, or nothing. INVALID_ARGUMENT: an output that is
+// damaged, or has no land at a time of a condition. INTERNAL: two runs have different kinds.
+[[nodiscard]] absl::StatusOr<LandTemperatures> land_temperatures_from_sweep(
+    const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
+
+}  // namespace irsig

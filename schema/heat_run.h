@@ -1,0 +1,14 @@
+#pragma once
+
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// Returns true if the job of a run computes temperatures of parts, or what inputs change of them.
+[[nodiscard]] bool computes_parts(const schema::HeatRun& run);
+
+// Returns true if the job of a run computes temperatures of land. Runs of changes compute none:
+// uncertain inputs leave land as it is.
+[[nodiscard]] bool computes_land(const schema::HeatRun& run);
+
+}  // namespace irsig
