@@ -10,8 +10,7 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 // Tilt of the slopes of a ground, steeper than nearly all land, and of roofs.
 constexpr double kSlopeSine = 0.5, kRoofSine = std::numbers::sqrt2 / 2;
-constexpr std::uint32_t kSlopes = 8, kWalls = 16;
-constexpr std::uint32_t kGroundKinds = 1 + kSlopes, kObjectKinds = 1 + kSlopes + kWalls;
+constexpr std::uint32_t kSlopes = 4, kRoofs = 8, kWalls = 16;
 
 Vec<Enu> tilted(double sine, std::uint32_t i, std::uint32_t count) {
   const double azimuth = kTurn * i / count;
@@ -49,26 +48,40 @@ double LandHorizon::at(double azimuth_rad) const {
 
 void LandKinds::index_kinds() {
   kind.clear();
-  first_ground_.clear();
   first_object_.clear();
+  const std::size_t horizons = horizon.size();
+  first_ground_.assign(materials * horizons, 0);
+  const auto next = [this] { return static_cast<std::uint32_t>(kind.size()); };
+  const auto add_ring = [this](LandKind like, double sine, std::uint32_t count) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      like.normal = tilted(sine, i, count);
+      kind.push_back(like);
+    }
+  };
   for (std::uint32_t m = 0; m < materials; ++m) {
-    first_ground_.push_back(static_cast<std::uint32_t>(kind.size()));
+    const auto first = first_ground_.begin() + static_cast<std::ptrdiff_t>(m * horizons);
     if (!computed[m]) {
+      std::fill_n(first, horizons, next());
+      first_object_.push_back(next());
       kind.push_back({m});
-      first_object_.push_back(first_ground_.back());
       continue;
     }
-    for (std::uint32_t h = 0; h < horizon.size(); ++h) {
+    const auto stands_for = [&](std::size_t h) {
+      return stand_in.empty() ? h : std::size_t{stand_in[m * horizons + h]};
+    };
+    for (std::uint32_t h = 0; h < horizons; ++h) {
+      if (stands_for(h) != h) continue;
+      first[h] = next();
       kind.push_back({m, h});
-      for (std::uint32_t i = 0; i < kSlopes; ++i)
-        kind.push_back({m, h, false, tilted(kSlopeSine, i, kSlopes)});
+      add_ring({m, h}, kSlopeSine, kSlopes);
     }
-    first_object_.push_back(static_cast<std::uint32_t>(kind.size()));
+    for (std::uint32_t h = 0; h < horizons; ++h)
+      first[h] = first[static_cast<std::ptrdiff_t>(stands_for(h))];
+    first_object_.push_back(next());
     if (!on_objects[m]) continue;
     kind.push_back({m, 0, true});
-    for (std::uint32_t i = 0; i < kSlopes; ++i)
-      kind.push_back({m, 0, true, tilted(kRoofSine, i, kSlopes)});
-    for (std::uint32_t i = 0; i < kWalls; ++i) kind.push_back({m, 0, true, tilted(1, i, kWalls)});
+    add_ring({m, 0, true}, kRoofSine, kRoofs);
+    add_ring({m, 0, true}, 1, kWalls);
   }
 }
 
@@ -92,15 +105,15 @@ void LandKinds::at(std::uint32_t material, std::uint32_t of_horizon, Vec<Enu> no
   const auto add = [&](std::uint32_t which, double part) {
     if (part > 0) out.push_back({which, static_cast<float>(part) * share});
   };
-  if (!computed[material]) return add(first_ground_[material], 1);
+  if (!computed[material]) return add(first_object_[material], 1);
   const double sine = std::hypot(normal.x, normal.y);
   const std::uint32_t level =
-      object ? first_object_[material] : first_ground_[material] + of_horizon * kGroundKinds;
+      object ? first_object_[material] : first_ground_[material * horizon.size() + of_horizon];
   if (!(sine > 1e-9)) return add(level, 1);
   const double azimuth = azimuth_of(normal);
   // Slopes whose horizontal parts add up to so much of that of the normal; returns what is left.
   const auto slopes = [&](double times, double part) {
-    const BesideAzimuth of = beside(azimuth, kSlopes);
+    const BesideAzimuth of = beside(azimuth, object ? kRoofs : kSlopes);
     const double first = times * of.of_first, second = times * of.of_second,
                  most = std::max(1.0, first + second);
     add(level + 1 + of.first, part * first / most);
@@ -113,8 +126,8 @@ void LandKinds::at(std::uint32_t material, std::uint32_t of_horizon, Vec<Enu> no
   if (steep > 0) {
     const BesideAzimuth of = beside(azimuth, kWalls);
     const double sum = of.of_first + of.of_second;
-    add(level + 1 + kSlopes + of.first, steep * of.of_first / sum);
-    add(level + 1 + kSlopes + of.second, steep * of.of_second / sum);
+    add(level + 1 + kRoofs + of.first, steep * of.of_first / sum);
+    add(level + 1 + kRoofs + of.second, steep * of.of_second / sum);
   }
 }
 

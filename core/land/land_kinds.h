@@ -49,10 +49,10 @@ struct HeldOutPlace {
 };
 
 // The kinds of land around a target, and which of them stand for a place. Kinds of a material whose
-// temperature is computed are all its horizons with a level place and eight slopes each; and, for
-// the faces of objects, eight roofs and sixteen walls more under a free horizon. A place is the
-// mean of a few of them, so that the absorbed sunlight of a slope is exact as long as all of them
-// are lit. A material whose temperature is stated has one kind.
+// temperature is computed are its horizons with a level place and four slopes each; and, for the
+// faces of objects, eight roofs and sixteen walls more under a free horizon. A place is the mean of
+// a few of them, so that the absorbed sunlight of a slope is exact as long as all of them are lit.
+// A material whose temperature is stated has one kind.
 //
 // Horizons are known in squares around the target, each twice as wide as the one within it.
 // The numbers are a value: a heat job makes them (kinds/make_land_kinds.h), and views take them.
@@ -67,11 +67,15 @@ struct LandKinds {
   std::vector<bool> computed;        // [material]
   std::vector<bool> on_objects;      // [material] also has kinds for the faces of objects
   std::vector<LandHorizon> horizon;  // [0] is free
-  std::vector<Square> square;        // from the narrowest on
-  std::vector<LandKind> kind;        // as index_kinds() numbers them
+  // [material x horizons + horizon] The horizon whose kinds stand for it: itself where the material
+  // has that horizon, else the one most like it that it has.
+  std::vector<std::uint8_t> stand_in;
+  std::vector<Square> square;  // from the narrowest on
+  std::vector<LandKind> kind;  // as index_kinds() numbers them
   std::vector<HeldOutPlace> held_out;
 
-  // Writes `kind` and what at() needs, from the members above.
+  // Writes `kind` and what at() needs, from the members above. Without stand_in every material has
+  // all horizons.
   void index_kinds();
 
   // Appends the kinds of a place, with shares whose sum is that of the fractions.
@@ -82,11 +86,16 @@ struct LandKinds {
   // Likewise, of one material with a horizon.
   void at(std::uint32_t material, std::uint32_t horizon, Vec<Enu> normal, bool object, float share,
           std::vector<KindShare>& out) const;
+  // The kind that is level under the freest horizon of a material.
+  [[nodiscard]] std::uint32_t level_of(std::uint32_t material) const {
+    return first_ground_[material * horizon.size()];
+  }
   // The horizon of a place; that of the nearest cell beyond all squares.
   [[nodiscard]] std::uint32_t horizon_at(double x_m, double y_m) const;
 
  private:
-  std::vector<std::uint32_t> first_ground_, first_object_;  // [material]
+  std::vector<std::uint32_t> first_ground_;  // [material x horizons + horizon]
+  std::vector<std::uint32_t> first_object_;  // [material]
 };
 
 }  // namespace irsig

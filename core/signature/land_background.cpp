@@ -136,7 +136,10 @@ std::vector<double> LandBackground::temperature_k(std::span<const double> kelvin
       const SourceLayout::Place at = paths_.place_of(source_[weight_[w].source]);
       if (at.kind != SourceLayout::Kind::kBehindLand) continue;
       const auto weight = static_cast<double>(weight_[w].value);
-      sum += weight * kelvin[at.index / paths_.behind_ranges() % paths_.land_kinds()];
+      // What faces land is the same place as what faces the sky.
+      const std::uint32_t kind = at.index / paths_.behind_ranges();
+      if (kind >= paths_.land_kinds()) continue;
+      sum += weight * kelvin[kind];
       all += weight;
     }
     out.push_back(all > 0 ? sum / all : 0);

@@ -37,7 +37,9 @@ std::vector<double> material_fractions(const ClutterField& field,
   for (std::size_t i = 0; i < field.sources; ++i) {
     const SourceLayout::Place at = layout.place_of(source[i]);
     if (at.kind != Kind::kBehindLand) continue;
-    double& sum = out[land.material_of(at.index / layout.behind_ranges() % layout.land_kinds())];
+    const std::uint32_t kind = at.index / layout.behind_ranges();
+    double& sum =
+        out[kind < layout.land_kinds() ? land.material_of(kind) : kind - layout.land_kinds()];
     for (std::size_t pixel = 0; pixel < field.pixels(); ++pixel)
       sum += static_cast<double>(field.weight[pixel * field.sources + i]);
   }

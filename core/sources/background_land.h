@@ -23,11 +23,11 @@ void for_each_behind(const Land& land, const SourceLayout& layout,
       if (const float w = share * range.weight(k); w > 0) visit(source(range.node + k), w);
   };
   for (const KindShare& part : mix.kind)
-    each(open * part.share, [&](std::uint32_t node) { return layout.behind_land(part.kind, node); });
-  for (const KindShare& part : mix.kind)
-    each((1 - open) * part.share, [&](std::uint32_t node) {
-      return layout.behind_land(layout.land_kinds() + part.kind, node);
-    });
+    each(open * part.share,
+         [&](std::uint32_t node) { return layout.behind_land(part.kind, node); });
+  for (std::uint32_t m = 0; m < mix.fraction.size(); ++m)
+    each((1 - open) * mix.fraction[m],
+         [&](std::uint32_t node) { return layout.behind_land(layout.land_kinds() + m, node); });
   for (std::uint32_t j = 0; j < suns.size(); ++j)
     if (const double cosine = land.sun_cosine(at, suns[j].direction); cosine > 0 && !shaded(j))
       for (std::uint32_t m = 0; m < mix.fraction.size(); ++m)

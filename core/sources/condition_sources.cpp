@@ -88,11 +88,13 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         }
       }
     }
-  // Land that another slope faces sees land of its own temperature there, of emissivity 1.
+  // Land that a slope faces is level land of the same material, of emissivity 1.
   const Land* land = std::get_if<Land>(&geometry.boundary);
   const std::uint32_t kinds = land != nullptr ? land->kinds() : 0;
+  if (land == nullptr) land_emissivity = {};
   for (const bool open : {true, false})
-    for (std::uint32_t kind = 0; kind < kinds; ++kind) {
+    for (std::uint32_t k = 0; k < (open ? kinds : land_emissivity.size()); ++k) {
+      const std::uint32_t kind = open ? k : land->level_of(k);
       const std::vector<double>& emissivity = land_emissivity[land->material_of(kind)];
       const double kelvin = condition.land_temperature_k[kind];
       coldest_k_ = std::min(coldest_k_, kelvin);
@@ -104,10 +106,10 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         for (const LandAir& at : air) {
           Spectrum& sent = thermal.emplace_back(nodes);
           for (std::size_t i = 0; i < nodes; ++i)
-            sent[i] = at.path_radiance[i] +
-                      (open ? at.transmittance[i] * emissivity[i] * planck[i] +
-                                  (1 - emissivity[i]) * at.sky[i]
-                            : at.transmittance[i] * planck[i]);
+            sent[i] =
+                at.path_radiance[i] + (open ? at.transmittance[i] * emissivity[i] * planck[i] +
+                                                  (1 - emissivity[i]) * at.sky[i]
+                                            : at.transmittance[i] * planck[i]);
         }
       };
       add_land(environment.land.at_target, land_);
@@ -120,7 +122,7 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         error[i] = (open ? emissivity[i] : 1) *
                    (planck_radiance_w_m2_sr_um(node_um[i], hotter_k) - planck[i]);
     }
-  for (std::size_t m = 0; land != nullptr && m < land_emissivity.size(); ++m) {
+  for (std::size_t m = 0; m < land_emissivity.size(); ++m) {
     const auto add_sunlit = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& sunlit) {
       for (const LandAir& at : air) {
         Spectrum& mirrored = sunlit.emplace_back(nodes);
@@ -289,12 +291,11 @@ SummedWeights ConditionSources::temperature_errors(const SourceWeights& of_paths
 }
 
 ConditionSources::LandError ConditionSources::land_error_w_m2_sr(SourceId land,
-                                                                const BandOnAxis& band) const {
+                                                                 const BandOnAxis& band) const {
   const SourceLayout::Place at = layout_.light.place_of(land);
   const bool behind = at.kind == SourceLayout::Kind::kBehindLand;
   if (land_error_.empty() || (!behind && at.kind != SourceLayout::Kind::kLand)) return {};
-  const std::uint32_t ranges =
-      behind ? layout_.light.behind_ranges() : layout_.light.land_ranges();
+  const std::uint32_t ranges = behind ? layout_.light.behind_ranges() : layout_.light.land_ranges();
   const Spectrum& error = land_error_[at.index / ranges];
   Spectrum arriving(error.size());
   const auto through = [&](const std::vector<LandAir>& air) {

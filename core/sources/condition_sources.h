@@ -139,11 +139,11 @@ class ConditionSources {
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
-  // [kind x ranges + node of the range] of land, twice as many kinds as SourceLayout has them; and
-  // [material x ranges + node of the range] of its reflected sunlight.
+  // Of land as SourceLayout numbers it: [kind x ranges + node of the range], materials that face
+  // land as further kinds; and [material x ranges + node of the range] of its reflected sunlight.
   std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
       behind_land_sun_;
-  // [kind] Twice as many: emission by which land may be wrong. Empty: temperatures are stated.
+  // [kind, then material] Emission by which land may be wrong. Empty: temperatures are stated.
   std::vector<Spectrum> land_error_;
   Spectrum none_;
   IncidentRadiance around_;

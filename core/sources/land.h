@@ -52,6 +52,11 @@ class Land {
     return scene_->kinds ? scene_->kinds->kind[kind].material : kind;
   }
 
+  // Returns the kind whose temperature slopes of a material face.
+  [[nodiscard]] std::uint32_t level_of(std::uint32_t material) const {
+    return scene_->kinds ? scene_->kinds->level_of(material) : material;
+  }
+
   // Returns the point where a ray meets land. Sets what land is there.
   [[nodiscard]] std::optional<LandPoint> meet(Vec<Body> from, Vec<Body> direction,
                                               LandMix& mix) const;

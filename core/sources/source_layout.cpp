@@ -33,12 +33,12 @@ SourceLayout SourceLayout::make(std::uint32_t emitters, const SourceGeometry& ge
   out.land_ = out.lower_ + geometry.directions.lower();
   const std::uint32_t lands = out.land_materials_ * out.land_ranges_,
                       behind_lands = out.land_materials_ * out.behind_ranges_;
-  out.sun_ = out.land_ + 2 * out.land_kinds_ * out.land_ranges_;
+  out.sun_ = out.land_ + (out.land_kinds_ + out.land_materials_) * out.land_ranges_;
   out.glint_ = out.sun_ + out.suns_;
   out.land_sun_ = out.glint_ + out.suns_ * out.glint_nodes_;
   out.behind_ = out.land_sun_ + out.land_suns_ * lands;
   out.behind_land_ = out.behind_ + (geometry.behind ? geometry.behind->count() : 0);
-  out.behind_land_sun_ = out.behind_land_ + 2 * out.land_kinds_ * out.behind_ranges_;
+  out.behind_land_sun_ = out.behind_land_ + (out.land_kinds_ + out.land_materials_) * out.behind_ranges_;
   out.end_ = out.behind_land_sun_ + out.land_suns_ * behind_lands;
   return out;
 }

@@ -51,7 +51,7 @@ inline constexpr std::size_t kCauses = 5;
 //   glint(j, k)   sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
 //                 irradiance normal to the beam and unit reflectance
 //   land(k, r)    land of kind k at node r of its range: emission and the sky that it reflects.
-//                 Kinds from land_kinds() on: the same, facing land instead of the sky
+//                 k from land_kinds() on: of a material, facing land instead of the sky
 //   land_sun(j, m, r)  sun j reflected by land of material m, per unit cosine of its incidence
 //   behind(k)     not part of the intensity: what of the silhouette stands before direction node k
 //                 (seen from the sensor, beyond the target), for the contrast

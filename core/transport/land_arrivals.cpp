@@ -44,15 +44,15 @@ bool PathTracer::end_on_land(Work& work, std::uint32_t order, const PathState& p
   const Land::RangeShare range = Land::around(land->distance);
   const float open = Land::sky_fraction(*land);
   const LandMix& mix = work.land_mix;
-  for (const bool faces_sky : {true, false})
-    for (const KindShare& part : mix.kind) {
-      const float share = part.share * (faces_sky ? open : 1 - open);
-      if (!(share > 0)) continue;
-      const std::uint32_t kind = part.kind + (faces_sky ? 0 : layout_.land_kinds());
-      for (std::uint32_t k = 0; k < 2; ++k)
-        add<kSpectral>(work, path, order, layout_.land(kind, range.node + k),
-                       path.weight * share * range.weight(k), spectrum);
-    }
+  const auto add_kind = [&](std::uint32_t kind, float share) {
+    if (!(share > 0)) return;
+    for (std::uint32_t k = 0; k < 2; ++k)
+      add<kSpectral>(work, path, order, layout_.land(kind, range.node + k),
+                     path.weight * share * range.weight(k), spectrum);
+  };
+  for (const KindShare& part : mix.kind) add_kind(part.kind, part.share * open);
+  for (std::uint32_t m = 0; m < mix.fraction.size(); ++m)
+    add_kind(layout_.land_kinds() + m, mix.fraction[m] * (1 - open));
   const auto t = static_cast<float>(land->distance);
   const auto offset_m = static_cast<float>(target_.offset_m());
   const Float3 place{from.x + t * direction.x, from.y + t * direction.y,
@@ -66,8 +66,7 @@ bool PathTracer::end_on_land(Work& work, std::uint32_t order, const PathState& p
     work.land_sun[ray] = j;
     work.land_range[ray] = range;
     std::copy(mix.fraction.begin(), mix.fraction.end(),
-              work.land_fractions.begin() +
-                  static_cast<std::ptrdiff_t>(ray * mix.fraction.size()));
+              work.land_fractions.begin() + static_cast<std::ptrdiff_t>(ray * mix.fraction.size()));
     if (spectral_)
       std::copy_n(spectrum, nodes_,
                   work.land_shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_);
@@ -106,8 +105,8 @@ void PathTracer::trace_land_suns(Work& work, std::uint32_t order) const {
 // visit(source, weight): what a ray meets that goes on behind the target. Pictures show the shadow
 // of the target on land. The background of rows has none: the target would not be there.
 template <typename Visit>
-void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction,
-                                        LandMix& mix, Visit&& visit) const {
+void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction, LandMix& mix,
+                                        Visit&& visit) const {
   const auto lift_m = static_cast<double>(target_.offset_m());
   if (layout_.behind_ranges() > 0)
     if (const auto land = land_->meet_in_sight(view_.frame.sensor, from, direction, mix)) {

@@ -115,6 +115,7 @@ schema::LandHeat land_heat_to_message(const LandKinds& kinds, const LandHeatResu
   for (const bool on_objects : kinds.on_objects) to.add_on_objects(on_objects);
   for (const LandHorizon& horizon : kinds.horizon)
     append({horizon.elevation_rad.begin(), horizon.elevation_rad.end()}, *to.mutable_horizon_rad());
+  to.mutable_stand_in()->assign(kinds.stand_in.begin(), kinds.stand_in.end());
   for (const LandKinds::Square& square : kinds.square) {
     schema::LandSquare& of = *to.add_square();
     of.set_cell_m(square.cell_m);
@@ -142,6 +143,16 @@ absl::StatusOr<LandKinds> land_kinds_from_message(const schema::LandKinds& messa
   for (const schema::LandSquare& square : message.square()) {
     ASSIGN_OR_RETURN(auto of, square_from(square, out.horizon.size()));
     out.square.push_back(std::move(of));
+  }
+  out.stand_in.assign(message.stand_in().begin(), message.stand_in().end());
+  const std::size_t horizons = out.horizon.size();
+  if (out.stand_in.size() != out.materials * horizons)
+    return wrong(absl::StrCat("stand-ins have ", out.stand_in.size(), " bytes"));
+  for (std::size_t i = 0; i < out.stand_in.size(); ++i) {
+    const std::uint8_t other = out.stand_in[i];
+    // A stand-in has kinds of its own.
+    if (other >= horizons || out.stand_in[i / horizons * horizons + other] != other)
+      return wrong("a horizon's stand-in has no kinds");
   }
   out.index_kinds();
   return out;

@@ -32,7 +32,8 @@ ViewResult view_of_slope(std::shared_ptr<const LandKinds> kinds, std::vector<dou
 }
 
 // Rationale: radiance is linear in what a place is made of. Expected: the background of a slope is
-// the mean of those of its kinds' temperatures, with their shares.
+// the mean of those of its kinds' temperatures, with their shares; but the land that it faces is as
+// warm as the level kind.
 TEST(LandKindsView, ASlopeIsTheMeanOfItsKinds) {
   const auto kinds = kinds_of_one();
   std::vector<double> kelvin(kinds->kind.size());
@@ -41,12 +42,17 @@ TEST(LandKindsView, ASlopeIsTheMeanOfItsKinds) {
   std::vector<KindShare> mix;
   kinds->at(0, 0, normalized(Vec<Enu>{-0.1, -0.22, 1}), false, 1, mix);
   ASSERT_EQ(mix.size(), 3u);
+  const double open = 0.5 + 0.5 / std::hypot(1, 0.1, 0.22), faces = 1 - open,
+               share_of_faced = faces / (open * kEmissivity + faces);
   for (std::size_t row = 0; row < 2; ++row) {
+    const double level =
+        view_of_slope(nullptr, {kelvin[0]}).row[row].background_radiance_w_m2_sr.value;
     double expected = 0;
     for (const KindShare& part : mix)
       expected +=
           static_cast<double>(part.share) *
           view_of_slope(nullptr, {kelvin[part.kind]}).row[row].background_radiance_w_m2_sr.value;
+    expected += share_of_faced * (level - expected);
     const SignatureResult& r = mixed.row[row];
     EXPECT_NEAR(r.background_radiance_w_m2_sr.value, expected, 1e-4 * expected);
     EXPECT_NEAR(r.clutter->clutter_mean_w_m2_sr.value, expected, 2e-3 * expected);

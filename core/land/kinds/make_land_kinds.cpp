@@ -67,6 +67,36 @@ class KindMaker {
     group();
   }
 
+  // Horizons that a material has at the middle of some cell; a material that covers no ground has
+  // the free one.
+  void find_stand_ins() {
+    const std::size_t horizons = out_.horizon.size();
+    std::vector<bool> has(out_.materials * horizons, false);
+    std::vector<float> fraction(out_.materials);
+    for (const Cell& cell : cell_) {
+      const LandKinds::Square& square = out_.square[cell.square];
+      const auto [x_m, y_m] = middle_of(square, cell.index);
+      land_.cover.at(x_m, y_m, fraction);
+      for (std::uint32_t m = 0; m < out_.materials; ++m)
+        if (fraction[m] > 0) has[m * horizons + square.horizon[cell.index]] = true;
+    }
+    for (std::size_t m = 0; m < out_.materials; ++m) {
+      const auto first = has.begin() + static_cast<std::ptrdiff_t>(m * horizons);
+      if (std::find(first, first + static_cast<std::ptrdiff_t>(horizons), true) ==
+          first + static_cast<std::ptrdiff_t>(horizons))
+        *first = true;
+      for (std::size_t h = 0; h < horizons; ++h) {
+        std::size_t best = h;
+        for (std::size_t other = 0; !has[m * horizons + h] && other < horizons; ++other)
+          if (has[m * horizons + other] &&
+              (best == h || off2(out_.horizon[h], out_.horizon[other]) <
+                                off2(out_.horizon[h], out_.horizon[best])))
+            best = other;
+        out_.stand_in.push_back(static_cast<std::uint8_t>(best));
+      }
+    }
+  }
+
   // Places of each computed material, evenly over all squares; and faces of objects.
   void hold_out(std::uint32_t places) {
     const std::uint32_t tries = 64 * places;
@@ -230,6 +260,7 @@ LandKinds make_land_kinds(const LandScene& land, std::vector<bool> computed,
   KindMaker maker(land, out);
   maker.add_squares();
   maker.find_horizons();
+  maker.find_stand_ins();
   out.index_kinds();
   maker.hold_out(held_out);
   return out;

@@ -1,0 +1,7 @@
+#!/bin/sh
+# Makes the maps of land_day.toml beside this file: 720 m of hills, one sample each 6 m.
+set -e
+cd "$(dirname "$0")"
+for layer in heights grass wheat bare_soil asphalt water; do
+  "${IRSIG:-irsig}" model terrain --seed 7 --layer "$layer" --relief-m 30 --width-m 720 --spacing-m 6 -o "$layer.asc"
+done
