@@ -90,7 +90,7 @@ struct ExportCommand {
     asked.exr = exr;
     asked.background = background;
     asked.layer = layer;
-    if (const auto known = image_layer_of(layer); known && is_mean_of_target(*known))
+    if (const auto known = image_layer_of(layer); known && !is_radiance(*known))
       return absl::InvalidArgumentError(
           absl::StrCat("--layer ", layer, ": is no radiance; --exr writes its numbers"));
     asked.masks = masks;

@@ -13,8 +13,8 @@ namespace irsig {
 // sensor, and
 //   at_sensor = emitted + sun + sky + surface + parts + path + background - hidden
 // path + background is what the sensor sees without the target.
-// Layers from kTemperature on are means over what a pixel shows of the target, 0 where it shows
-// none. Normals are in the body frame (x forward, y starboard, z down), on the side of the sensor.
+// Layers from kTemperature to kSunlit are means over what a pixel shows of the target, 0 where it
+// shows none; kLandTemperature is one over the land that it would show without the target. Normals are in the body frame (x forward, y starboard, z down), on the side of the sensor.
 enum class ImageLayer : std::uint8_t {
   kEmitted,
   kSun,
@@ -30,13 +30,14 @@ enum class ImageLayer : std::uint8_t {
   kNormalX,
   kNormalY,
   kNormalZ,
-  kSunlit
+  kSunlit,
+  kLandTemperature
 };
 
 struct ImageLayerInfo {
   const char *name, *unit, *what;
 };
-inline constexpr std::array<ImageLayerInfo, 15> kImageLayers = {{
+inline constexpr std::array<ImageLayerInfo, 16> kImageLayers = {{
     {"emitted", "W/(m2 sr)", "light that the target emits"},
     {"sun", "W/(m2 sr)", "direct sunlight that it reflects"},
     {"sky", "W/(m2 sr)", "light of the sky that it reflects"},
@@ -53,14 +54,18 @@ inline constexpr std::array<ImageLayerInfo, 15> kImageLayers = {{
     {"normal_y", "1", "mean unit normal of the facets that a pixel shows, starboard"},
     {"normal_z", "1", "mean unit normal of the facets that a pixel shows, down"},
     {"sunlit", "1", "fraction in direct sun of what a pixel shows of the target"},
+    {"land_temperature", "K",
+     "mean over the land that a pixel shows beside or behind the target; 0 where there is none"},
 }};
 [[nodiscard]] constexpr const char* name_of(ImageLayer layer) {
   return kImageLayers[static_cast<std::size_t>(layer)].name;
 }
-// Returns true if a layer is a mean over what a pixel shows of the target; the others are
-// radiances.
+// Returns true if a layer is a mean over what a pixel shows of the target.
 [[nodiscard]] constexpr bool is_mean_of_target(ImageLayer layer) {
-  return layer >= ImageLayer::kTemperature;
+  return layer >= ImageLayer::kTemperature && layer <= ImageLayer::kSunlit;
+}
+[[nodiscard]] constexpr bool is_radiance(ImageLayer layer) {
+  return layer < ImageLayer::kTemperature;
 }
 [[nodiscard]] constexpr std::optional<ImageLayer> image_layer_of(std::string_view name) {
   for (std::size_t i = 0; i < kImageLayers.size(); ++i)

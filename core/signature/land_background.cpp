@@ -128,6 +128,22 @@ LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandO
   return out;
 }
 
+std::vector<double> LandBackground::temperature_k(std::span<const double> kelvin) const {
+  std::vector<double> out;
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+    double sum = 0, all = 0;
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
+      const SourceLayout::Place at = paths_.place_of(source_[weight_[w].source]);
+      if (at.kind != SourceLayout::Kind::kBehindLand) continue;
+      const auto weight = static_cast<double>(weight_[w].value);
+      sum += weight * kelvin[at.index / paths_.behind_ranges() % paths_.land_kinds()];
+      all += weight;
+    }
+    out.push_back(all > 0 ? sum / all : 0);
+  }
+  return out;
+}
+
 std::vector<float> LandBackground::weights() const {
   std::vector<float> out((first_.size() - 1) * source_.size(), 0.0f);
   for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel)

@@ -31,6 +31,9 @@ class LandBackground {
     std::vector<double> w_m2_sr, error_w_m2_sr;
   };
   [[nodiscard]] Radiance of(std::uint32_t condition, const BandOnAxis& band) const;
+  // Returns the mean temperature of the land in each pixel, [pixel]. 0: there is none. [K]
+  //   kelvin  [kind] under a condition
+  [[nodiscard]] std::vector<double> temperature_k(std::span<const double> kelvin) const;
 
   // Sources of paths that pixels are made of, and the weights of each pixel, [pixel][source].
   [[nodiscard]] const std::vector<SourceId>& sources() const { return source_; }

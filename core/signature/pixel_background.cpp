@@ -87,6 +87,10 @@ absl::StatusOr<PixelBackground> PixelBackground::make(const PreparedScene& scene
   return out;
 }
 
+std::vector<double> PixelBackground::land_temperature_k(std::span<const double> kelvin) const {
+  return land_ ? land_->temperature_k(kelvin) : std::vector<double>(upper_z_.size(), 0.0);
+}
+
 PixelBackground::Radiance PixelBackground::of(const Row& row) const {
   if (land_) {
     LandBackground::Radiance seen = land_->of(row.condition, row.on_axis);

@@ -29,11 +29,13 @@ class PixelBackground {
 
   // [pixel], row by row from the top left, of one of the selected conditions: in-band radiance,
   // mean over the pixel, without that of the path; and the bound of its interpolation between
-  // directions, or of land the difference of two halves of its rays. [W/(m2 sr)]
+  // directions, or of land its error. [W/(m2 sr)]
   struct Radiance {
     std::vector<double> w_m2_sr, bound_w_m2_sr;
   };
   [[nodiscard]] Radiance of(const Row& row) const;
+  // LandBackground::temperature_k; without land: 0.
+  [[nodiscard]] std::vector<double> land_temperature_k(std::span<const double> kelvin) const;
 
  private:
   std::optional<LandBackground> land_;

@@ -59,7 +59,7 @@ class RowPictures {
     out.image_height_px = frame_.height_px;
     out.pixel_rad = frame_.rectangle.width_m / frame_.width_px / frame_.plane_m;
     std::optional<PixelBackground> background;
-    if (at_sensor()) {
+    if (at_sensor() || has(ImageLayer::kLandTemperature)) {
       ASSIGN_OR_RETURN(background,
                        PixelBackground::make(view_.setup.scene, request_, view_.setup.plan.effects,
                                              view_.setup.aimed().frame, frame_));
@@ -349,10 +349,10 @@ class RowPictures {
                   SignatureResult& r) const {
     if (!request_.image) return;
     const Row& of = view_.row[row];
-    const std::size_t picture = background != nullptr ? rows_ + row : row;
+    const std::size_t picture = at_sensor() ? rows_ + row : row;
     const double path = in_band(of.light->environment().path_radiance, of.on_axis);
     PixelBackground::Radiance beside;
-    if (background != nullptr) beside = background->of(of);
+    if (at_sensor()) beside = background->of(of);
     std::vector<std::uint32_t> met(pixels_, 0);
     for (const TracedPictures::Met& m : met_) met[m.pixel] += m.samples;
     const auto kind = [&](std::size_t pixel, std::size_t which) {
@@ -412,6 +412,12 @@ class RowPictures {
         case ImageLayer::kTemperature:
           fill([&](std::size_t i) { return first(i, 1 + condition); });
           break;
+        case ImageLayer::kLandTemperature: {
+          const std::vector<double> kelvin =
+              background->land_temperature_k(request_.condition[of.condition].land_temperature_k);
+          fill([&](std::size_t i) { return kelvin[i]; });
+          break;
+        }
         case ImageLayer::kRange:
           fill([&](std::size_t i) { return first(i, 0); });
           break;

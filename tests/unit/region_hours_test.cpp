@@ -69,7 +69,7 @@ TEST(ImageRegions, MeansAndErrors) {
   const ImageRegion region{"lawn", {0, 1, 2, 3}};
   const std::vector<float> radiance = {1, 2, 4, 9, 100}, error = {3, 4, 5, 7, 100},
                            kelvin = {290, 300, 0, 0, 500}, filled = {1, 0.25F, 0, 0, 1};
-  ImageNumbers image{radiance, error, kelvin, filled};
+  ImageNumbers image{radiance, error, kelvin, {}, filled};
   RegionMean mean = region_mean(region, image);
   EXPECT_EQ(mean.radiance_w_m2_sr, 4);
   EXPECT_NEAR(mean.stderr_w_m2_sr, std::sqrt(9.0 + 16 + 12 * 12) / 4, 1e-12);

@@ -85,13 +85,18 @@ std::vector<ImageRegion> part_regions(const StoredSilhouette& silhouette) {
 }
 
 RegionMean region_mean(const ImageRegion& region, const ImageNumbers& image) {
-  double radiance = 0, squares = 0, common = 0, target = 0, kelvin = 0;
+  double radiance = 0, squares = 0, common = 0, target = 0, kelvin = 0, known = 0;
   for (const std::uint32_t at : region.pixel) {
     radiance += static_cast<double>(image.radiance_w_m2_sr[at]);
     const double filled = static_cast<double>(image.filled[at]);
     target += filled;
-    if (filled > 0 && !image.temperature_k.empty())
-      kelvin += filled * static_cast<double>(image.temperature_k[at]);
+    const auto add_kelvin = [&](std::span<const float> layer, double weight) {
+      if (layer.empty() || !(weight > 0) || !(layer[at] > 0)) return;
+      kelvin += weight * static_cast<double>(layer[at]);
+      known += weight;
+    };
+    add_kelvin(image.temperature_k, filled);
+    add_kelvin(image.land_temperature_k, 1 - filled);
     if (image.stderr_w_m2_sr.empty()) continue;
     const double error = static_cast<double>(image.stderr_w_m2_sr[at]);
     if (filled > 0 || image.independent_background)
@@ -103,7 +108,7 @@ RegionMean region_mean(const ImageRegion& region, const ImageNumbers& image) {
   const auto n = static_cast<double>(region.pixel.size());
   return {radiance / n,
           image.stderr_w_m2_sr.empty() ? kUnknown : std::hypot(std::sqrt(squares), common) / n,
-          image.temperature_k.empty() || !(target > 0) ? kUnknown : kelvin / target, target / n};
+          known > 0 ? kelvin / known : kUnknown, target / n};
 }
 
 }  // namespace irsig

@@ -37,7 +37,7 @@ struct ImageRegion {
 // Means over a region of an image. NaN: not known.
 struct RegionMean {
   double radiance_w_m2_sr, stderr_w_m2_sr;
-  double temperature_k;    // over the target's area in the region
+  double temperature_k;    // over the target's area in the region, and the land's, as far as known
   double target_fraction;  // of the region's area
 };
 
@@ -45,15 +45,19 @@ struct RegionMean {
 struct ImageNumbers {
   std::span<const float> radiance_w_m2_sr;
   std::span<const float> stderr_w_m2_sr;  // empty: not known
-  std::span<const float> temperature_k;   // empty: not known
+  std::span<const float> temperature_k;   // of the target; empty: not known
+  // Of land beside and behind the target, 0: no land. Empty: not known.
+  std::span<const float> land_temperature_k;
   std::span<const float> filled;          // the fraction of each pixel that the target fills
-  // Whether pixels without target have errors of their own, as those of land, whose rays are theirs
-  // alone. Those of sky and sea come from the same few directions.
+  // Whether pixels without target have errors of their own, as those of land of stated temperature,
+  // whose rays are theirs alone. Those of sky and sea come from the same few directions, and
+  // computed temperatures of land are wrong together.
   bool independent_background = false;
 };
 
 // Returns the means over a region. The radiance is that of n pixels with equal weights, the
-// temperature that of the pixels that show the target, with the weights filled. The standard error
+// temperature that of the pixels that show the target, with the weights filled, and of those that show
+// land with the rest. The standard error
 // takes the errors e of the pixels T that show the target as independent and those of the others B
 // as the same error:
 //

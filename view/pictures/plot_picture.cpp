@@ -52,7 +52,8 @@ enum class Shows : std::uint8_t {
   kTarget,  // radiance times the fraction of the pixel that the target fills
   kTargetAndGas,
   kOfTarget,  // a mean over what the pixel shows of the target
-  kAll        // whatever stands there
+  kAll,       // whatever stands there
+  kLand       // a mean over land, 0 where there is none
 };
 
 Shows what_is_shown(const std::string& layer, bool gas) {
@@ -61,6 +62,7 @@ Shows what_is_shown(const std::string& layer, bool gas) {
   if (!known || *known == ImageLayer::kAtSensor || *known == ImageLayer::kBackground ||
       *known == ImageLayer::kPath)
     return Shows::kAll;
+  if (*known == ImageLayer::kLandTemperature) return Shows::kLand;
   return is_mean_of_target(*known) ? Shows::kOfTarget : Shows::kTarget;
 }
 
@@ -169,6 +171,7 @@ absl::StatusOr<ColorRange> range_of_most(const std::vector<float>& values) {
 std::string axis_title(ImageLayer layer) {
   switch (layer) {
     case ImageLayer::kTemperature:
+    case ImageLayer::kLandTemperature:
       return "Temperature in K";
     case ImageLayer::kRange:
       return "Distance from the sensor in m";
@@ -184,7 +187,7 @@ absl::Status finish(StoreReader& reader, const StoredSignature& s, const std::st
                     const std::optional<ColorRange>& range, FalseColorPicture& picture) {
   ASSIGN_OR_RETURN(const auto own, range_of_most(picture.value));
   picture.range = range.value_or(own);
-  if (const auto known = image_layer_of(layer); known && is_mean_of_target(*known)) {
+  if (const auto known = image_layer_of(layer); known && !is_radiance(*known)) {
     picture.axis = bar_axis(axis_title(*known), picture.range);
     return absl::OkStatus();
   }
@@ -205,7 +208,9 @@ std::string subtitle_of(const std::string& layer) {
                            : "radiance at the target, without the air";
   what[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(what[0])));
   what += ". Colours from the 1st to the 99th percentile unless stated";
-  if (what_is_shown(layer, false) != Shows::kAll)
+  if (what_is_shown(layer, false) == Shows::kLand)
+    what += ". Grey: no land";
+  else if (what_is_shown(layer, false) != Shows::kAll)
     what +=
         ". Grey: less than half of the pixel is target, or nothing of a small one or of its gas";
   return what;

@@ -52,7 +52,7 @@ absl::StatusOr<StoredSilhouette> silhouette_of(StoreReader& reader, const Stored
 
 // Layers of an image that the means are made of.
 struct LayerPixels {
-  RadianceImage value, stderr_, temperature;  // without pixels: not stored
+  RadianceImage value, stderr_, temperature, land_temperature;  // without pixels: not stored
 };
 
 absl::StatusOr<LayerPixels> layer_pixels(StoreReader& reader, const StoredSignature& row,
@@ -62,6 +62,8 @@ absl::StatusOr<LayerPixels> layer_pixels(StoreReader& reader, const StoredSignat
   if (!layer) return missing_layer(reader, row, name);
   ASSIGN_OR_RETURN(const auto temperature,
                    reader.image_layer(row.signature_id, name_of(ImageLayer::kTemperature)));
+  ASSIGN_OR_RETURN(const auto land_temperature,
+                   reader.image_layer(row.signature_id, name_of(ImageLayer::kLandTemperature)));
   LayerPixels out;
   std::vector<ShownImage> files = {{layer->exr(), most_px}};
   std::vector<RadianceImage*> into = {&out.value};
@@ -72,6 +74,10 @@ absl::StatusOr<LayerPixels> layer_pixels(StoreReader& reader, const StoredSignat
   if (temperature) {
     files.push_back({temperature->exr(), most_px});
     into.push_back(&out.temperature);
+  }
+  if (land_temperature) {
+    files.push_back({land_temperature->exr(), most_px});
+    into.push_back(&out.land_temperature);
   }
   RETURN_IF_ERROR(
       visit_images(files, read, [&](std::size_t i, absl::StatusOr<RadianceImage> image) {
@@ -89,10 +95,10 @@ bool fits(const RadianceImage& image, const StoredSilhouette& silhouette) {
 
 absl::Status check_layer(const std::string& layer) {
   const auto known = image_layer_of(layer);
-  if (known && !is_mean_of_target(*known)) return absl::OkStatus();
+  if (known && is_radiance(*known)) return absl::OkStatus();
   std::string names;
   for (std::size_t i = 0; i < kImageLayers.size(); ++i)
-    if (!is_mean_of_target(static_cast<ImageLayer>(i)))
+    if (is_radiance(static_cast<ImageLayer>(i)))
       names += (names.empty() ? "" : ", ") + std::string(kImageLayers[i].name);
   return absl::InvalidArgumentError(
       fmt::format("--layer {}: --kind regions draws a radiance, expected one of {}; temperatures "
@@ -154,7 +160,7 @@ absl::StatusOr<RegionHours> region_hours(StoreReader& reader, const Query& query
         const auto pixels,
         layer_pixels(reader, row, layer, row.superseded ? kMostPixels : most_px_of(sweep), read));
     ASSIGN_OR_RETURN(const auto silhouette, silhouette_of(reader, row));
-    for (const RadianceImage* image : {&pixels.value, &pixels.stderr_, &pixels.temperature})
+    for (const RadianceImage* image : {&pixels.value, &pixels.stderr_, &pixels.temperature, &pixels.land_temperature})
       if (!fits(*image, silhouette))
         return damaged_image(row, "the silhouette is of another size than the image");
     auto regions = rectangle_regions(rectangles, silhouette.width_px, silhouette.height_px);
@@ -162,7 +168,9 @@ absl::StatusOr<RegionHours> region_hours(StoreReader& reader, const Query& query
     if (rectangles.empty()) *regions = part_regions(silhouette);
     const std::vector<float> filled = filled_fractions(silhouette);
     const ImageNumbers numbers{pixels.value.radiance_w_m2_sr, pixels.stderr_.radiance_w_m2_sr,
-                               pixels.temperature.radiance_w_m2_sr, filled, sweep.has_land()};
+                               pixels.temperature.radiance_w_m2_sr,
+                               pixels.land_temperature.radiance_w_m2_sr, filled,
+                               sweep.has_land() && !sweep.has_heat()};
     for (const ImageRegion& region : *regions)
       out.value.push_back(
           {hours[i], row, region.name, region.pixel.size(), region_mean(region, numbers)});

@@ -1,0 +1,99 @@
+// Views of land whose temperatures are computed: by kinds.
+#include <cmath>
+
+#include "land_fixture.h"
+
+namespace irsig {
+namespace {
+
+using namespace fixture;
+
+// One material whose temperature is computed, under a free horizon.
+std::shared_ptr<const LandKinds> kinds_of_one() {
+  auto out = std::make_shared<LandKinds>();
+  out->materials = 1;
+  out->computed = {true};
+  out->on_objects = {false};
+  out->horizon.resize(1);
+  out->index_kinds();
+  return out;
+}
+
+double height(double x, double y) { return 0.1 * x + 0.22 * y; }
+
+ViewResult view_of_slope(std::shared_ptr<const LandKinds> kinds, std::vector<double> kelvin,
+                         std::vector<double> error_k = {}) {
+  Scene scene = scene_on(50, 800, true);
+  auto land = std::make_shared<LandScene>(*land_of(height, 1000, 10));
+  land->kinds = std::move(kinds);
+  scene.request.condition[0].land_temperature_k = std::move(kelvin);
+  scene.request.condition[0].land_temperature_error_k = std::move(error_k);
+  return view_of(scene, land);
+}
+
+// Rationale: radiance is linear in what a place is made of. Expected: the background of a slope is
+// the mean of those of its kinds' temperatures, with their shares.
+TEST(LandKindsView, ASlopeIsTheMeanOfItsKinds) {
+  const auto kinds = kinds_of_one();
+  std::vector<double> kelvin(kinds->kind.size());
+  for (std::size_t k = 0; k < kelvin.size(); ++k) kelvin[k] = 280 + 4 * static_cast<double>(k);
+  const ViewResult mixed = view_of_slope(kinds, kelvin);
+  std::vector<KindShare> mix;
+  kinds->at(0, 0, normalized(Vec<Enu>{-0.1, -0.22, 1}), false, 1, mix);
+  ASSERT_EQ(mix.size(), 3u);
+  for (std::size_t row = 0; row < 2; ++row) {
+    double expected = 0;
+    for (const KindShare& part : mix)
+      expected +=
+          static_cast<double>(part.share) *
+          view_of_slope(nullptr, {kelvin[part.kind]}).row[row].background_radiance_w_m2_sr.value;
+    const SignatureResult& r = mixed.row[row];
+    EXPECT_NEAR(r.background_radiance_w_m2_sr.value, expected, 1e-4 * expected);
+    EXPECT_NEAR(r.clutter->clutter_mean_w_m2_sr.value, expected, 2e-3 * expected);
+    EXPECT_NEAR(r.clutter->material_fraction[0], 1, 1e-5);
+  }
+}
+
+// Rationale: kinds of one temperature are one land. Expected: the same rows, to rounding.
+TEST(LandKindsView, KindsOfOneTemperatureAreOneLand) {
+  const auto kinds = kinds_of_one();
+  const ViewResult a = view_of_slope(kinds, std::vector<double>(kinds->kind.size(), 301.5)),
+                   b = view_of_slope(nullptr, {301.5});
+  for (std::size_t row = 0; row < 2; ++row) {
+    EXPECT_NEAR(a.row[row].intensity_w_sr.value, b.row[row].intensity_w_sr.value,
+                1e-5 * b.row[row].intensity_w_sr.value);
+    EXPECT_NEAR(a.row[row].contrast_intensity_w_sr.value, b.row[row].contrast_intensity_w_sr.value,
+                1e-5 * b.row[row].apparent_intensity_w_sr.value);
+  }
+}
+
+// Rationale: what temperatures are not sure of is an error of the row. Expected: by how much the
+// row changes if all of land is warmer by its error; nothing where it is stated.
+TEST(LandKindsView, ErrorsOfTemperaturesAreErrorsOfRows) {
+  constexpr double kErrorK = 4;
+  const auto kinds = kinds_of_one();
+  const std::size_t n = kinds->kind.size();
+  const ViewResult stated = view_of_slope(kinds, std::vector<double>(n, 295)),
+                   warmer = view_of_slope(kinds, std::vector<double>(n, 295 + kErrorK)),
+                   unsure = view_of_slope(kinds, std::vector<double>(n, 295),
+                                          std::vector<double>(n, kErrorK));
+  for (std::size_t row = 0; row < 2; ++row) {
+    const SignatureResult &s = stated.row[row], &w = warmer.row[row], &u = unsure.row[row];
+    EXPECT_EQ(s.temperature_bound_w_sr, 0);
+    EXPECT_EQ(u.intensity_w_sr.value, s.intensity_w_sr.value);
+    const double source = w.intensity_w_sr.value - s.intensity_w_sr.value;
+    EXPECT_GT(source, 0);
+    EXPECT_NEAR(u.temperature_bound_w_sr, source, 0.02 * source);
+    // Land behind the target changes the contrast the other way than land that it reflects; errors
+    // add up.
+    const double seen = w.apparent_intensity_w_sr.value - s.apparent_intensity_w_sr.value,
+                 contrast = w.contrast_intensity_w_sr.value - s.contrast_intensity_w_sr.value,
+                 bound = std::sqrt(3 * (std::pow(u.contrast_numerical_error_w_sr, 2) -
+                                        std::pow(s.contrast_numerical_error_w_sr, 2)));
+    EXPECT_LT(contrast, 0);
+    EXPECT_NEAR(bound, 2 * seen - contrast, 0.05 * (2 * seen - contrast));
+  }
+}
+
+}  // namespace
+}  // namespace irsig
