@@ -27,13 +27,18 @@ constexpr double kNumber = sizeof(double);
 // A heat job's faces: exchange and walls, and what shines on each at each knot of the weather.
 constexpr double kBytesPerFace = 4.1e3, kBytesPerFaceAndKnot = 36;
 
-// Light and weights of the land's sources under one condition: of each material in the open, facing
-// land and in the sun, at each range; twice, since the window of the clutter has its own; and the
-// weights of its sun's land, of all paths and of those of the last order.
-double land_bytes_per_condition(double materials, double wavelengths, double path_weights) {
+// Light and weights of the land's sources under one condition: of each kind in the open and facing
+// land, with an error each, and of each material in the sun, at each range; twice, since the window
+// of the clutter has its own; and the weights of its sun's land, of all paths and of those of the
+// last order.
+double land_bytes_per_condition(const schema::Sweep& sweep, double wavelengths,
+                                double path_weights) {
+  const double materials = sweep.land().material_size();
   if (materials == 0) return 0;
   constexpr double kAround = kLandRangeM.size(), kBehind = 12;  // ranges
-  const double spectra = (3 * materials + 4) * (2 * kAround + kBehind);
+  const auto kinds = static_cast<double>(most_land_kinds(sweep));
+  const double spectra =
+      (2 * kinds + materials + 4) * (2 * kAround + kBehind) + (kinds > materials ? 2 * kinds : 0);
   return kNumber * (2 * spectra * wavelengths + 2 * path_weights * materials * (kAround + kBehind));
 }
 
@@ -85,8 +90,8 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   JobMemory memory;
   const auto elements = static_cast<double>(emitters);
   memory.bytes_per_condition =
-      kAllocation * (of_condition + land_bytes_per_condition(sweep.sweep().land().material_size(),
-                                                             wavelengths, row / (2 * kNumber))) +
+      kAllocation * (of_condition +
+                     land_bytes_per_condition(sweep.sweep(), wavelengths, row / (2 * kNumber))) +
       row + 2 * elements * static_cast<double>(sizeof(float));
   memory.heat_bytes = heat_bytes(sweep, simulator.target().facet.size());
   memory.shared_bytes =

@@ -202,9 +202,13 @@ class SweepMover {
     for (schema::HeatRun& run : *sweep_.mutable_heat()) move(*run.mutable_part_temperature_k());
   }
 
+  // Of parts: land is not moved.
   void move_build_ups(const std::string& input) {
     if (sweep_.heat_size() == 0) return;
+    std::set<std::string> used;
+    for (const schema::Part& part : sweep_.sweep().part()) used.insert(part.build_up());
     for (schema::BuildUp& b : *sweep_.mutable_sweep()->mutable_build_up()) {
+      if (!used.contains(b.name())) continue;
       if (input == "inside_temperature_k") {
         if (b.has_inside_temperature_k())
           b.set_inside_temperature_k(mover_.moved(b.inside_temperature_k(), kColdestK, kHottestK));

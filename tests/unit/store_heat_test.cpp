@@ -360,5 +360,90 @@ TEST_F(StoreHeat, SweepsWhoseJobsDoNotFitTheirRunsAreRefused) {
           "is no time of its heat run");
 }
 
+// Two materials of land, the first of which every run computes.
+schema::ResolvedSweep with_land(schema::ResolvedSweep sweep) {
+  for (const char* name : {"grass", "asphalt"})
+    sweep.mutable_sweep()->mutable_land()->add_material()->set_material(name);
+  for (schema::HeatRun& run : *sweep.mutable_heat())
+    for (const double kelvin : {0, 280}) run.add_land_temperature_k(kelvin);
+  for (schema::Condition& c : *sweep.mutable_condition()) {
+    c.set_land_heat(c.temperature_field().heat());
+    for (const double kelvin : {0, 280}) c.add_land_temperature_k(kelvin);
+  }
+  return sweep;
+}
+
+TEST_F(StoreHeat, LandIsHeldAgainstItsRun) {
+  schema::ResolvedSweep sweep = with_land(sweep_);
+  sweep.mutable_sweep()->set_name("on land");
+  ASSERT_OK(submit_heat(sweep, "sweep-b", "ground").status());
+  ASSERT_OK(writer_->begin());
+  QueuedJob job = lease();
+  while (job.spec.job_key() != make_heat_jobs(sweep, "sweep-b", "ground")[0].job_key())
+    job = lease();
+  const auto result_with = [&](const std::function<void(schema::HeatField&)>& spoil) {
+    schema::JobResult result = make_heat_result(sweep, job.spec);
+    schema::HeatField field;
+    EXPECT_TRUE(field.ParseFromString(result.heat().field()));
+    const auto append = [](std::string& bytes, std::initializer_list<float> values) {
+      for (const float value : values)
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    append(*field.mutable_land()->mutable_kelvin(), {290, 291, 280});
+    append(*field.mutable_land()->mutable_error_k(), {0.1F, 0.2F, 0});
+    append(*field.mutable_land()->mutable_interpolation_k(), {0.1F, NAN});
+    spoil(field);
+    result.mutable_heat()->set_field(field.SerializeAsString());
+    return result;
+  };
+  const auto put = [](std::string& bytes, std::size_t at, float value) {
+    std::memcpy(bytes.data() + 4 * at, &value, 4);
+  };
+  const std::pair<const char*, std::function<void(schema::HeatField&)>> spoils[] = {
+      {"field.land is missing", [](auto& f) { f.clear_land(); }},
+      {"field.land.kelvin and error_k have 0 and 12 bytes",
+       [](auto& f) { f.mutable_land()->clear_kelvin(); }},
+      {"field.land.kelvin and error_k have 12 and 11 bytes",
+       [](auto& f) { f.mutable_land()->mutable_error_k()->pop_back(); }},
+      {"field.land.interpolation_k has 0 bytes for 1 times and 2 materials",
+       [](auto& f) { f.mutable_land()->clear_interpolation_k(); }},
+      {"field.land.kelvin[1] is nan",
+       [&](auto& f) { put(*f.mutable_land()->mutable_kelvin(), 1, NAN); }},
+      {"field.land.error_k[0] is -1",
+       [&](auto& f) { put(*f.mutable_land()->mutable_error_k(), 0, -1); }},
+  };
+  for (const auto& [why, spoil] : spoils) {
+    const absl::Status status = writer_->complete(job.fencing_token, result_with(spoil), "h");
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status << ", expected " << why;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(why));
+  }
+  ASSERT_OK(writer_->complete(job.fencing_token, result_with([](auto&) {}), "h"));
+}
+
+TEST_F(StoreHeat, ConditionsNameRunsThatComputeTheirLand) {
+  const auto refused = [&](const std::function<void(schema::ResolvedSweep&)>& spoil,
+                           const std::string& why) {
+    schema::ResolvedSweep sweep = with_land(sweep_);
+    sweep.mutable_sweep()->set_name("other");
+    spoil(sweep);
+    ASSERT_OK(writer_->begin());
+    const absl::Status status =
+        writer_->add_sweep(sweep, "x", make_heat_jobs(sweep, "x"), {}).status();
+    writer_->rollback();
+    EXPECT_THAT(std::string(status.message()), HasSubstr(why)) << status;
+  };
+  refused([](auto& s) { s.mutable_condition(0)->set_land_heat(2); }, "the land of heat run 2 of 2");
+  refused([](auto& s) { s.mutable_heat(0)->set_land_temperature_k(0, 280); },
+          "is no time of the heat run of its land");
+  refused([](auto& s) { s.mutable_heat(0)->add_land_temperature_k(280); },
+          "has 3 temperatures for 2 materials of the land");
+  // A run may compute land alone.
+  schema::ResolvedSweep alone = with_land(sweep_);
+  alone.mutable_sweep()->set_name("alone");
+  for (schema::HeatRun& run : *alone.mutable_heat()) run.set_part_temperature_k(0, 290);
+  for (schema::Condition& c : *alone.mutable_condition()) c.clear_temperature_field();
+  ASSERT_OK(submit_heat(alone, "y", "other ground").status());
+}
+
 }  // namespace
 }  // namespace irsig
