@@ -37,13 +37,14 @@ struct LandBuildUp {
 // Depth: a day's wave of temperature falls to 1/e in 0.11 m of moist loam, and to 1/5000 in 1 m.
 // Lawn: a reference surface of clipped grass, 0.12 m high, has a leaf area index of 24 x 0.12 and
 // 100 s/m [allen1998, eq. 5 and box 5]. Its ground is dry: "The same field under crops in July",
-// docs/explanation/methods/thermal.md. Ripe wheat does not transpire.
+// docs/explanation/methods/thermal.md. Wheat in growth: likewise, with a leaf area index of 3. Ripe
+// wheat transpires little, and stands so high that the air cools it: no layer describes it.
 // Road: 0.15 m of asphalt and 0.4 m of gravel, a common order of sizes and no measurement.
 // Wall: a brick's length, 0.24 m.
 const std::vector<LandBuildUp>& table() {
   static const auto& rows = *new std::vector<LandBuildUp>{
       {"grass", 0.80, {{1.0, Of::kMoistLoam}}, 0, Plants{2.88, 100}},
-      {"wheat", 0.73, {{0.1, Of::kSolid, "clay_soil_dry"}, {0.9, Of::kMoistLoam}}, 0},
+      {"wheat", 0.73, {{1.0, Of::kMoistLoam}}, 0, Plants{3, 100}},
       {"bare_soil_dry", 0.75, {{0.1, Of::kSolid, "clay_soil_dry"}, {0.9, Of::kMoistLoam}}, 0},
       {"bare_soil_wet", 0.88, {{1.0, Of::kSolid, "clay_soil_wet"}}, 1},
       {"sand", 0.63, {{1.0, Of::kSolid, "sandy_soil_dry"}}, 0},

@@ -46,6 +46,12 @@ double LandHorizon::at(double azimuth_rad) const {
          share * static_cast<double>(elevation_rad[(below + 1) % kHorizonAzimuths]);
 }
 
+std::uint32_t LandHorizon::nearest(double azimuth_rad) {
+  const double turned = azimuth_rad / kTurn;
+  return static_cast<std::uint32_t>((turned - std::floor(turned)) * kHorizonAzimuths + 0.5) %
+         kHorizonAzimuths;
+}
+
 void LandKinds::index_kinds() {
   kind.clear();
   first_object_.clear();

@@ -12,11 +12,15 @@ namespace irsig {
 
 inline constexpr std::uint32_t kHorizonAzimuths = 32;
 
-// Elevation above the level of what stands highest in each direction, at azimuths
-// 2 pi i / kHorizonAzimuths clockwise from north; linear between.  [rad]
+// What hides the sky from a place, at azimuths 2 pi i / kHorizonAzimuths clockwise from north: all
+// below an elevation above the level, linear between azimuths; and what hangs higher, such as the
+// crown of a tree, from a low to a high elevation, at the nearest azimuth. Equal: nothing hangs
+// there.  [rad]
 struct LandHorizon {
-  std::array<float, kHorizonAzimuths> elevation_rad{};
+  std::array<float, kHorizonAzimuths> elevation_rad{}, lid_low_rad{}, lid_high_rad{};
   [[nodiscard]] double at(double azimuth_rad) const;
+  // Index of the nearest azimuth.
+  [[nodiscard]] static std::uint32_t nearest(double azimuth_rad);
 };
 
 // Land of one material that lies in one way and has one horizon: its temperature is one.

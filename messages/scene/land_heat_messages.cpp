@@ -58,14 +58,19 @@ absl::StatusOr<std::vector<std::vector<float>>> rows_of(const std::string& bytes
 }
 
 absl::StatusOr<std::vector<LandHorizon>> horizons_from(const std::string& bytes) {
-  constexpr std::size_t kBytes = sizeof(float) * kHorizonAzimuths;
+  constexpr std::size_t kArray = sizeof(float) * kHorizonAzimuths, kBytes = 3 * kArray;
   if (bytes.empty() || bytes.size() % kBytes != 0 || bytes.size() / kBytes > kMostHorizons)
     return wrong(absl::StrCat("horizons have ", bytes.size(), " bytes"));
   std::vector<LandHorizon> out(bytes.size() / kBytes);
   for (std::size_t h = 0; h < out.size(); ++h) {
-    std::memcpy(out[h].elevation_rad.data(), bytes.data() + h * kBytes, kBytes);
-    for (const float rad : out[h].elevation_rad)
-      if (!(std::abs(rad) <= kUpright)) return wrong(absl::StrCat("a horizon is at ", rad, " rad"));
+    const char* from = bytes.data() + h * kBytes;
+    for (auto* array : {&out[h].elevation_rad, &out[h].lid_low_rad, &out[h].lid_high_rad}) {
+      std::memcpy(array->data(), from, kArray);
+      from += kArray;
+      for (const float rad : *array)
+        if (!(std::abs(rad) <= kUpright))
+          return wrong(absl::StrCat("a horizon is at ", rad, " rad"));
+    }
   }
   return out;
 }
@@ -114,7 +119,8 @@ schema::LandHeat land_heat_to_message(const LandKinds& kinds, const LandHeatResu
   for (const bool computed : kinds.computed) to.add_computed(computed);
   for (const bool on_objects : kinds.on_objects) to.add_on_objects(on_objects);
   for (const LandHorizon& horizon : kinds.horizon)
-    append({horizon.elevation_rad.begin(), horizon.elevation_rad.end()}, *to.mutable_horizon_rad());
+    for (const auto* array : {&horizon.elevation_rad, &horizon.lid_low_rad, &horizon.lid_high_rad})
+      append({array->begin(), array->end()}, *to.mutable_horizon_rad());
   to.mutable_stand_in()->assign(kinds.stand_in.begin(), kinds.stand_in.end());
   for (const LandKinds::Square& square : kinds.square) {
     schema::LandSquare& of = *to.add_square();

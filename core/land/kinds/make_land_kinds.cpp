@@ -23,6 +23,7 @@ constexpr double kAlike = 0.7 * kDeg;
 constexpr double kLowest = 1 * kDeg, kHighest = 89 * kDeg, kResolution = 0.4 * kDeg;
 constexpr double kAboveM = 1e-3;  // the eye, above the land
 constexpr double kFarM = 1e9;
+constexpr double kLidReachM = 40;  // of objects under whose crowns sunlight passes
 
 // Points that fill a unit square evenly, [roberts2018].
 std::array<double, 2> even_point(std::uint32_t i) {
@@ -160,6 +161,7 @@ class KindMaker {
     if (!surface_m) return std::nullopt;
     const Vec<Enu> eye{x_m, y_m, *surface_m + kAboveM};
     LandHorizon out;
+    const bool lids = objects_near(x_m, y_m);
     double near = kLowest;  // the horizon at the azimuth before
     for (std::uint32_t i = 0; i < kHorizonAzimuths; ++i) {
       const double azimuth = kTurn * i / kHorizonAzimuths;
@@ -171,6 +173,7 @@ class KindMaker {
       double low = kLowest, high = kHighest;
       if (!covered(low)) {
         near = kLowest;
+        if (lids) add_lid(i, 0, covered, out);
         continue;
       }
       for (double step = 2 * kResolution; high - low > kResolution; step *= 4) {
@@ -184,14 +187,52 @@ class KindMaker {
       }
       near = 0.5 * (low + high);
       out.elevation_rad[i] = static_cast<float>(near);
+      if (lids) add_lid(i, near, covered, out);
     }
     return out;
   }
 
+  // Objects near enough that their crowns are seen well above the level.
+  [[nodiscard]] bool objects_near(double x_m, double y_m) const {
+    return land_.objects != nullptr &&
+           land_.objects->highest_m(x_m - kLidReachM, x_m + kLidReachM, y_m - kLidReachM,
+                                    y_m + kLidReachM) > -kFarM;
+  }
+
+  // The lowest of what hangs above the horizon, found at a few elevations.
+  template <typename Covered>
+  static void add_lid(std::uint32_t i, double horizon, const Covered& covered, LandHorizon& out) {
+    constexpr double kStep = 8 * kDeg;
+    const auto edge = [&](double free, double hidden) {
+      while (std::abs(hidden - free) > kResolution)
+        (covered(0.5 * (free + hidden)) ? hidden : free) = 0.5 * (free + hidden);
+      return static_cast<float>(0.5 * (free + hidden));
+    };
+    double free = horizon + kResolution, at = horizon + kStep;
+    while (at < kHighest && !covered(at)) {
+      free = at;
+      at += kStep;
+    }
+    if (at >= kHighest) return;
+    out.lid_low_rad[i] = edge(free, at);
+    double hidden = at;
+    while (at < kHighest && covered(at)) {
+      hidden = at;
+      at += kStep;
+    }
+    out.lid_high_rad[i] = at < kHighest ? edge(at, hidden) : static_cast<float>(kTurn / 4);
+  }
+
+  // Of elevations that one hides and the other does not, in the mean square over azimuths.
   static double off2(const LandHorizon& a, const LandHorizon& b) {
     double sum = 0;
     for (std::uint32_t i = 0; i < kHorizonAzimuths; ++i) {
-      const auto d = static_cast<double>(a.elevation_rad[i] - b.elevation_rad[i]);
+      const auto horizon = std::abs(a.elevation_rad[i] - b.elevation_rad[i]);
+      const float both = std::max(0.0f, std::min(a.lid_high_rad[i], b.lid_high_rad[i]) -
+                                            std::max(a.lid_low_rad[i], b.lid_low_rad[i])),
+                  lids = a.lid_high_rad[i] - a.lid_low_rad[i] + b.lid_high_rad[i] -
+                         b.lid_low_rad[i] - 2 * both;
+      const auto d = static_cast<double>(horizon + lids);
       sum += d * d;
     }
     return sum / kHorizonAzimuths;
@@ -231,16 +272,32 @@ class KindMaker {
   }
 
   void move_to_means(const std::vector<std::uint8_t>& of) {
-    std::vector<std::array<double, kHorizonAzimuths>> sum(out_.horizon.size());
+    struct Sums {
+      double elevation = 0, lid_low = 0, lid_high = 0, lids = 0;
+    };
+    std::vector<std::array<Sums, kHorizonAzimuths>> sum(out_.horizon.size());
     std::vector<double> count(out_.horizon.size(), 0);
     for (std::size_t c = 0; c < seen_.size(); ++c) {
       ++count[of[c]];
-      for (std::uint32_t i = 0; i < kHorizonAzimuths; ++i)
-        sum[of[c]][i] += static_cast<double>(seen_[c].elevation_rad[i]);
+      for (std::uint32_t i = 0; i < kHorizonAzimuths; ++i) {
+        Sums& s = sum[of[c]][i];
+        s.elevation += static_cast<double>(seen_[c].elevation_rad[i]);
+        if (seen_[c].lid_high_rad[i] <= seen_[c].lid_low_rad[i]) continue;
+        s.lid_low += static_cast<double>(seen_[c].lid_low_rad[i]);
+        s.lid_high += static_cast<double>(seen_[c].lid_high_rad[i]);
+        ++s.lids;
+      }
     }
     for (std::size_t h = 1; h < sum.size(); ++h)
-      for (std::uint32_t i = 0; count[h] > 0 && i < kHorizonAzimuths; ++i)
-        out_.horizon[h].elevation_rad[i] = static_cast<float>(sum[h][i] / count[h]);
+      for (std::uint32_t i = 0; count[h] > 0 && i < kHorizonAzimuths; ++i) {
+        const Sums& s = sum[h][i];
+        LandHorizon& to = out_.horizon[h];
+        to.elevation_rad[i] = static_cast<float>(s.elevation / count[h]);
+        // What hangs over most of them hangs over all.
+        const double lids = 2 * s.lids > count[h] ? s.lids : 0;
+        to.lid_low_rad[i] = lids > 0 ? static_cast<float>(s.lid_low / lids) : 0;
+        to.lid_high_rad[i] = lids > 0 ? static_cast<float>(s.lid_high / lids) : 0;
+      }
   }
 
   const LandScene& land_;

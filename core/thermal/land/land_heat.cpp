@@ -33,6 +33,9 @@ double sky_fraction(const Place& at) {
   for (int a = 0; a < kAzimuths; ++a) {
     const double azimuth = 2 * std::numbers::pi * (a + 0.5) / kAzimuths,
                  horizon = at.horizon->at(azimuth);
+    const std::uint32_t near = LandHorizon::nearest(azimuth);
+    const auto lid_low = static_cast<double>(at.horizon->lid_low_rad[near]),
+               lid_high = static_cast<double>(at.horizon->lid_high_rad[near]);
     const double along = at.normal.x * std::sin(azimuth) + at.normal.y * std::cos(azimuth);
     for (int e = -kElevations; e < kElevations; ++e) {
       const double elevation = 0.5 * std::numbers::pi * (e + 0.5) / kElevations,
@@ -43,7 +46,8 @@ double sky_fraction(const Place& at) {
       // A cell of elevations that the horizon cuts counts in part.
       const double cell = 0.5 * std::numbers::pi / kElevations,
                    lowest = std::max(horizon, 0.0) - (elevation - 0.5 * cell);
-      sky += weight * std::clamp(1 - lowest / cell, 0.0, 1.0);
+      if (elevation < lid_low || elevation >= lid_high)
+        sky += weight * std::clamp(1 - lowest / cell, 0.0, 1.0);
     }
   }
   return sky / all;
@@ -119,7 +123,11 @@ class LandExposure {
     const double cosine = dot(at.normal, sun);
     if (cosine <= 0) return 0;
     const double elevation = std::asin(std::clamp(sun.z, -1.0, 1.0)),
-                 above = elevation - at.horizon->at(std::atan2(sun.x, sun.y));
+                 azimuth = std::atan2(sun.x, sun.y), above = elevation - at.horizon->at(azimuth);
+    const std::uint32_t near = LandHorizon::nearest(azimuth);
+    if (elevation > static_cast<double>(at.horizon->lid_low_rad[near]) &&
+        elevation < static_cast<double>(at.horizon->lid_high_rad[near]))
+      return 0;
     return cosine * std::clamp(0.5 + 0.5 * above / radius_rad, 0.0, 1.0);
   }
 
