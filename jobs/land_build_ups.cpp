@@ -57,13 +57,13 @@ const std::vector<LandBuildUp>& table() {
   return rows;
 }
 
-const LandBuildUp* row_of(const std::string& entry) {
+const LandBuildUp* default_of(const std::string& entry) {
   for (const LandBuildUp& row : table())
     if (row.entry == entry) return &row;
   return nullptr;
 }
 
-schema::Layer message_of(const GroundLayer& layer) {
+schema::Layer layer_message(const GroundLayer& layer) {
   schema::Layer out;
   out.set_thickness_m(layer.thickness_m);
   const auto set = [&](double w_m_k, double kg_m3, double j_kg_k) {
@@ -106,7 +106,7 @@ void add_build_up(const LandBuildUp& row, schema::LandMaterial& material, schema
   schema::BuildUp& out = *sweep.add_build_up();
   out.set_name(name);
   for (const GroundLayer& layer : layers_of(row, material.objects_only()))
-    *out.add_layer() = message_of(layer);
+    *out.add_layer() = layer_message(layer);
   out.set_inside("adiabatic");
   if (row.surface_moisture) out.set_surface_moisture(*row.surface_moisture);
   if (row.canopy) {
@@ -118,7 +118,7 @@ void add_build_up(const LandBuildUp& row, schema::LandMaterial& material, schema
 
 }  // namespace
 
-bool has_land_build_up(const std::string& entry) { return row_of(entry) != nullptr; }
+bool has_land_build_up(const std::string& entry) { return default_of(entry) != nullptr; }
 
 void write_land_build_ups(schema::Sweep& sweep) {
   if (!sweep.has_heat() || !sweep.has_land()) return;
@@ -128,7 +128,7 @@ void write_land_build_ups(schema::Sweep& sweep) {
                     [&](const schema::Season& season) { return is_stated(season, material); });
     if (stated && !material.has_build_up()) continue;
     for (schema::Material& of : *sweep.mutable_material()) {
-      const LandBuildUp* row = of.name() == material.material() ? row_of(of.entry()) : nullptr;
+      const LandBuildUp* row = of.name() == material.material() ? default_of(of.entry()) : nullptr;
       if (row == nullptr) continue;
       if (!of.has_solar_absorptance()) of.set_solar_absorptance(row->solar_absorptance);
       if (!material.has_build_up()) add_build_up(*row, material, sweep);

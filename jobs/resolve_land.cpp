@@ -103,8 +103,7 @@ void check_other_tables(const schema::Sweep& sweep, Findings& findings) {
 std::string remedy_without_temperature(const schema::Sweep& sweep, const std::string& entry) {
   if (entry == "sea_water")
     return "; the temperature of water is not computed: water flows and mixes";
-  if (entry == "leaves")
-    return "; the temperature of leaves is not computed";
+  if (entry == "leaves") return "; the temperature of leaves is not computed";
   if (sweep.has_heat()) return ", or build_up = \"...\", from which [heat] computes it";
   return has_land_build_up(entry) ? ", or [heat], which computes it from the weather" : "";
 }

@@ -48,8 +48,8 @@ absl::StatusOr<LandHeatMaterial> material_of(const schema::Sweep& sweep, int m,
                        absl::StrCat("= \"", name, "\" is no [[build_up]]"));
 }
 
-absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRun& heat,
-                                const LandKinds& kinds, const LandHeatResult& by_time) {
+absl::Status check_land_kelvin(const schema::Sweep& sweep, const schema::HeatRun& heat,
+                               const LandKinds& kinds, const LandHeatResult& by_time) {
   for (std::size_t o = 0; o < by_time.kelvin.size(); ++o)
     for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
       const float kelvin = by_time.kelvin[o][k];
@@ -114,7 +114,7 @@ absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
     by_time.error_k.push_back(solved->error_k[k]);
     by_time.interpolation_k.push_back(solved->interpolation_k[k]);
   }
-  RETURN_IF_ERROR(check_temperatures(sweep, heat, kinds, by_time));
+  RETURN_IF_ERROR(check_land_kelvin(sweep, heat, kinds, by_time));
   return land_heat_to_message(kinds, by_time);
 }
 
