@@ -19,9 +19,6 @@
 namespace irsig {
 namespace {
 
-// As many as make_land_kinds() tells apart.
-constexpr std::size_t kMostLandHorizons = 8;
-
 // Places of each material that show how well its kinds stand for it.
 constexpr std::uint32_t kHeldOutPlaces = 48;
 

@@ -11,11 +11,13 @@
 namespace irsig {
 
 inline constexpr std::uint32_t kHorizonAzimuths = 32;
+// Most horizons of a land.
+inline constexpr std::uint32_t kMostLandHorizons = 8;
 
-// What hides the sky from a place, at azimuths 2 pi i / kHorizonAzimuths clockwise from north: all
-// below an elevation above the level, linear between azimuths; and what hangs higher, such as the
-// crown of a tree, from a low to a high elevation, at the nearest azimuth. Equal: nothing hangs
-// there.  [rad]
+// Elevations that are hidden from a place, at azimuths 2 pi i / kHorizonAzimuths clockwise from
+// north: all below an elevation above the level, linear between azimuths; and what hangs higher,
+// such as the crown of a tree, from a low to a high elevation, at the nearest azimuth. Equal:
+// nothing hangs there.  [rad]
 struct LandHorizon {
   std::array<float, kHorizonAzimuths> elevation_rad{}, lid_low_rad{}, lid_high_rad{};
   [[nodiscard]] double at(double azimuth_rad) const;
@@ -37,7 +39,7 @@ struct KindShare {
   float share;
 };
 
-// What land is at one place.
+// The land at one place.
 struct LandMix {
   std::vector<float> fraction;  // [material] not negative, adds up to 1
   std::vector<KindShare> kind;  // positive, adds up to 1

@@ -16,7 +16,6 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi, kDeg = kTurn / 360;
 constexpr std::uint32_t kCells = 64;  // along each side of a square
 constexpr double kObjectCellM = 2;    // of the narrowest square, if objects stand on the land
-constexpr std::uint32_t kMostHorizons = 8;
 // Horizons that differ by less, in the root mean square over azimuths and cells, are one.
 constexpr double kAlike = 0.7 * kDeg;
 // What stands lower is no horizon; higher is the zenith.
@@ -255,7 +254,7 @@ class KindMaker {
           }
       }
     };
-    while (out_.horizon.size() < kMostHorizons) {
+    while (out_.horizon.size() < kMostLandHorizons) {
       double sum = 0;
       for (const double d : off) sum += d;
       if (!(sum > kAlike * kAlike * static_cast<double>(seen_.size()))) break;
