@@ -75,6 +75,7 @@ TEST(ImageRegions, MeansAndErrors) {
   EXPECT_NEAR(mean.stderr_w_m2_sr, std::sqrt(9.0 + 16 + 12 * 12) / 4, 1e-12);
   EXPECT_NEAR(mean.temperature_k, (290 + 0.25 * 300) / 1.25, 1e-12);
   EXPECT_NEAR(mean.target_fraction, 1.25 / 4, 1e-12);
+  EXPECT_NEAR(mean.known_fraction, 1.25 / 4, 1e-12);
   image.independent_background = true;
   EXPECT_NEAR(region_mean(region, image).stderr_w_m2_sr, std::sqrt(9.0 + 16 + 25 + 49) / 4, 1e-12);
   image.stderr_w_m2_sr = {};
@@ -86,6 +87,12 @@ TEST(ImageRegions, MeansAndErrors) {
   image.temperature_k = kelvin;
   EXPECT_TRUE(std::isnan(region_mean(sky, image).temperature_k));
   EXPECT_EQ(region_mean(sky, image).target_fraction, 0);
+  // Land beside the target and behind its edge.
+  const std::vector<float> land = {310, 310, 280, 0, 0};
+  image.land_temperature_k = land;
+  mean = region_mean(region, image);
+  EXPECT_NEAR(mean.temperature_k, (290 + 0.25 * 300 + 0.75 * 310 + 280) / 3, 1e-12);
+  EXPECT_NEAR(mean.known_fraction, 0.75, 1e-12);
 }
 
 std::string utc_of(int hour) {

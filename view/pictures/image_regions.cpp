@@ -108,7 +108,7 @@ RegionMean region_mean(const ImageRegion& region, const ImageNumbers& image) {
   const auto n = static_cast<double>(region.pixel.size());
   return {radiance / n,
           image.stderr_w_m2_sr.empty() ? kUnknown : std::hypot(std::sqrt(squares), common) / n,
-          known > 0 ? kelvin / known : kUnknown, target / n};
+          known > 0 ? kelvin / known : kUnknown, target / n, known / n};
 }
 
 }  // namespace irsig

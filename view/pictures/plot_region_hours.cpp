@@ -78,7 +78,7 @@ std::vector<DayPanels> panels_of_days(const RegionHours& hours, const CurvePanel
     radiance.high.push_back(v.mean.radiance_w_m2_sr + 2 * v.mean.stderr_w_m2_sr);
     // Temperatures are those of a condition, the same in each band.
     if (day.radiance.size() > 1 || std::isnan(v.mean.temperature_k)) continue;
-    const double percent = 100 * v.mean.target_fraction;
+    const double percent = 100 * v.mean.known_fraction;
     const std::string name =
         percent > 99.5 ? v.region : fmt::format("{}, {:.2g} %", v.region, percent);
     Curve& temperature = region_curve(day.temperature, name, place);
@@ -116,7 +116,7 @@ std::string plot_region_hours(const RegionHours& hours) {
   std::string subtitle = fmt::format("Means over regions of the images, layer {}", hours.layer);
   if (errors) subtitle += "; shaded: \u00b1 2 standard errors";
   if (temperatures)
-    subtitle += "; temperatures: of the target, and the percentage of a region that it fills";
+    subtitle += "; temperatures: where known, with the percentage of the region unless it is all";
   return plot_curves(title, subtitle, panels, columns);
 }
 
