@@ -5,7 +5,7 @@ usage: land_day_test.py <irsig> <source folder>
 import csv, pathlib, re, subprocess, sys, tempfile, unittest
 
 IRSIG, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-HOURS = (0, 6, 8, 10, 12, 14, 16, 20, 23)
+HOURS = (0, 6, 8, 10, 12, 13, 14, 16, 20, 23)
 # Pixels of the image of 80 x 64.
 REGIONS = {"lawn": "32,34,47,38", "road": "67,49,72,50", "river": "24,44,33,49", "wheat": "65,28,76,33",
            "soil": "3,20,15,27", "east_wall": "38,23,46,27", "south_wall": "32,19,34,23"}
@@ -23,7 +23,7 @@ class LandDay(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         folder = pathlib.Path(cls.folder.name)
         text = (SOURCE / "jobs/examples/land_day.toml").read_text()
-        times = ", ".join(f'"{h:02}:00+08:00"' for h in HOURS)
+        times = ", ".join(f'"{h:02}:00+07:00"' for h in HOURS)
         text = re.sub(r"time = \[.*?\n\]", f"time = [{times}]", text, flags=re.S)
         text = text.replace("pixels = [160, 128]", "pixels = [80, 64]").replace("samples = 32", "samples = 4")
         text = re.sub(r'"(\.\./models|land_day)/', lambda m: f'"{SOURCE}/jobs/examples/{m[1]}/', text)
@@ -36,7 +36,7 @@ class LandDay(unittest.TestCase):
         cls.kelvin, cls.radiance = {}, {}
         with open(table) as file:
             for row in csv.DictReader(file):
-                hour = (int(row["time_utc"][11:13]) + 8) % 24
+                hour = (int(row["time_utc"][11:13]) + 7) % 24
                 cls.kelvin[row["region"], hour] = float(row["temperature_k"])
                 cls.radiance[row["region"], row["band"], hour] = float(row["radiance_w_m2_sr"])
 
@@ -73,7 +73,7 @@ class LandDay(unittest.TestCase):
 
     def test_land_is_hottest_after_noon(self):
         for region in ("lawn", "road", "wheat", "soil"):
-            self.assertEqual(max(HOURS, key=lambda hour: self.kelvin[region, hour]), 14, region)
+            self.assertIn(max(HOURS, key=lambda hour: self.kelvin[region, hour]), (13, 14), region)
 
     def test_the_lawn_is_smoother_than_the_scene(self):
         cells = []
@@ -85,7 +85,7 @@ class LandDay(unittest.TestCase):
         spread = {}
         with open(table) as file:
             for row in csv.DictReader(file):
-                if "T06:00" in row["time_utc"]:  # 14 h there
+                if "T07:00" in row["time_utc"]:  # 14 h there
                     spread[row["region"]] = float(row["radiance_w_m2_sr"])
         lawn = [spread[f"c{x}_{y}"] for x in (32, 36, 40) for y in (36,)]
         self.assertLess(max(lawn) - min(lawn), 0.1 * (max(spread.values()) - min(spread.values())))

@@ -163,6 +163,9 @@ LandKinds some_kinds(const schema::Sweep& sweep) {
   out.on_objects = land_on_objects(sweep);
   out.horizon.resize(3);
   out.horizon[1].elevation_rad[5] = 0.25F;
+  out.horizon[2].lid_low_rad[3] = 0.5F;
+  out.horizon[2].lid_high_rad[3] = 0.75F;
+  out.stand_in = {0, 1, 1, 0, 0, 2};
   out.square.push_back({10, 2, {0, 1, 2, 0}});
   out.square.push_back({20, 3, {0, 1, 2, 0, 1, 2, 0, 1, 2}});
   out.index_kinds();
@@ -192,7 +195,10 @@ TEST(LandHeat, OutputsAreReadAsTheyWereWritten) {
   EXPECT_EQ(read->kinds.on_objects, kinds.on_objects);
   ASSERT_EQ(read->kinds.horizon.size(), 3U);
   for (std::size_t h = 0; h < 3; ++h)
-    EXPECT_EQ(read->kinds.horizon[h].elevation_rad, kinds.horizon[h].elevation_rad);
+    for (const auto array :
+         {&LandHorizon::elevation_rad, &LandHorizon::lid_low_rad, &LandHorizon::lid_high_rad})
+      EXPECT_EQ(read->kinds.horizon[h].*array, kinds.horizon[h].*array);
+  EXPECT_EQ(read->kinds.stand_in, kinds.stand_in);
   ASSERT_EQ(read->kinds.square.size(), 2U);
   EXPECT_EQ(read->kinds.square[1].cell_m, 20);
   EXPECT_EQ(read->kinds.square[1].cells, 3U);
@@ -222,14 +228,22 @@ TEST(LandHeat, DamagedOutputsAreRefused) {
       {"other materials", [](auto& h) { h.mutable_kinds()->add_on_objects(true); }},
       {"other materials", [](auto& h) { h.mutable_kinds()->set_on_objects(0, true); }},
       {"horizons have 0 bytes", [](auto& h) { h.mutable_kinds()->clear_horizon_rad(); }},
-      {"horizons have 383 bytes",
+      {"horizons have 1151 bytes",
        [](auto& h) { h.mutable_kinds()->mutable_horizon_rad()->pop_back(); }},
-      {"horizons have 32896 bytes",
-       [](auto& h) { h.mutable_kinds()->mutable_horizon_rad()->assign(257UL * 128, '\0'); }},
+      {"horizons have 98688 bytes",
+       [](auto& h) { h.mutable_kinds()->mutable_horizon_rad()->assign(257UL * 384, '\0'); }},
       {"a horizon is at nan rad",
        [&](auto& h) { put(*h.mutable_kinds()->mutable_horizon_rad(), 7, NAN); }},
       {"a horizon is at 2 rad",
        [&](auto& h) { put(*h.mutable_kinds()->mutable_horizon_rad(), 95, 2); }},
+      {"a horizon is at -2 rad",
+       [&](auto& h) { put(*h.mutable_kinds()->mutable_horizon_rad(), 287, -2); }},
+      {"stand-ins have 5 bytes",
+       [](auto& h) { h.mutable_kinds()->mutable_stand_in()->pop_back(); }},
+      {"stand-in has no kinds",
+       [](auto& h) { h.mutable_kinds()->mutable_stand_in()->front() = 3; }},
+      {"stand-in has no kinds",  // 2 stands for 0, and 1 for 2
+       [](auto& h) { h.mutable_kinds()->mutable_stand_in()->front() = 2; }},
       {"a square of 0 cells",
        [](auto& h) {
          h.mutable_kinds()->mutable_square(0)->set_cells(0);
