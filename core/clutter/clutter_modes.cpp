@@ -31,6 +31,37 @@ Matrix gram(const Matrix& rows) {
   return out;
 }
 
+// Rows l_k with sum_k l_k^T l_k = a matrix of diagonal 1 without negative eigenvalues: Cholesky's
+// factorisation, the largest diagonal that is left first, until only rounding is left.
+Matrix cholesky_rows(const Matrix& of) {
+  const std::size_t n = of.size();
+  std::vector<double> left(n, 1.0);
+  Matrix out;
+  while (out.size() < n) {
+    const auto pivot =
+        static_cast<std::size_t>(std::max_element(left.begin(), left.end()) - left.begin());
+    if (!(left[pivot] > kRoundingOfWeights)) break;
+    std::vector<double> row = of[pivot];
+    for (const std::vector<double>& known : out)
+      for (std::size_t i = 0; i < n; ++i) row[i] -= known[pivot] * known[i];
+    const double root = std::sqrt(left[pivot]);
+    for (std::size_t i = 0; i < n; ++i) {
+      row[i] = left[i] > 0 ? row[i] / root : 0;
+      left[i] -= row[i] * row[i];
+    }
+    left[pivot] = 0;
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+Matrix transposed(const Matrix& rows) {
+  Matrix out(rows.front().size(), std::vector<double>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < out.size(); ++j) out[j][i] = rows[i][j];
+  return out;
+}
+
 }  // namespace
 
 SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
@@ -62,12 +93,9 @@ SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
   }
   SpectralSet out;
   if (deviation.empty()) return out;
-  const SymmetricEigen eigen = symmetric_eigen(gram(deviation), 1e-16);
-  for (std::size_t k = 0; k < eigen.value.size(); ++k) {
-    if (!(eigen.value[k] > kRoundingOfWeights * eigen.value.front())) break;
+  for (const auto& row : cholesky_rows(gram(deviation))) {
     auto& factor = out.emplace_back(field.sources, 0.0);
-    for (std::size_t i = 0; i < varies.size(); ++i)
-      factor[varies[i]] = std::sqrt(eigen.value[k]) * eigen.vector[k][i] * sigma[i];
+    for (std::size_t i = 0; i < varies.size(); ++i) factor[varies[i]] = row[i] * sigma[i];
   }
   return out;
 }
@@ -99,9 +127,11 @@ ClutterModes clutter_modes(const SpectralSet& weight_factor,
       for (const double v : of_band[k]) spectrum[k].push_back(v / unit.back());
   }
   if (spectrum.empty()) return out;
-  // U^T spectrum has rows sqrt(eigenvalue) x eigenvector of spectrum^T spectrum, if the columns of
-  // U are the eigenvectors of spectrum spectrum^T.
-  const SymmetricEigen eigen = symmetric_eigen(gram(spectrum), kRoundingOfSpectra);
+  // Modes are sqrt(eigenvalue) x eigenvector of spectrum^T spectrum; or the rows of U^T spectrum,
+  // if the columns of U are the eigenvectors of spectrum spectrum^T. Of both the smaller one.
+  const bool few_bins = spectrum.front().size() < spectrum.size();
+  const SymmetricEigen eigen =
+      symmetric_eigen(gram(few_bins ? transposed(spectrum) : spectrum), kRoundingOfSpectra);
   std::vector<double> carried(radiance.size(), 0.0), all(radiance.size(), 0.0);
   const auto add_variance = [&](const std::vector<double>& row, std::vector<double>& sum) {
     std::size_t at = 0;
@@ -116,8 +146,10 @@ ClutterModes clutter_modes(const SpectralSet& weight_factor,
       enough &= carried[b] >= kClutterFraction * all[b];
     if (enough || !(eigen.value[k] > kRoundingOfSpectra * eigen.value.front())) break;
     std::vector<double> mode(spectrum.front().size(), 0.0);
-    for (std::size_t i = 0; i < spectrum.size(); ++i)
+    for (std::size_t i = 0; !few_bins && i < spectrum.size(); ++i)
       for (std::size_t j = 0; j < mode.size(); ++j) mode[j] += eigen.vector[k][i] * spectrum[i][j];
+    for (std::size_t j = 0; few_bins && j < mode.size(); ++j)
+      mode[j] = std::sqrt(eigen.value[k]) * eigen.vector[k][j];
     add_variance(mode, carried);
     std::size_t at = 0;
     for (std::size_t b = 0; b < radiance.size(); ++b) {
