@@ -55,7 +55,7 @@ Matrix cholesky_rows(const Matrix& of) {
   return out;
 }
 
-Matrix transposed(const Matrix& rows) {
+Matrix by_column(const Matrix& rows) {
   Matrix out(rows.front().size(), std::vector<double>(rows.size()));
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t j = 0; j < out.size(); ++j) out[j][i] = rows[i][j];
@@ -131,7 +131,7 @@ ClutterModes clutter_modes(const SpectralSet& weight_factor,
   // if the columns of U are the eigenvectors of spectrum spectrum^T. Of both the smaller one.
   const bool few_bins = spectrum.front().size() < spectrum.size();
   const SymmetricEigen eigen =
-      symmetric_eigen(gram(few_bins ? transposed(spectrum) : spectrum), kRoundingOfSpectra);
+      symmetric_eigen(gram(few_bins ? by_column(spectrum) : spectrum), kRoundingOfSpectra);
   std::vector<double> carried(radiance.size(), 0.0), all(radiance.size(), 0.0);
   const auto add_variance = [&](const std::vector<double>& row, std::vector<double>& sum) {
     std::size_t at = 0;

@@ -197,6 +197,94 @@ TEST(LandHeat, LevelLandIsOneWall) {
   }
 }
 
+// Rationale: in weather that stays, a face has the temperature of its balance. Expected: the closed
+// form of level land, a slope, a wall, a hollow and land under a crown, in sun from the south.
+TEST(LandHeat, InSteadyWeatherFacesHaveTheTemperatureOfTheirBalance) {
+  constexpr double kAlpha = 0.7, kEmissivity = 0.9, kDirect = 500, kDiffuse = 80, kSky = 300,
+                   kAirK = 290, kWind = 3, kFactor = 1.5, kHollow = 25 * kDeg, kLow = 20 * kDeg,
+                   kHigh = 45 * kDeg;
+  LandKinds kinds;
+  kinds.materials = 1;
+  kinds.computed = {true};
+  kinds.on_objects = {true};
+  kinds.horizon.resize(3);
+  kinds.horizon[1].elevation_rad.fill(static_cast<float>(kHollow));
+  kinds.horizon[2].lid_low_rad.fill(static_cast<float>(kLow));
+  kinds.horizon[2].lid_high_rad.fill(static_cast<float>(kHigh));
+  kinds.index_kinds();
+  const double sun = 36.87 * kDeg;  // of elevation: hidden under the crown, seen from the hollow
+  LandHeatRequest r;
+  const SceneHeatRequest weather = steady(kAirK, kSky);
+  r.knot_s = weather.knot_s;
+  r.weather = weather.weather;
+  for (HeatWeather& w : r.weather) {
+    w.wind_m_s = kWind;
+    w.wind_from = {-1, 0, 0};  // from the south: the target heads north
+    w.sun = {-std::cos(sun), 0, -std::sin(sun)};
+    w.before = w.after = {kDirect, kDiffuse, kSky};
+  }
+  r.day_knots = weather.day_knots;
+  r.output_knot = weather.output_knot;
+  r.convection_factor = kFactor;
+  r.material = {LandHeatMaterial{steel(InnerSide::kAdiabatic), kAlpha, kEmissivity}};
+  r.stated_k = {0};
+  const LandHeatResult land = solved(kinds, r);
+  const auto sigma4 = [](double k) { return kStefanBoltzmannWM2K4 * std::pow(k, 4); };
+  const auto balance_k = [&](const LandKind& kind, double sky, bool lit, double level_k) {
+    const double cosine =
+        std::max(0.0, kind.normal.z * std::sin(sun) - kind.normal.y * std::cos(sun));
+    const double light = (lit ? kDirect * cosine : 0) + sky * kDiffuse +
+                         (1 - sky) * (1 - kAlpha) * (kDirect * std::sin(sun) + kDiffuse);
+    const double around = kEmissivity * sigma4(level_k) + (1 - kEmissivity) * kSky,
+                 lee = std::clamp(kind.normal.y, 0.0, 1.0);
+    const auto heat = [&](double t) {
+      const double c = std::abs(kind.normal.z),
+                   n = t > kAirK ? 9.482 / (7.238 - c) : 1.81 / (1.382 + c),
+                   forced =
+                       std::lerp(3.26 * std::pow(kWind, 0.89), 3.55 * std::pow(kWind, 0.617), lee),
+                   h = kFactor * std::hypot(n * std::cbrt(std::abs(t - kAirK)), forced);
+      return kAlpha * light + kEmissivity * (sky * kSky + (1 - sky) * around - sigma4(t)) -
+             h * (t - kAirK);
+    };
+    double low = 250, high = 400;
+    for (int i = 0; i < 60; ++i) (heat(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+    return low;
+  };
+  const double level_k = balance_k(kinds.kind[0], 1, true, 0);
+  EXPECT_NEAR(land.kelvin[1][0], level_k, 0.05);
+  for (std::size_t k = 1; k < kinds.kind.size(); ++k) {
+    const LandKind& kind = kinds.kind[k];
+    if (kind.horizon > 0 && kind.normal.z < 1) continue;  // sky fractions of these are no formula
+    const bool hollow = kind.horizon == 1, crown = kind.horizon == 2;
+    const double sky = hollow  ? std::pow(std::cos(kHollow), 2)
+                       : crown ? 1 - std::pow(std::sin(kHigh), 2) + std::pow(std::sin(kLow), 2)
+                               : 0.5 * (1 + kind.normal.z);
+    EXPECT_NEAR(land.kelvin[1][k], balance_k(kind, sky, !crown, level_k), crown ? 0.3 : 0.1)
+        << k << " " << kind.normal.z;
+  }
+}
+
+// Rationale: knots half an hour apart miss edges of shade. Expected: errors that cover what finer
+// knots change, and are not ten times as large; and that contain what held-out places show.
+TEST(LandHeat, ErrorsCoverCoarseKnots) {
+  const LandKinds kinds = make_land_kinds(hills(150), {true}, {false}, 24);
+  const LandHeatResult coarse = solved(kinds, land_day(1800)), fine = solved(kinds, land_day(300));
+  double off2 = 0, stated2 = 0;
+  for (std::size_t o = 0; o < coarse.kelvin.size(); ++o)
+    for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
+      const auto error = static_cast<double>(coarse.error_k[o][k]),
+                 off = static_cast<double>(coarse.kelvin[o][k] - fine.kelvin[o][k]),
+                 held_out = static_cast<double>(coarse.interpolation_k[o][0]);
+      EXPECT_GE(error, held_out);
+      EXPECT_LE(std::abs(off), 1.2 * error + 0.02) << o << " " << k;
+      off2 += off * off;
+      stated2 += (error - held_out) * (error - held_out);
+    }
+  std::printf("knots: %.3f of the stated error\n", std::sqrt(off2 / stated2));
+  EXPECT_LT(off2, stated2);
+  EXPECT_GT(off2, 0.01 * stated2);
+}
+
 // Rationale: the frame of the weather is the target's. Expected: land does not know its heading.
 TEST(LandHeat, TheTargetsHeadingChangesNothing) {
   const LandKinds kinds = make_land_kinds(hills(150), {true}, {true}, 8);

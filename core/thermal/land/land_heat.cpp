@@ -132,7 +132,8 @@ class LandExposure {
   }
 
   // Irradiance at both ends of an interval between two knots. Where an edge of a shadow passes, the
-  // mean of the interval is that of many instants.
+  // line between them that is nearest to many instants, with their mean and their centre of time:
+  // it may be below 0 at one end.
   struct Sunlit {
     double begin_w_m2, end_w_m2;
   };
@@ -141,16 +142,18 @@ class LandExposure {
     const double first = from.after.direct_normal_w_m2, last = to.before.direct_normal_w_m2;
     if (first <= 0 && last <= 0) return {0, 0};
     constexpr int kInstants = 16;
-    double mean = 0, lit = 0, unlit = 0;
+    double mean = 0, slope = 0, lit = 0, unlit = 0;
     for (int i = 0; i < kInstants; ++i) {
       const double t = (i + 0.5) / kInstants;
       const Vec<Enu> sun = normalized((1 - t) * sun_[begin] + t * sun_[end]);
       const double share = reaching(at, sun, from.sun_radius_rad),
                    open = std::max(0.0, dot(at.normal, sun));
-      mean += ((1 - t) * first + t * last) * share / kInstants;
+      const double now = ((1 - t) * first + t * last) * share / kInstants;
+      mean += now;
+      slope += 12 * (t - 0.5) * now;
       (share >= open ? lit : unlit) += 1;
     }
-    if (lit > 0 && unlit > 0) return {mean, mean};
+    if (lit > 0 && unlit > 0) return {mean - 0.5 * slope, mean + 0.5 * slope};
     return {first * reaching(at, sun_[begin], from.sun_radius_rad),
             last * reaching(at, sun_[end], to.sun_radius_rad)};
   }
@@ -249,9 +252,9 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
   ASSIGN_OR_RETURN(const HeatResult all, solve(fine, request.tolerance_k));
   ASSIGN_OR_RETURN(const HeatResult half, solve(coarse, request.tolerance_k));
   PlaceTemperatures out{place.size(), all.temperature_k, all.error_k};
-  // What the two differ by at a time, or in the root mean square of the hours around it: at one
-  // time they may agree by luck.
-  constexpr double kHoursAround = 3;
+  // What the two differ by at most within the hour around a time, or in the root mean square of
+  // three hours around it: at one time they may agree by luck.
+  constexpr double kHoursAround = 3, kNearS = 3600;
   const std::size_t times = request.knot_s.size() / 2 + 1;
   for (std::size_t t = 0; t < times; ++t) {
     std::size_t first = t, last = t;
@@ -261,15 +264,15 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
     while (first > 0 && apart_s(first - 1) <= 3600 * kHoursAround) --first;
     while (last + 1 < times && apart_s(last + 1) <= 3600 * kHoursAround) ++last;
     for (std::size_t p = 0; p < place.size(); ++p) {
-      double square = 0;
+      double square = 0, most = 0;
       for (std::size_t i = first; i <= last; ++i) {
         const double d =
             all.temperature_k[i * place.size() + p] - half.temperature_k[i * place.size() + p];
         square += d * d;
+        if (apart_s(i) <= kNearS) most = std::max(most, std::abs(d));
       }
-      const std::size_t at = t * place.size() + p;
-      out.error_k[at] += std::max(std::abs(all.temperature_k[at] - half.temperature_k[at]),
-                                  std::sqrt(square / static_cast<double>(last - first + 1)));
+      out.error_k[t * place.size() + p] +=
+          std::max(most, std::sqrt(square / static_cast<double>(last - first + 1)));
     }
   }
   return out;
