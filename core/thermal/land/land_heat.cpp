@@ -183,8 +183,9 @@ class LandExposure {
     to.vapour_pa[at] = vapour_pressure_pa(w.humid->dew_point_k);
     to.inverse_gamma_k_pa[at] = inverse_gamma_k_pa(w.air_k, w.humid->pressure_pa);
     const SurfaceWater& water = *material_.wall.water;
-    to.stomatal_w_m2_k[at] =
-        water.canopy ? stomatal_w_m2_k(*water.canopy, sunlight, w.air_k, w.humid->pressure_pa) : 0;
+    to.stomatal_w_m2_k[at] = water.canopy ? stomatal_w_m2_k(*water.canopy, std::max(0.0, sunlight),
+                                                            w.air_k, w.humid->pressure_pa)
+                                          : 0;
   }
 
   void inside(std::size_t k, bool after, const FaceExposure& to) const {
