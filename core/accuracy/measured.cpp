@@ -16,7 +16,7 @@ constexpr std::array<BoundInfo, kBounds> kInfo = {{
     {"sky", true, "between the sky's directions"},
     {"omitted", true, "of effects that are off"},
     {"depth", true, "of one range for all of the target"},
-    {"background", true, "between the directions behind the target"},
+    {"background", true, "of directions, and of computed land, behind the target"},
     {"temperature", true, "of the temperatures of facets"},
     {"plume", true, "of hot gas: steps along rays, spectra of a few columns"},
     {"moved", true, "of bringing the row to another range"},

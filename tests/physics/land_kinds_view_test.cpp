@@ -86,6 +86,7 @@ TEST(LandKindsView, ErrorsOfTemperaturesAreErrorsOfRows) {
   for (std::size_t row = 0; row < 2; ++row) {
     const SignatureResult &s = stated.row[row], &w = warmer.row[row], &u = unsure.row[row];
     EXPECT_EQ(s.temperature_bound_w_sr, 0);
+    EXPECT_EQ(s.background_bound_w_sr, 0);
     EXPECT_EQ(u.intensity_w_sr.value, s.intensity_w_sr.value);
     const double source = w.intensity_w_sr.value - s.intensity_w_sr.value;
     EXPECT_GT(source, 0);

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "core/signature/row_bounds/row_bounds.h"
 
 namespace irsig {
@@ -19,12 +21,26 @@ double behind_silhouette_w_sr(const BoundInput& in,
   return out;
 }
 
+// Returns by how much more land behind the silhouette would send if its temperatures were as much
+// higher as they may be wrong.
+double land_temperature_w_sr(const BoundInput& in) {
+  const ConditionSources& light = *in.row.light;
+  if (!light.has_land_errors()) return 0;
+  double out = 0;
+  for (const SourceId id : light.layout().behind_lands())
+    if (const double area_m2 = std::abs(in.mean.row(id)[0]); area_m2 > 0)
+      out += area_m2 * light.land_error_w_m2_sr(id, in.row.on_axis).apparent;
+  return out;
+}
+
 }  // namespace
 
 ThreeBounds background_bound(const BoundInput& in) {
   const ViewEnvironment& e = in.row.light->environment();
-  if (e.background_interpolation.empty()) return {};
-  return {0, 0, behind_silhouette_w_sr(in, e.background_interpolation)};
+  const double directions = e.background_interpolation.empty()
+                                ? 0
+                                : behind_silhouette_w_sr(in, e.background_interpolation);
+  return {0, 0, directions + land_temperature_w_sr(in)};
 }
 
 double background_model_w_sr(const BoundInput& in) {

@@ -31,7 +31,7 @@ struct BoundInput {
 [[nodiscard]] ThreeBounds direction_interpolation_bound(const BoundInput& in);
 // Temperatures of emitters that are computed or measured.
 [[nodiscard]] ThreeBounds temperature_bound(const BoundInput& in);
-// Interpolation of the background. Stored runs only.
+// Interpolation of the background, and computed temperatures of land in it. Stored runs only.
 [[nodiscard]] ThreeBounds background_bound(const BoundInput& in);
 // The air in front of one place of the target for that in front of all. Stored runs only.
 [[nodiscard]] ThreeBounds target_depth_bound(const BoundInput& in);

@@ -5,7 +5,8 @@
 namespace irsig {
 namespace {
 
-// Land around the target and behind it. What paths weaken of its light they weaken of the error.
+// Land that the target reflects. What paths weaken of its light they weaken of the error. (Land
+// behind the target: background.cpp.)
 void add_land(const BoundInput& in, ThreeBounds& out) {
   const ConditionSources& light = *in.row.light;
   if (!light.has_land_errors()) return;
@@ -30,9 +31,6 @@ void add_land(const BoundInput& in, ThreeBounds& out) {
   }
   out.apparent += seen;
   out.contrast += seen;
-  for (const SourceId id : layout.behind_lands())
-    if (const double area_m2 = std::abs(in.mean.row(id)[0]); area_m2 > 0)
-      out.contrast += area_m2 * light.land_error_w_m2_sr(id, in.row.on_axis).apparent;
 }
 
 }  // namespace
