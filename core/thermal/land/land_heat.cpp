@@ -95,8 +95,6 @@ class LandExposure {
       FaceProperties& face = out.outer.emplace_back(FaceProperties{material_.emissivity, air});
       if (wall.water) face.evaporation = evaporation_of(*wall.water);
     }
-    if (wall.inner_side == InnerSide::kAir)
-      out.inner.assign(place_.size(), FaceProperties{0, kForcedOnly});
     constexpr int kMostDays = 200;
     out.start = PeriodicStart{mean_k, request_.day_knots / every_, tolerance_k, kMostDays, {}};
     out.output_boundary = {0};
