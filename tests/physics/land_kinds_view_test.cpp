@@ -102,5 +102,32 @@ TEST(LandKindsView, ErrorsOfTemperaturesAreErrorsOfRows) {
   }
 }
 
+// Rationale: each kind has an error of its own, and the level kind's is also that of the land that
+// slopes face. Expected: by how much the row changes if that kind alone is warmer.
+TEST(LandKindsView, AnErrorIsThatOfItsKind) {
+  constexpr double kErrorK = 4;
+  const auto kinds = kinds_of_one();
+  const std::size_t n = kinds->kind.size();
+  const ViewResult stated = view_of_slope(kinds, std::vector<double>(n, 295));
+  double all[2] = {0, 0};
+  for (std::size_t k = 0; k < n; ++k) {
+    std::vector<double> kelvin(n, 295), error_k(n, 0);
+    kelvin[k] += kErrorK;
+    error_k[k] = kErrorK;
+    const ViewResult warmer = view_of_slope(kinds, kelvin),
+                     unsure = view_of_slope(kinds, std::vector<double>(n, 295), error_k);
+    for (std::size_t row = 0; row < 2; ++row) {
+      const double source =
+          warmer.row[row].intensity_w_sr.value - stated.row[row].intensity_w_sr.value;
+      EXPECT_NEAR(unsure.row[row].temperature_bound_w_sr, source,
+                  0.02 * source + 1e-6 * stated.row[row].intensity_w_sr.value)
+          << k;
+      all[row] += source;
+    }
+  }
+  EXPECT_GT(all[0], 0);
+  EXPECT_GT(all[1], 0);
+}
+
 }  // namespace
 }  // namespace irsig

@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
@@ -102,6 +103,7 @@ TEST(LandHeat, AHeatJobComputesWhatViewsTake) {
       }
     }
   }
+  EXPECT_NE(warm.error_k[0], warm.error_k[1]) << "each time has errors of its own";
   // Level land at noon of a summer's day: asphalt is warmer than grass, and both than at 6 h.
   EXPECT_TRUE(kinds.kind.front().normal.z == 1 && !kinds.kind.front().object);
   std::size_t grass = 0;
@@ -155,6 +157,27 @@ TEST(LandHeat, TheLandIsAtRest) {
                 kHeatedLand, {{"heading_deg = 90\n", "heading_deg = 90\nspeed_m_s = 10\n"}})));
 }
 
+// Rationale: the target turns, the land does not. Expected: the same temperatures, to rounding.
+TEST(LandHeat, TheLandDoesNotTurnWithTheTarget) {
+  const auto kelvin_of = [](const std::string& text) {
+    std::vector<float> out;
+    const auto land = heated_land_of(text);
+    EXPECT_TRUE(land.ok()) << land.status();
+    const auto heat = compute_heat(land->sweep, land->assets, 0);
+    EXPECT_TRUE(heat.ok()) << heat.status();
+    schema::HeatField field;
+    EXPECT_TRUE(field.ParseFromString(heat->field()));
+    out.resize(field.land().kelvin().size() / sizeof(float));
+    std::memcpy(out.data(), field.land().kelvin().data(), out.size() * sizeof(float));
+    return out;
+  };
+  const std::vector<float> east = kelvin_of(kHeatedLand),
+                           south = kelvin_of(absl::StrReplaceAll(
+                               kHeatedLand, {{"heading_deg = 90\n", "heading_deg = 180\n"}}));
+  ASSERT_EQ(east.size(), south.size());
+  for (std::size_t i = 0; i < east.size(); ++i) EXPECT_NEAR(east[i], south[i], 0.005) << i;
+}
+
 // Kinds as a heat job might make them, of the sweep above.
 LandKinds some_kinds(const schema::Sweep& sweep) {
   LandKinds out;
@@ -176,7 +199,7 @@ LandHeatResult some_temperatures(const LandKinds& kinds) {
   LandHeatResult out;
   for (int t = 0; t < 2; ++t) {
     out.kelvin.emplace_back(kinds.kind.size(), 280.5F + static_cast<float>(t));
-    out.error_k.emplace_back(kinds.kind.size(), 0.25F);
+    out.error_k.emplace_back(kinds.kind.size(), 0.25F + 0.25F * static_cast<float>(t));
     out.interpolation_k.push_back({0.125F, std::numeric_limits<float>::quiet_NaN()});
   }
   return out;
@@ -305,6 +328,7 @@ TEST(LandHeat, RunsOfASweepHaveTheSameKinds) {
   const auto good = land_temperatures_from_sweep(sweep, {output(0, kinds), output(1, kinds)});
   ASSERT_TRUE(good.ok()) << good.status();
   EXPECT_EQ(good->kelvin[3].front(), 281.5);
+  EXPECT_EQ(good->error_k[1].front(), 0.5);
   LandKinds other = kinds;
   other.square[0].horizon[3] = 1;
   const absl::Status status =
