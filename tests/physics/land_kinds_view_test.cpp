@@ -129,5 +129,45 @@ TEST(LandKindsView, AnErrorIsThatOfItsKind) {
   EXPECT_GT(all[1], 0);
 }
 
+// Rationale: pixels of land have its temperature and its error. Expected beside the target: the
+// mean of the kinds' temperatures; and an error by how much the pixel changes if all of land is
+// warmer.
+TEST(LandKindsView, PixelsHaveTemperaturesAndTheirErrors) {
+  constexpr double kErrorK = 4;
+  const auto kinds = kinds_of_one();
+  std::vector<double> kelvin(kinds->kind.size()), warm;
+  for (std::size_t k = 0; k < kelvin.size(); ++k) kelvin[k] = 280 + 4 * static_cast<double>(k);
+  for (const double k : kelvin) warm.push_back(k + kErrorK);
+  const auto picture_of = [&](const std::vector<double>& of, std::vector<double> error_k) {
+    Scene scene = scene_on(50, 800, true);
+    ImageSpec image;
+    image.width_px = image.height_px = 16;
+    image.margin = 3;
+    image.layer = {ImageLayer::kAtSensor, ImageLayer::kLandTemperature};
+    scene.request.image = image;
+    auto land = std::make_shared<LandScene>(*land_of(height, 1000, 10));
+    land->kinds = kinds;
+    scene.request.condition[0].land_temperature_k = of;
+    scene.request.condition[0].land_temperature_error_k = std::move(error_k);
+    return view_of(scene, land).row[0];
+  };
+  const SignatureResult stated = picture_of(kelvin, {}), warmer = picture_of(warm, {}),
+                        unsure = picture_of(kelvin, std::vector<double>(kelvin.size(), kErrorK));
+  std::vector<KindShare> mix;
+  kinds->at(0, 0, normalized(Vec<Enu>{-0.1, -0.22, 1}), false, 1, mix);
+  double mean_k = 0;
+  for (const KindShare& part : mix) mean_k += static_cast<double>(part.share) * kelvin[part.kind];
+  ASSERT_EQ(stated.layer.size(), 2u);
+  const std::size_t at = stated.layer[0].layer == ImageLayer::kAtSensor ? 0 : 1;
+  for (const std::size_t pixel : {0u, 15u, 16u * 15, 16u * 16 - 1}) {  // the corners
+    EXPECT_NEAR(stated.layer[1 - at].value[pixel], mean_k, 0.1);
+    const double change =
+        static_cast<double>(warmer.layer[at].value[pixel] - stated.layer[at].value[pixel]);
+    EXPECT_GT(change, 0);
+    EXPECT_NEAR(unsure.layer[at].stderr_[pixel] - stated.layer[at].stderr_[pixel], change,
+                0.05 * change);
+  }
+}
+
 }  // namespace
 }  // namespace irsig
