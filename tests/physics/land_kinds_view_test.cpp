@@ -97,6 +97,10 @@ TEST(LandKindsView, ErrorsOfTemperaturesAreErrorsOfRows) {
                  contrast = w.contrast_intensity_w_sr.value - s.contrast_intensity_w_sr.value,
                  bound = std::sqrt(3 * (std::pow(u.contrast_numerical_error_w_sr, 2) -
                                         std::pow(s.contrast_numerical_error_w_sr, 2)));
+    const double apparent = std::sqrt(3 * (std::pow(u.apparent_numerical_error_w_sr, 2) -
+                                           std::pow(s.apparent_numerical_error_w_sr, 2)));
+    EXPECT_GT(apparent, 0.95 * seen);
+    EXPECT_LT(apparent, 1.3 * seen);
     EXPECT_LT(contrast, 0);
     EXPECT_NEAR(bound, 2 * seen - contrast, 0.05 * (2 * seen - contrast));
   }
