@@ -14,7 +14,7 @@ namespace irsig {
 
 // Writes solar_absorptance and, where neither [land] nor every season states a temperature, the
 // build_up of each [[land.material]] of the library; the build-ups are added to sweep.build_up.
-// What the file states stands. Without [heat] nothing is written.
+// Stated values stay. Without [heat] nothing is written.
 void write_land_build_ups(schema::Sweep& sweep);
 
 }  // namespace irsig

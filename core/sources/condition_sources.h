@@ -90,8 +90,8 @@ class ConditionSources {
   [[nodiscard]] SummedWeights temperature_errors(const SourceWeights& of_paths,
                                                  std::size_t parts) const;
   [[nodiscard]] bool has_temperature_errors() const { return has_temperature_errors_; }
-  // Returns the additional radiance of land, a source of layout(), if its temperature were higher by
-  // its error: at the target, and as much of it as arrives at the sensor. [W/(m2 sr)]
+  // Returns the additional radiance of land, a source of layout(), if its temperature were higher
+  // by its error: at the target, and as much of it as arrives at the sensor. [W/(m2 sr)]
   struct LandError {
     double source = 0, apparent = 0;
   };
@@ -139,8 +139,9 @@ class ConditionSources {
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
-  // Of land as SourceLayout numbers it: [kind x ranges + node of the range], materials that face
-  // land as further kinds; and [material x ranges + node of the range] of its reflected sunlight.
+  // Spectra of land as SourceLayout numbers it: [kind x ranges + node of the range], materials that
+  // face land as further kinds; and [material x ranges + node of the range] of its reflected
+  // sunlight.
   std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
       behind_land_sun_;
   // [kind, then material] Emission by which land may be wrong. Empty: temperatures are stated.

@@ -474,6 +474,43 @@ TEST(LandHeat, InSteadyWeatherFacesHaveTheTemperatureOfTheirBalance) {
   }
 }
 
+// Rationale: insulation follows light at once, so that an output just behind an edge of shade is as
+// wrong as the light there. Expected: the errors cover it, for banks and crowns whose edges pass at
+// all times.
+TEST(LandHeat, ErrorsCoverEdgesOnLightGround) {
+  LandKinds kinds;
+  kinds.materials = 1;
+  kinds.computed = {true};
+  kinds.on_objects = {false};
+  kinds.horizon.resize(9);
+  for (std::size_t h = 1; h < kinds.horizon.size(); ++h) {
+    const auto elevation = static_cast<float>((3 + 6.5 * static_cast<double>(h)) * kDeg);
+    if (h % 2 == 0) {
+      kinds.horizon[h].elevation_rad.fill(elevation);
+    } else {
+      kinds.horizon[h].lid_low_rad.fill(elevation);
+      kinds.horizon[h].lid_high_rad.fill(elevation + static_cast<float>(15 * kDeg));
+    }
+  }
+  kinds.index_kinds();
+  LandHeatResult by_step[2];
+  for (int i = 0; i < 2; ++i) {
+    LandHeatRequest r = land_day(i == 0 ? 600 : 120);
+    r.material[0]->wall.layers.insert(r.material[0]->wall.layers.begin(), {0.05, 0.03, 20, 1400});
+    by_step[i] = solved(kinds, r);
+  }
+  double worst = 0, most_k = 0;
+  for (std::size_t o = 0; o < by_step[0].kelvin.size(); ++o)
+    for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
+      const double off =
+          std::abs(static_cast<double>(by_step[0].kelvin[o][k] - by_step[1].kelvin[o][k]));
+      worst = std::max(worst, off / (static_cast<double>(by_step[0].error_k[o][k]) + 0.05));
+      most_k = std::max(most_k, off);
+    }
+  std::printf("edges on insulation: up to %.2f K, %.2f of the stated error\n", most_k, worst);
+  EXPECT_LT(worst, 1.2);
+}
+
 // Rationale: knots half an hour apart miss edges of shade. Expected: 0.05 K in the root mean
 // square, and errors that cover what finer knots change, and are not ten times as large; and that
 // contain what held-out places show.

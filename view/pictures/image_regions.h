@@ -47,10 +47,10 @@ struct ImageNumbers {
   std::span<const float> radiance_w_m2_sr;
   std::span<const float> stderr_w_m2_sr;  // empty: not known
   std::span<const float> temperature_k;   // of the target; empty: not known
-  // Of land beside and behind the target, 0: no land. Empty: not known.
+  // Temperature of land beside and behind the target; 0: no land. Empty: not known.
   std::span<const float> land_temperature_k;
   std::span<const float> filled;  // the fraction of each pixel that the target fills
-  // Whether pixels without target have errors of their own, as those of land of stated temperature,
+  // True if pixels without target have errors of their own, as those of land of stated temperature,
   // whose rays are theirs alone. Those of sky and sea come from the same few directions, and
   // computed temperatures of land are wrong together.
   bool independent_background = false;

@@ -1,9 +1,11 @@
 #include "core/thermal/land/land_heat.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -115,6 +117,42 @@ class LandExposure {
     inside(end, false, to.inner_end);
   }
 
+  // Returns the error of a temperature at a knot of the request because an edge of a shadow that
+  // has just passed is a line. The surface answers to what the line misses as a half-space does, at
+  // most as a sheet without capacity.
+  [[nodiscard]] double edge_k(std::size_t k, std::uint32_t e, double kelvin) const {
+    if (k == 0) return 0;
+    const auto edge = edge_between(k - 1, k, place_[e]);
+    if (!edge) return 0;
+    double effusivity = std::numeric_limits<double>::infinity();  // [W s^(1/2) m^-2 K^-1]
+    for (const Layer& layer : material_.wall.layers)
+      effusivity = std::min(effusivity, std::sqrt(layer.conductivity_w_m_k * layer.density_kg_m3 *
+                                                  layer.specific_heat_j_kg_k));
+    const HeatWeather& w = request_.weather[k];
+    const double loss_w_m2_k =
+        request_.convection_factor *
+            std::min(mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kWindward),
+                     mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kLeeward)) +
+        4 * material_.emissivity * kStefanBoltzmannWM2K4 * kelvin * kelvin * kelvin;
+    const double length_s = request_.knot_s[k] - request_.knot_s[k - 1];
+    double sum = 0, absolute = 0,
+           most = std::abs(w.before.direct_normal_w_m2 * reaching_at(k, place_[e]) -
+                           edge->line.end_w_m2);
+    for (int i = 0; i < kInstants; ++i) {
+      const double begin = static_cast<double>(i) / kInstants, end = (i + 1.0) / kInstants;
+      const double missed =
+          edge->w_m2[static_cast<std::size_t>(i)] -
+          std::lerp(edge->line.begin_w_m2, edge->line.end_w_m2, 0.5 * (begin + end));
+      const double answer = 2 / effusivity * std::sqrt(length_s / std::numbers::pi) *
+                            (std::sqrt(1 - begin) - std::sqrt(1 - end));
+      sum += missed * answer;
+      absolute += std::abs(missed) * answer;
+      most = std::max(most, std::abs(missed));
+    }
+    return material_.solar_absorptance *
+           std::min(std::max(std::abs(sum), 0.5 * absolute), most / std::max(loss_w_m2_k, 1.0));
+  }
+
  private:
   // Share of the sun's disk above the horizon of a place, times the cosine of its incidence.
   [[nodiscard]] static double reaching(const Place& at, Vec<Enu> sun, double radius_rad) {
@@ -136,24 +174,45 @@ class LandExposure {
     double begin_w_m2, end_w_m2;
   };
   [[nodiscard]] Sunlit direct_w_m2(std::size_t begin, std::size_t end, const Place& at) const {
-    const HeatWeather &from = request_.weather[begin], &to = request_.weather[end];
-    const double first = from.after.direct_normal_w_m2, last = to.before.direct_normal_w_m2;
-    if (first <= 0 && last <= 0) return {0, 0};
-    constexpr int kInstants = 16;
-    double mean = 0, slope = 0, lit = 0, unlit = 0;
+    if (const auto edge = edge_between(begin, end, at)) return edge->line;
+    return {request_.weather[begin].after.direct_normal_w_m2 * reaching_at(begin, at),
+            request_.weather[end].before.direct_normal_w_m2 * reaching_at(end, at)};
+  }
+  [[nodiscard]] double reaching_at(std::size_t k, const Place& at) const {
+    return reaching(at, sun_[k], request_.weather[k].sun_radius_rad);
+  }
+
+  // Irradiance at instants of an interval that an edge of a shadow passes, and its line.
+  static constexpr int kInstants = 16;
+  struct Edge {
+    std::array<double, kInstants> w_m2;
+    Sunlit line;
+  };
+  [[nodiscard]] std::optional<Edge> edge_between(std::size_t begin, std::size_t end,
+                                                 const Place& at) const {
+    const double first = request_.weather[begin].after.direct_normal_w_m2,
+                 last = request_.weather[end].before.direct_normal_w_m2;
+    if (first <= 0 && last <= 0) return std::nullopt;
+    Edge out{};
+    double mean = 0, slope = 0;
+    bool lit = false, unlit = false;
+    const auto see = [&](Vec<Enu> sun, double share) {
+      (share >= std::max(0.0, dot(at.normal, sun)) ? lit : unlit) = true;
+    };
+    see(sun_[begin], reaching_at(begin, at));
+    see(sun_[end], reaching_at(end, at));
     for (int i = 0; i < kInstants; ++i) {
       const double t = (i + 0.5) / kInstants;
       const Vec<Enu> sun = normalized((1 - t) * sun_[begin] + t * sun_[end]);
-      const double share = reaching(at, sun, from.sun_radius_rad),
-                   open = std::max(0.0, dot(at.normal, sun));
-      const double now = ((1 - t) * first + t * last) * share / kInstants;
-      mean += now;
-      slope += 12 * (t - 0.5) * now;
-      (share >= open ? lit : unlit) += 1;
+      const double share = reaching(at, sun, request_.weather[begin].sun_radius_rad);
+      out.w_m2[static_cast<std::size_t>(i)] = std::lerp(first, last, t) * share;
+      mean += out.w_m2[static_cast<std::size_t>(i)] / kInstants;
+      slope += 12 * (t - 0.5) * out.w_m2[static_cast<std::size_t>(i)] / kInstants;
+      see(sun, share);
     }
-    if (lit > 0 && unlit > 0) return {mean - 0.5 * slope, mean + 0.5 * slope};
-    return {first * reaching(at, sun_[begin], from.sun_radius_rad),
-            last * reaching(at, sun_[end], to.sun_radius_rad)};
+    if (!lit || !unlit) return std::nullopt;
+    out.line = {mean - 0.5 * slope, mean + 0.5 * slope};
+    return out;
   }
 
   void face(std::size_t k, bool after, std::uint32_t e, double direct_w_m2, std::size_t at,
@@ -270,8 +329,9 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
         square += d * d;
         if (apart_s(i) <= kNearS) most = std::max(most, std::abs(d));
       }
-      out.error_k[t * place.size() + p] +=
-          std::max(most, std::sqrt(square / static_cast<double>(last - first + 1)));
+      const std::size_t at = t * place.size() + p;
+      out.error_k[at] += std::max(most, std::sqrt(square / static_cast<double>(last - first + 1))) +
+                         fine.edge_k(2 * t, static_cast<std::uint32_t>(p), all.temperature_k[at]);
     }
   }
   return out;
