@@ -46,6 +46,16 @@ double LandHorizon::at(double azimuth_rad) const {
          share * static_cast<double>(elevation_rad[(below + 1) % kHorizonAzimuths]);
 }
 
+double LandHorizon::seen_of_disk(double azimuth_rad, double disk_rad, double radius_rad) const {
+  const auto above = [&](double edge) {
+    return std::clamp(0.5 + 0.5 * (disk_rad - edge) / radius_rad, 0.0, 1.0);
+  };
+  const std::uint32_t near = nearest(azimuth_rad);
+  const auto low = static_cast<double>(lid_low_rad[near]),
+             high = static_cast<double>(lid_high_rad[near]);
+  return std::max(0.0, above(at(azimuth_rad)) - (high > low ? above(low) - above(high) : 0.0));
+}
+
 std::uint32_t LandHorizon::nearest(double azimuth_rad) {
   const double turned = azimuth_rad / kTurn;
   return static_cast<std::uint32_t>((turned - std::floor(turned)) * kHorizonAzimuths + 0.5) %

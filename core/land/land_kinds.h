@@ -21,6 +21,8 @@ inline constexpr std::uint32_t kMostLandHorizons = 8;
 struct LandHorizon {
   std::array<float, kHorizonAzimuths> elevation_rad{}, lid_low_rad{}, lid_high_rad{};
   [[nodiscard]] double at(double azimuth_rad) const;
+  // Share of a small disk, such as the sun's, that is not hidden.
+  [[nodiscard]] double seen_of_disk(double azimuth_rad, double disk_rad, double radius_rad) const;
   // Index of the nearest azimuth.
   [[nodiscard]] static std::uint32_t nearest(double azimuth_rad);
 };

@@ -1,11 +1,9 @@
 #include "core/thermal/land/land_heat.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,9 +14,13 @@
 #include "core/geo/frames.h"
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/heat_solver.h"
+#include "core/thermal/heat_steps.h"
 
 namespace irsig {
 namespace {
+
+// So many places share their knots: the solver computes them side by side.
+constexpr std::size_t kPlacesTogether = kHeatLanes;
 
 double power4(double t) { return t * t * t * t; }
 
@@ -55,24 +57,33 @@ double sky_fraction(const Place& at) {
   return sky / all;
 }
 
-// What sends light and heat to the places of one material.
+// A time between two knots: a share of the way from the first of them.
+struct Instant {
+  std::size_t knot;  // of the request
+  double share;      // [0, 1)
+};
+
+// What sends light and heat to some places of one material. It has knots of its own: those of the
+// request, and those where an edge of a shadow begins and ends to cross the sun's disk.
 class LandExposure {
  public:
+  // every: of the request's knots
   LandExposure(const LandHeatRequest& request, const LandHeatMaterial& material,
-               std::vector<Place> place, std::size_t every)
-      : request_(request), material_(material), place_(std::move(place)), every_(every) {
+               std::span<const Place> place, std::size_t every)
+      : request_(request), material_(material), place_(place), every_(every) {
     for (const Place& at : place_) sky_.push_back(sky_fraction(at));
     for (const HeatWeather& w : request.weather) {
       sun_.push_back(enu_from_body(w.sun, request.heading_deg));
       wind_from_.push_back(enu_from_body(w.wind_from, request.heading_deg));
     }
+    for (std::size_t k = 0; k + every < request.knot_s.size(); k += every) add_interval(k);
+    own_knot_.push_back(instant_.size());
+    instant_.push_back({request.knot_s.size() - 1, 0});
+    find_direct_light();
   }
 
   // [request knot] Of level land around; empty: a level place has none.
-  void set_around_k(std::vector<double> kelvin) { around_k_ = std::move(kelvin); }
-
-  [[nodiscard]] std::size_t knots() const { return (request_.knot_s.size() - 1) / every_ + 1; }
-  [[nodiscard]] double knot_s(std::size_t k) const { return request_.knot_s[k * every_]; }
+  void set_around_k(std::span<const double> kelvin) { around_k_ = kelvin; }
 
   [[nodiscard]] HeatRequest heat_request(double tolerance_k) const {
     HeatRequest out;
@@ -80,15 +91,17 @@ class LandExposure {
     out.layers = wall.layers;
     out.inner_side = wall.inner_side;
     double mean_k = 0;
-    for (std::size_t k = 0; k < knots(); ++k) {
-      const HeatWeather& w = request_.weather[k * every_];
-      out.knot_s.push_back(knot_s(k));
-      out.smooth.push_back(w.before.direct_normal_w_m2 == w.after.direct_normal_w_m2 &&
-                           w.before.diffuse_horizontal_w_m2 == w.after.diffuse_horizontal_w_m2 &&
-                           w.before.sky_w_m2 == w.after.sky_w_m2 && !wall.jumps_at(k * every_));
-      mean_k += w.air_k / static_cast<double>(knots());
-      if (every_ > 1 || k % 2 == 0) out.output_knot.push_back(k);
+    for (const Instant& at : instant_) {
+      const HeatWeather& w = request_.weather[at.knot];
+      out.knot_s.push_back(time_s(at));
+      out.smooth.push_back(at.share > 0 ||
+                           (w.before.direct_normal_w_m2 == w.after.direct_normal_w_m2 &&
+                            w.before.diffuse_horizontal_w_m2 == w.after.diffuse_horizontal_w_m2 &&
+                            w.before.sky_w_m2 == w.after.sky_w_m2 && !wall.jumps_at(at.knot)));
+      mean_k += w.air_k / static_cast<double>(instant_.size());
     }
+    for (std::size_t k = 0; k < request_.knot_s.size(); k += 2)
+      out.output_knot.push_back(own_knot_[k / every_]);
     for (const Place& at : place_) {
       Convection air = tarp_natural(at.normal.z);
       air.natural_warm *= request_.convection_factor;
@@ -98,158 +111,187 @@ class LandExposure {
       if (wall.water) face.evaporation = evaporation_of(*wall.water);
     }
     constexpr int kMostDays = 200;
-    out.start = PeriodicStart{mean_k, request_.day_knots / every_, tolerance_k, kMostDays, {}};
+    out.start =
+        PeriodicStart{mean_k, own_knot_[request_.day_knots / every_], tolerance_k, kMostDays, {}};
     out.output_boundary = {0};
     out.accuracy.tolerance_k = tolerance_k;
+    out.accuracy.max_level = kMostHalvings;
     return out;
   }
 
   void fill(std::size_t interval, std::span<const std::uint32_t> element,
             const Exposure& to) const {
-    const std::size_t begin = interval * every_, end = begin + every_;
+    const Instant begin = instant_[interval], end = instant_[interval + 1];
+    const Weather first = weather_at(begin.knot, begin.share),
+                  last = weather_at(begin.knot, end.share > 0 ? end.share : 1);
     for (std::size_t at = 0; at < element.size(); ++at) {
       const std::uint32_t e = element[at];
-      const Sunlit lit = direct_w_m2(begin, end, place_[e]);
-      face(begin, true, e, lit.begin_w_m2, at, to.outer_begin);
-      face(end, false, e, lit.end_w_m2, at, to.outer_end);
+      const DirectLight& direct = direct_[interval * place_.size() + e];
+      face(first, e, direct.begin_w_m2, at, to.outer_begin);
+      face(last, e, direct.end_w_m2, at, to.outer_end);
     }
-    inside(begin, true, to.inner_begin);
-    inside(end, false, to.inner_end);
-  }
-
-  // Returns the error of a temperature at a knot of the request because an edge of a shadow that
-  // has just passed is a line. The surface answers to what the line misses as a half-space does, at
-  // most as a sheet without capacity.
-  [[nodiscard]] double edge_k(std::size_t k, std::uint32_t e, double kelvin) const {
-    if (k == 0) return 0;
-    const auto edge = edge_between(k - 1, k, place_[e]);
-    if (!edge) return 0;
-    double effusivity = std::numeric_limits<double>::infinity();  // [W s^(1/2) m^-2 K^-1]
-    for (const Layer& layer : material_.wall.layers)
-      effusivity = std::min(effusivity, std::sqrt(layer.conductivity_w_m_k * layer.density_kg_m3 *
-                                                  layer.specific_heat_j_kg_k));
-    const HeatWeather& w = request_.weather[k];
-    const double loss_w_m2_k =
-        request_.convection_factor *
-            std::min(mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kWindward),
-                     mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kLeeward)) +
-        4 * material_.emissivity * kStefanBoltzmannWM2K4 * kelvin * kelvin * kelvin;
-    const double length_s = request_.knot_s[k] - request_.knot_s[k - 1];
-    double sum = 0, absolute = 0,
-           most = std::abs(w.before.direct_normal_w_m2 * reaching_at(k, place_[e]) -
-                           edge->line.end_w_m2);
-    for (int i = 0; i < kInstants; ++i) {
-      const double begin = static_cast<double>(i) / kInstants, end = (i + 1.0) / kInstants;
-      const double missed =
-          edge->w_m2[static_cast<std::size_t>(i)] -
-          std::lerp(edge->line.begin_w_m2, edge->line.end_w_m2, 0.5 * (begin + end));
-      const double answer = 2 / effusivity * std::sqrt(length_s / std::numbers::pi) *
-                            (std::sqrt(1 - begin) - std::sqrt(1 - end));
-      sum += missed * answer;
-      absolute += std::abs(missed) * answer;
-      most = std::max(most, std::abs(missed));
-    }
-    return material_.solar_absorptance *
-           std::min(std::max(std::abs(sum), 0.5 * absolute), most / std::max(loss_w_m2_k, 1.0));
+    inside(begin.knot, begin.share, to.inner_begin);
+    inside(begin.knot, end.share > 0 ? end.share : 1, to.inner_end);
   }
 
  private:
-  // Share of the sun's disk above the horizon of a place, times the cosine of its incidence.
-  [[nodiscard]] static double reaching(const Place& at, Vec<Enu> sun, double radius_rad) {
-    const double cosine = dot(at.normal, sun);
-    if (cosine <= 0) return 0;
-    const double elevation = std::asin(std::clamp(sun.z, -1.0, 1.0)),
-                 azimuth = std::atan2(sun.x, sun.y), above = elevation - at.horizon->at(azimuth);
-    const std::uint32_t near = LandHorizon::nearest(azimuth);
-    if (elevation > static_cast<double>(at.horizon->lid_low_rad[near]) &&
-        elevation < static_cast<double>(at.horizon->lid_high_rad[near]))
-      return 0;
-    return cosine * std::clamp(0.5 + 0.5 * above / radius_rad, 0.0, 1.0);
-  }
-
-  // Irradiance at both ends of an interval between two knots. Where an edge of a shadow passes, the
-  // line between them that is nearest to many instants, with their mean and their centre of time:
-  // it may be below 0 at one end.
-  struct Sunlit {
-    double begin_w_m2, end_w_m2;
+  // At one instant, seen from one side of it.
+  struct Weather {
+    HeatRadiation light;
+    double air_k, wind_m_s, on_level_w_m2, around_k;  // around_k: 0, there is none
+    Vec<Enu> wind_from;
+    double vapour_pa = 0, inverse_gamma_k_pa = 0, pressure_pa = 0;
   };
-  [[nodiscard]] Sunlit direct_w_m2(std::size_t begin, std::size_t end, const Place& at) const {
-    if (const auto edge = edge_between(begin, end, at)) return edge->line;
-    return {request_.weather[begin].after.direct_normal_w_m2 * reaching_at(begin, at),
-            request_.weather[end].before.direct_normal_w_m2 * reaching_at(end, at)};
-  }
-  [[nodiscard]] double reaching_at(std::size_t k, const Place& at) const {
-    return reaching(at, sun_[k], request_.weather[k].sun_radius_rad);
-  }
-
-  // Irradiance at instants of an interval that an edge of a shadow passes, and its line.
-  static constexpr int kInstants = 16;
-  struct Edge {
-    std::array<double, kInstants> w_m2;
-    Sunlit line;
+  struct DirectLight {
+    double begin_w_m2, end_w_m2;  // of an interval
   };
-  [[nodiscard]] std::optional<Edge> edge_between(std::size_t begin, std::size_t end,
-                                                 const Place& at) const {
-    const double first = request_.weather[begin].after.direct_normal_w_m2,
-                 last = request_.weather[end].before.direct_normal_w_m2;
-    if (first <= 0 && last <= 0) return std::nullopt;
-    Edge out{};
-    double mean = 0, slope = 0;
-    bool lit = false, unlit = false;
-    const auto see = [&](Vec<Enu> sun, double share) {
-      (share >= std::max(0.0, dot(at.normal, sun)) ? lit : unlit) = true;
+
+  [[nodiscard]] double time_s(Instant at) const {
+    if (at.share == 0) return request_.knot_s[at.knot];
+    return std::lerp(request_.knot_s[at.knot], request_.knot_s[at.knot + every_], at.share);
+  }
+  [[nodiscard]] Vec<Enu> sun_at(std::size_t knot, double share) const {
+    if (share == 0) return sun_[knot];
+    return normalized((1 - share) * sun_[knot] + share * sun_[knot + every_]);
+  }
+  // Linear between two knots: just behind the first, just before the last.
+  [[nodiscard]] Weather weather_at(std::size_t knot, double share) const {
+    const HeatWeather &a = request_.weather[knot], &b = request_.weather[knot + every_];
+    const auto between = [share](double first, double last) {
+      return std::lerp(first, last, share);
     };
-    see(sun_[begin], reaching_at(begin, at));
-    see(sun_[end], reaching_at(end, at));
-    for (int i = 0; i < kInstants; ++i) {
-      const double t = (i + 0.5) / kInstants;
-      const Vec<Enu> sun = normalized((1 - t) * sun_[begin] + t * sun_[end]);
-      const double share = reaching(at, sun, request_.weather[begin].sun_radius_rad);
-      out.w_m2[static_cast<std::size_t>(i)] = std::lerp(first, last, t) * share;
-      mean += out.w_m2[static_cast<std::size_t>(i)] / kInstants;
-      slope += 12 * (t - 0.5) * out.w_m2[static_cast<std::size_t>(i)] / kInstants;
-      see(sun, share);
-    }
-    if (!lit || !unlit) return std::nullopt;
-    out.line = {mean - 0.5 * slope, mean + 0.5 * slope};
+    Weather out{};
+    out.light.direct_normal_w_m2 = between(a.after.direct_normal_w_m2, b.before.direct_normal_w_m2);
+    out.light.diffuse_horizontal_w_m2 =
+        between(a.after.diffuse_horizontal_w_m2, b.before.diffuse_horizontal_w_m2);
+    out.light.sky_w_m2 = between(a.after.sky_w_m2, b.before.sky_w_m2);
+    out.air_k = between(a.air_k, b.air_k);
+    out.wind_m_s = between(a.wind_m_s, b.wind_m_s);
+    out.wind_from = (1 - share) * wind_from_[knot] + share * wind_from_[knot + every_];
+    out.on_level_w_m2 = out.light.direct_normal_w_m2 * std::max(0.0, sun_at(knot, share).z) +
+                        out.light.diffuse_horizontal_w_m2;
+    if (!around_k_.empty()) out.around_k = between(around_k_[knot], around_k_[knot + every_]);
+    if (!a.humid || !b.humid) return out;
+    const auto vapour = [](const HeatWeather& w) {
+      return vapour_pressure_pa(w.humid->dew_point_k);
+    };
+    const auto inverse_gamma = [](const HeatWeather& w) {
+      return inverse_gamma_k_pa(w.air_k, w.humid->pressure_pa);
+    };
+    out.vapour_pa = between(vapour(a), vapour(b));
+    out.inverse_gamma_k_pa = between(inverse_gamma(a), inverse_gamma(b));
+    out.pressure_pa = between(a.humid->pressure_pa, b.humid->pressure_pa);
     return out;
   }
 
-  void face(std::size_t k, bool after, std::uint32_t e, double direct_w_m2, std::size_t at,
+  // Share of the sun's disk that a place sees.
+  [[nodiscard]] static double seen_of_sun(const Place& at, Vec<Enu> sun, double radius_rad) {
+    return at.horizon->seen_of_disk(std::atan2(sun.x, sun.y),
+                                    std::asin(std::clamp(sun.z, -1.0, 1.0)), radius_rad);
+  }
+
+  // Appends the knot and the edges of shade behind it, up to the next one.
+  void add_interval(std::size_t knot) {
+    own_knot_.push_back(instant_.size());
+    instant_.push_back({knot, 0});
+    if (request_.weather[knot].after.direct_normal_w_m2 <= 0 &&
+        request_.weather[knot + every_].before.direct_normal_w_m2 <= 0)
+      return;
+    std::vector<double> edge;  // shares of the interval
+    const Place* before = nullptr;
+    for (const Place& at : place_) {
+      if (before == nullptr || before->horizon != at.horizon) add_edges(knot, at, edge);
+      before = &at;
+    }
+    std::ranges::sort(edge);
+    const double length_s = request_.knot_s[knot + every_] - request_.knot_s[knot],
+                 apart = kApartS / length_s;
+    double last = 0;
+    for (const double t : edge) {
+      const double share = std::min(std::max(t, last + apart), 1 - apart);
+      if (share < last + 0.2 * apart) continue;
+      instant_.push_back({knot, share});
+      last = share;
+    }
+  }
+  // Instants at which the sun begins and ceases to be seen in part. What lasts less than a
+  // sixteenth of the interval may be missed.
+  void add_edges(std::size_t knot, const Place& at, std::vector<double>& edge) const {
+    constexpr int kInstants = 16, kHalvings = 10;
+    const double radius_rad = request_.weather[knot].sun_radius_rad;
+    enum class Seen : std::uint8_t { kNothing, kPart, kAll };
+    const auto seen = [&](double share) {
+      const double part = seen_of_sun(at, sun_at(knot, share), radius_rad);
+      if (part <= 0) return Seen::kNothing;
+      return part >= 1 ? Seen::kAll : Seen::kPart;
+    };
+    // Where the sun ceases to be seen as at `inside`, on the way to `outside`.
+    const auto end_of = [&](double inside, double outside) {
+      const Seen is = seen(inside);
+      for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (inside + outside);
+        (seen(middle) == is ? inside : outside) = middle;
+      }
+      return inside;
+    };
+    Seen before = seen(0);
+    for (int i = 1; i <= kInstants; ++i) {
+      const double first = (i - 1.0) / kInstants, last = static_cast<double>(i) / kInstants;
+      const Seen now = seen(last);
+      if (now != before && before != Seen::kPart) edge.push_back(end_of(first, last));
+      if (now != before && now != Seen::kPart) edge.push_back(end_of(last, first));
+      before = now;
+    }
+  }
+  void find_direct_light() {
+    for (std::size_t i = 0; i + 1 < instant_.size(); ++i) {
+      const std::size_t knot = instant_[i].knot;
+      const auto light = [&](const Place& at, double share) {
+        const double normal_w_m2 =
+            std::lerp(request_.weather[knot].after.direct_normal_w_m2,
+                      request_.weather[knot + every_].before.direct_normal_w_m2, share);
+        const Vec<Enu> sun = sun_at(knot, share);
+        const double cosine = dot(at.normal, sun);
+        if (normal_w_m2 <= 0 || cosine <= 0) return 0.0;
+        return normal_w_m2 * cosine * seen_of_sun(at, sun, request_.weather[knot].sun_radius_rad);
+      };
+      const double begin = instant_[i].share,
+                   end = instant_[i + 1].share > 0 ? instant_[i + 1].share : 1;
+      for (const Place& at : place_) direct_.push_back({light(at, begin), light(at, end)});
+    }
+  }
+
+  void face(const Weather& w, std::uint32_t e, double direct_w_m2, std::size_t at,
             const FaceExposure& to) const {
-    const HeatWeather& w = request_.weather[k];
-    const HeatRadiation& light = after ? w.after : w.before;
     const double sky = sky_[e], land = 1 - sky, reflects = 1 - material_.solar_absorptance,
-                 on_level = light.direct_normal_w_m2 * std::max(0.0, sun_[k].z) +
-                            light.diffuse_horizontal_w_m2,
-                 sunlight =
-                     direct_w_m2 + sky * light.diffuse_horizontal_w_m2 + land * reflects * on_level;
+                 sunlight = direct_w_m2 + sky * w.light.diffuse_horizontal_w_m2 +
+                            land * reflects * w.on_level_w_m2;
     to.absorbed_w_m2[at] = material_.solar_absorptance * sunlight;
     const double e_ir = material_.emissivity,
-                 around = around_k_.empty() ? light.sky_w_m2
-                                            : e_ir * kStefanBoltzmannWM2K4 * power4(around_k_[k]) +
-                                                  (1 - e_ir) * light.sky_w_m2;
-    to.incoming_w_m2[at] = sky * light.sky_w_m2 + land * around;
+                 around = w.around_k > 0 ? e_ir * kStefanBoltzmannWM2K4 * power4(w.around_k) +
+                                               (1 - e_ir) * w.light.sky_w_m2
+                                         : w.light.sky_w_m2;
+    to.incoming_w_m2[at] = sky * w.light.sky_w_m2 + land * around;
     to.fluid_k[at] = w.air_k;
     // Level land is windward, a wall in the lee leeward; slopes lie between, without a jump.
-    const double lee = std::clamp(-dot(place_[e].normal, wind_from_[k]), 0.0, 1.0);
+    const double lee = std::clamp(-dot(place_[e].normal, w.wind_from), 0.0, 1.0);
     to.forced_h_w_m2_k[at] = request_.convection_factor *
                              std::lerp(mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kWindward),
                                        mowitt_forced_w_m2_k(w.wind_m_s, WindSide::kLeeward), lee);
     if (to.vapour_pa.empty()) return;
-    to.vapour_pa[at] = vapour_pressure_pa(w.humid->dew_point_k);
-    to.inverse_gamma_k_pa[at] = inverse_gamma_k_pa(w.air_k, w.humid->pressure_pa);
+    to.vapour_pa[at] = w.vapour_pa;
+    to.inverse_gamma_k_pa[at] = w.inverse_gamma_k_pa;
     const SurfaceWater& water = *material_.wall.water;
     to.stomatal_w_m2_k[at] = water.canopy ? stomatal_w_m2_k(*water.canopy, std::max(0.0, sunlight),
-                                                            w.air_k, w.humid->pressure_pa)
+                                                            w.air_k, w.pressure_pa)
                                           : 0;
   }
 
-  void inside(std::size_t k, bool after, const FaceExposure& to) const {
+  void inside(std::size_t knot, double share, const FaceExposure& to) const {
     const WallBuildUp& wall = material_.wall;
     const auto now = [&](double constant) {
       if (wall.inner_at.empty()) return constant;
-      return after ? wall.inner_at[k].after : wall.inner_at[k].before;
+      return std::lerp(wall.inner_at[knot].after, wall.inner_at[knot + every_].before, share);
     };
     if (wall.inner_side == InnerSide::kHeatFlux)
       std::ranges::fill(to.absorbed_w_m2, now(wall.inner_flux_w_m2));
@@ -261,12 +303,21 @@ class LandExposure {
       std::ranges::fill(to.fluid_k, now(wall.inner_k));
   }
 
+  static constexpr double kApartS = 4;  // between own knots
+  // The temperature just behind an edge of shade would need more, at four times the cost each; what
+  // is left of its error there is below what kinds differ by from the places they stand for.
+  static constexpr int kMostHalvings = 3;
+
   const LandHeatRequest& request_;
   const LandHeatMaterial& material_;
-  std::vector<Place> place_;
-  std::size_t every_;  // of the request's knots
-  std::vector<double> sky_, around_k_;
+  std::span<const Place> place_;
+  std::size_t every_;        // of the request's knots
+  std::vector<double> sky_;  // [place]
+  std::span<const double> around_k_;
   std::vector<Vec<Enu>> sun_, wind_from_;  // [knot of the request]
+  std::vector<Instant> instant_;           // [own knot]
+  std::vector<std::size_t> own_knot_;      // [request knot / every_]
+  std::vector<DirectLight> direct_;        // [own interval x places + place]
 };
 
 // Temperatures of the places of one material at every second knot of the request.
@@ -275,10 +326,31 @@ struct PlaceTemperatures {
   std::vector<double> kelvin, error_k;  // [second knot x places + place]
 };
 
-absl::StatusOr<HeatResult> solve(const LandExposure& exposure, double tolerance_k) {
-  return solve_heat(exposure.heat_request(tolerance_k),
-                    [&](std::size_t interval, std::span<const std::uint32_t> element,
-                        const Exposure& to) { exposure.fill(interval, element, to); });
+// [second knot of the request x places + place] Solves groups of places: each group has the knots
+// of all edges of shade that pass its places.
+absl::StatusOr<PlaceTemperatures> solve(const LandHeatRequest& request,
+                                        const LandHeatMaterial& material,
+                                        std::span<const Place> place, std::size_t every,
+                                        std::span<const double> around_k) {
+  const std::size_t times = request.knot_s.size() / 2 + 1;
+  PlaceTemperatures out{place.size(), std::vector<double>(times * place.size()), {}};
+  out.error_k = out.kelvin;
+  for (std::size_t first = 0; first < place.size();) {
+    const std::size_t last = std::min(first + kPlacesTogether, place.size());
+    LandExposure exposure(request, material, place.subspan(first, last - first), every);
+    exposure.set_around_k(around_k);
+    ASSIGN_OR_RETURN(const HeatResult part,
+                     solve_heat(exposure.heat_request(request.tolerance_k),
+                                [&](std::size_t interval, std::span<const std::uint32_t> element,
+                                    const Exposure& to) { exposure.fill(interval, element, to); }));
+    for (std::size_t t = 0; t < times; ++t)
+      for (std::size_t p = first; p < last; ++p) {
+        out.kelvin[t * place.size() + p] = part.temperature_k[part.at(t, 0, p - first)];
+        out.error_k[t * place.size() + p] = part.error_k[part.at(t, 0, p - first)];
+      }
+    first = last;
+  }
+  return out;
 }
 
 // Linear between every second knot, which alone are known.
@@ -301,15 +373,12 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
                                                      const std::vector<Place>& place) {
   // Level land under a free horizon, which the others see.
   static const LandHorizon kFree{};
-  LandExposure level(request, material, {{{0, 0, 1}, &kFree}}, 1);
-  ASSIGN_OR_RETURN(const HeatResult around, solve(level, request.tolerance_k));
-  const std::vector<double> around_k = at_all_knots(request, around.temperature_k);
-  LandExposure fine(request, material, place, 1), coarse(request, material, place, 2);
-  fine.set_around_k(around_k);
-  coarse.set_around_k(around_k);
-  ASSIGN_OR_RETURN(const HeatResult all, solve(fine, request.tolerance_k));
-  ASSIGN_OR_RETURN(const HeatResult half, solve(coarse, request.tolerance_k));
-  PlaceTemperatures out{place.size(), all.temperature_k, all.error_k};
+  const Place level{{0, 0, 1}, &kFree};
+  ASSIGN_OR_RETURN(const PlaceTemperatures around,
+                   solve(request, material, std::span(&level, 1), 1, {}));
+  const std::vector<double> around_k = at_all_knots(request, around.kelvin);
+  ASSIGN_OR_RETURN(PlaceTemperatures out, solve(request, material, place, 1, around_k));
+  ASSIGN_OR_RETURN(const PlaceTemperatures half, solve(request, material, place, 2, around_k));
   // What the two differ by at most within the hour around a time, or in the root mean square of
   // three hours around it: at one time they may agree by luck.
   constexpr double kHoursAround = 3, kNearS = 3600;
@@ -324,14 +393,12 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
     for (std::size_t p = 0; p < place.size(); ++p) {
       double square = 0, most = 0;
       for (std::size_t i = first; i <= last; ++i) {
-        const double d =
-            all.temperature_k[i * place.size() + p] - half.temperature_k[i * place.size() + p];
+        const double d = out.kelvin[i * place.size() + p] - half.kelvin[i * place.size() + p];
         square += d * d;
         if (apart_s(i) <= kNearS) most = std::max(most, std::abs(d));
       }
-      const std::size_t at = t * place.size() + p;
-      out.error_k[at] += std::max(most, std::sqrt(square / static_cast<double>(last - first + 1))) +
-                         fine.edge_k(2 * t, static_cast<std::uint32_t>(p), all.temperature_k[at]);
+      out.error_k[t * place.size() + p] +=
+          std::max(most, std::sqrt(square / static_cast<double>(last - first + 1)));
     }
   }
   return out;
