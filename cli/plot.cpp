@@ -15,6 +15,7 @@
 #include "core/base/status_macros.h"
 #include "planning/land_picture.h"
 #include "planning/temperature_picture.h"
+#include "view/pictures/effect_pictures.h"
 #include "view/pictures/image_regions.h"
 #include "view/pictures/plot_picture.h"
 #include "view/pictures/region_hours.h"
@@ -39,7 +40,8 @@ struct PlotCommand {
   [[nodiscard]] absl::Status run() const {
     RETURN_IF_ERROR(check_options());
     ASSIGN_OR_RETURN(const auto format, output.format());
-    if (format != "svg" && kind != "hours" && kind != "regions" && kind != "polar")
+    if (format != "svg" && kind != "hours" && kind != "regions" && kind != "polar" &&
+        kind != "diagonal")
       return absl::InvalidArgumentError("--kind " + kind +
                                         " is drawn as svg alone; `irsig query` and `irsig export` "
                                         "write its numbers");
@@ -66,6 +68,8 @@ struct PlotCommand {
       return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures, layer));
     if (kind == "sheet")
       return write_picture(sheet_picture(*reader, query, range, pixels, read_pictures, layer));
+    if (kind == "effects" || kind == "diagonal")
+      return write_effects_as(format, *reader, query, range);
     if (kind == "sky")
       return write_picture(sky_picture(*reader, query, range, pixels.value_or(kPixels)));
     if (kind == "temperatures")
@@ -94,7 +98,8 @@ struct PlotCommand {
 
   [[nodiscard]] absl::Status check_options() const {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
-    status.Update(belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures", "sky"}));
+    status.Update(
+        belongs(!scale.empty(), "--scale", {"picture", "sheet", "effects", "temperatures", "sky"}));
     status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet", "regions"}));
     status.Update(belongs(!region.empty(), "--region", {"regions"}));
     status.Update(belongs(pixels.has_value(), "--pixels",
@@ -113,6 +118,17 @@ struct PlotCommand {
     if (format == "svg") return output.write(plot_hours(hours));
     return output.write(
         [&](std::string_view table, std::ostream& out) { return write_hours(hours, table, out); });
+  }
+
+  [[nodiscard]] absl::Status write_effects_as(const std::string& format, StoreReader& reader,
+                                              const Query& query,
+                                              const std::optional<ColorRange>& range) const {
+    ASSIGN_OR_RETURN(const auto pictures, effect_pictures(reader, query, read_pictures));
+    if (kind == "effects") return write_picture(effects_sheet(pictures, range));
+    if (format == "svg") return output.write(plot_diagonal(pictures));
+    return output.write([&](std::string_view table, std::ostream& out) {
+      return write_diagonal(pictures, table, out);
+    });
   }
 
   [[nodiscard]] absl::Status write_regions_as(const std::string& format, StoreReader& reader,
@@ -144,28 +160,31 @@ void add_plot(CLI::App& app, int& exit_code) {
       "and json); transmittance (of the air, from one "
       "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
       "and apparent temperature), sheet (the images of many, side by side) or temperatures (of the "
-      "target's facets, from any --aspect); sky (its in-band radiance by direction, in a "
+      "target's facets, from any --aspect); effects (an image with and without air, reflected sky "
+      "and reflected sun), diagonal (their radiances along its diagonal; also csv and json); sky "
+      "(its in-band radiance by direction, in a "
       "condition); land (its relief and materials from above, of a database or a sweep file)");
   const auto options = std::make_shared<PlotCommand>(*command);
   command
       ->add_option("--kind", options->kind,
-                   "polar, spectrum, map, hours, regions, transmittance, picture, sheet, "
-                   "temperatures, sky or "
-                   "land")
+                   "polar, spectrum, map, hours, regions, transmittance, picture, sheet, effects, "
+                   "diagonal, temperatures, sky or land")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "regions", "transmittance",
-                             "picture", "sheet", "temperatures", "sky", "land"}));
+      ->check(
+          CLI::IsMember({"polar", "spectrum", "map", "hours", "regions", "transmittance", "picture",
+                         "sheet", "effects", "diagonal", "temperatures", "sky", "land"}));
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
       ->type_name("DEG");
   command
-      ->add_option("--scale", options->scale,
-                   "Values at the ends of the colours of picture, sheet and sky [W/(m2 sr)] and "
-                   "temperatures [K]; "
-                   "default: the 1st and 99th percentile of their pixels; of temperatures and "
-                   "sky: the smallest and largest")
+      ->add_option(
+          "--scale", options->scale,
+          "Values at the ends of the colours of picture, sheet, effects and sky [W/(m2 sr)] and "
+          "temperatures [K]; "
+          "default: the 1st and 99th percentile of their pixels; of temperatures and "
+          "sky: the smallest and largest")
       ->type_name("LOW,HIGH");
   command
       ->add_option(

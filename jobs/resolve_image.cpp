@@ -89,9 +89,11 @@ void check_layers(const schema::Sweep& sweep, const SectionCheck& check) {
   if (has(ImageLayer::kSunlit) && !sweep.transport().sun())
     check.error("layers", absl::StrCat("has \"", name_of(ImageLayer::kSunlit),
                                        "\", but the sweep has no sun: set [transport] sun = true"));
-  if (has(ImageLayer::kLandTemperature) && !sweep.has_land())
-    check.error("layers", absl::StrCat("has \"", name_of(ImageLayer::kLandTemperature),
-                                       "\", but the sweep has no [land]: leave it out"));
+  for (std::size_t i = 0; i < kImageLayers.size(); ++i)
+    if (const auto layer = static_cast<ImageLayer>(i);
+        is_of_land(layer) && has(layer) && !sweep.has_land())
+      check.error("layers", absl::StrCat("has \"", name_of(layer),
+                                         "\", but the sweep has no [land]: leave it out"));
   if (!layers.empty() && sweep.has_plume())
     check.error("layers",
                 "do not apply with [plume], whose gas is in the image of the target alone: leave "

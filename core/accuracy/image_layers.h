@@ -13,8 +13,11 @@ namespace irsig {
 // sensor, and
 //   at_sensor = emitted + sun + sky + surface + parts + path + background - hidden
 // path + background is what the sensor sees without the target.
+// Land that a pixel shows has its part in it: land_emitted + land_sky + land_sun is what arrives of
+// its light, without the light of the air before it.
 // Layers from kTemperature to kSunlit are means over what a pixel shows of the target, 0 where it
-// shows none; kLandTemperature is one over the land that it would show without the target. Normals are in the body frame (x forward, y starboard, z down), on the side of the sensor.
+// shows none; kLandTemperature is one over the land that it would show without the target. Normals
+// are in the body frame (x forward, y starboard, z down), on the side of the sensor.
 enum class ImageLayer : std::uint8_t {
   kEmitted,
   kSun,
@@ -25,6 +28,10 @@ enum class ImageLayer : std::uint8_t {
   kBackground,
   kHidden,
   kAtSensor,
+  kLandEmitted,
+  kLandSky,
+  kLandSun,
+  kWithoutAir,
   kTemperature,
   kRange,
   kNormalX,
@@ -37,7 +44,7 @@ enum class ImageLayer : std::uint8_t {
 struct ImageLayerInfo {
   const char *name, *unit, *what;
 };
-inline constexpr std::array<ImageLayerInfo, 16> kImageLayers = {{
+inline constexpr std::array<ImageLayerInfo, 20> kImageLayers = {{
     {"emitted", "W/(m2 sr)", "light that the target emits"},
     {"sun", "W/(m2 sr)", "direct sunlight that it reflects"},
     {"sky", "W/(m2 sr)", "light of the sky that it reflects"},
@@ -48,6 +55,11 @@ inline constexpr std::array<ImageLayerInfo, 16> kImageLayers = {{
      "light of what stands behind and beside the target, without that of the path"},
     {"hidden", "W/(m2 sr)", "of the background what the target hides"},
     {"at_sensor", "W/(m2 sr)", "all that the sensor sees"},
+    {"land_emitted", "W/(m2 sr)", "light that land emits which a pixel shows"},
+    {"land_sky", "W/(m2 sr)", "light of the sky that this land reflects"},
+    {"land_sun", "W/(m2 sr)", "direct sunlight that this land reflects"},
+    {"without_air", "W/(m2 sr)",
+     "light that target and land emit, without the air before them; and sky"},
     {"temperature", "K", "mean over what a pixel shows of the target; 0 where it shows none"},
     {"range", "m", "distance from the sensor, likewise"},
     {"normal_x", "1", "mean unit normal of the facets that a pixel shows, forward"},
@@ -63,6 +75,11 @@ inline constexpr std::array<ImageLayerInfo, 16> kImageLayers = {{
 // Returns true if a layer is a mean over what a pixel shows of the target.
 [[nodiscard]] constexpr bool is_mean_of_target(ImageLayer layer) {
   return layer >= ImageLayer::kTemperature && layer <= ImageLayer::kSunlit;
+}
+// Returns true if a layer needs land.
+[[nodiscard]] constexpr bool is_of_land(ImageLayer layer) {
+  return (layer >= ImageLayer::kLandEmitted && layer <= ImageLayer::kWithoutAir) ||
+         layer == ImageLayer::kLandTemperature;
 }
 [[nodiscard]] constexpr bool is_radiance(ImageLayer layer) {
   return layer < ImageLayer::kTemperature;

@@ -128,6 +128,36 @@ LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandO
   return out;
 }
 
+LandBackground::Parts LandBackground::parts_of(std::uint32_t condition,
+                                               const BandOnAxis& band) const {
+  const ConditionSources& from = light(condition);
+  std::vector<ConditionSources::LandParts> part(source_.size());
+  std::vector<double> beyond(source_.size(), 0.0);
+  for (std::size_t k = 0; k < source_.size(); ++k) {
+    const auto of = from.light_of_path(source_[k]);
+    if (!of) continue;
+    part[k] = from.land_parts_w_m2_sr(*of, band);
+    if (paths_.place_of(source_[k]).kind != SourceLayout::Kind::kBehind) continue;
+    beyond[k] = 1;
+    part[k].without_air = in_band(from.apparent(*of), band);
+  }
+  const std::size_t pixels = first_.size() - 1;
+  Parts out;
+  for (auto* column : {&out.without_air, &out.emitted, &out.sky, &out.sun, &out.beyond})
+    column->assign(pixels, 0.0);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
+      const double weight = 0.5 * static_cast<double>(weight_[w].value);
+      const ConditionSources::LandParts& of = part[weight_[w].source];
+      out.without_air[pixel] += weight * of.without_air;
+      out.emitted[pixel] += weight * of.emitted;
+      out.sky[pixel] += weight * of.sky;
+      out.sun[pixel] += weight * of.sun;
+      out.beyond[pixel] += weight * beyond[weight_[w].source];
+    }
+  return out;
+}
+
 std::vector<double> LandBackground::temperature_k(std::span<const double> kelvin) const {
   std::vector<double> out;
   for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {

@@ -31,6 +31,13 @@ class LandBackground {
     std::vector<double> w_m2_sr, error_w_m2_sr;
   };
   [[nodiscard]] Radiance of(std::uint32_t condition, const BandOnAxis& band) const;
+  // Means over pixels under one of the selected conditions, [pixel]: ConditionSources::LandParts,
+  // where all that is no land counts as seen without air; and the part of a pixel that is no land.
+  struct Parts {
+    std::vector<double> without_air, emitted, sky, sun;
+    std::vector<double> beyond;
+  };
+  [[nodiscard]] Parts parts_of(std::uint32_t condition, const BandOnAxis& band) const;
   // Returns the mean temperature of the land in each pixel, [pixel]. 0: there is none. [K]
   //   kelvin  [kind] under a condition
   [[nodiscard]] std::vector<double> temperature_k(std::span<const double> kelvin) const;
@@ -55,7 +62,7 @@ class LandBackground {
   std::shared_ptr<const ViewEnvironments> environments_;
   std::unique_ptr<const ViewSources> light_;
   SourceLayout paths_;
-  std::vector<SourceId> source_;  // of paths
+  std::vector<SourceId> source_;    // of paths
   std::vector<std::size_t> first_;  // [pixel], and one behind the last
   std::vector<Weight> weight_;      // of a pixel side by side
 };

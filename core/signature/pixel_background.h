@@ -34,6 +34,10 @@ class PixelBackground {
     std::vector<double> w_m2_sr, bound_w_m2_sr;
   };
   [[nodiscard]] Radiance of(const Row& row) const;
+  // Requires land.
+  [[nodiscard]] LandBackground::Parts land_parts_of(const Row& row) const {
+    return land_->parts_of(row.condition, row.on_axis);
+  }
   // LandBackground::temperature_k; without land: 0.
   [[nodiscard]] std::vector<double> land_temperature_k(std::span<const double> kelvin) const;
 

@@ -59,7 +59,7 @@ class RowPictures {
     out.image_height_px = frame_.height_px;
     out.pixel_rad = frame_.rectangle.width_m / frame_.width_px / frame_.plane_m;
     std::optional<PixelBackground> background;
-    if (at_sensor() || has(ImageLayer::kLandTemperature)) {
+    if (at_sensor() || has_land_layer()) {
       ASSIGN_OR_RETURN(background,
                        PixelBackground::make(view_.setup.scene, request_, view_.setup.plan.effects,
                                              view_.setup.aimed().frame, frame_));
@@ -95,6 +95,9 @@ class RowPictures {
   [[nodiscard]] bool has(ImageLayer layer) const {
     return request_.image && request_.image->has(layer);
   }
+  [[nodiscard]] bool has_land_layer() const {
+    return request_.image && std::ranges::any_of(request_.image->layer, is_of_land);
+  }
   [[nodiscard]] bool at_sensor() const { return has(ImageLayer::kAtSensor); }
 
   [[nodiscard]] ImagePlan plan() const {
@@ -115,7 +118,8 @@ class RowPictures {
     if (!request_.image) return plan;
     plan.whole_parts = request_.image->whole_parts;
     if (std::any_of(request_.image->layer.begin(), request_.image->layer.end(), [](ImageLayer l) {
-          return l <= ImageLayer::kParts || l == ImageLayer::kHidden;
+          return l <= ImageLayer::kParts || l == ImageLayer::kHidden ||
+                 l == ImageLayer::kWithoutAir;
         }))
       keep_causes_apart(paths, plan);
     plan.first_hits =
@@ -355,12 +359,22 @@ class RowPictures {
     if (at_sensor()) beside = background->of(of);
     std::vector<std::uint32_t> met(pixels_, 0);
     for (const TracedPictures::Met& m : met_) met[m.pixel] += m.samples;
-    const auto kind = [&](std::size_t pixel, std::size_t which) {
+    const auto kind_in = [&](std::size_t shown, std::size_t pixel, std::size_t which) {
       const auto traced = window_.pixel_of(pixel);
       if (!traced) return 0.0;
-      const std::size_t at = *traced * pictures_.plan.images + picture;
+      const std::size_t at = *traced * pictures_.plan.images + shown;
       return per_w_sr_[pixel] *
              static_cast<double>(pictures_.traced.kind_sum[at * pictures_.plan.kinds + which]);
+    };
+    const auto kind = [&](std::size_t pixel, std::size_t which) {
+      return kind_in(picture, pixel, which);
+    };
+    LandBackground::Parts land;
+    if (std::ranges::any_of(request_.image->layer,
+                            [](ImageLayer l) { return is_of_land(l) && is_radiance(l); }))
+      land = background->land_parts_of(of);
+    const auto beside_target = [&](std::size_t i) {
+      return 1 - static_cast<double>(met[i]) / pictures_.pixel_samples;
     };
     const auto first = [&](std::size_t pixel, std::size_t which) {
       if (met[pixel] == 0) return 0.0;
@@ -409,6 +423,22 @@ class RowPictures {
           }
           break;
         }
+        case ImageLayer::kLandEmitted:
+          fill([&](std::size_t i) { return beside_target(i) * land.emitted[i]; });
+          break;
+        case ImageLayer::kLandSky:
+          fill([&](std::size_t i) { return beside_target(i) * land.sky[i]; });
+          break;
+        case ImageLayer::kLandSun:
+          fill([&](std::size_t i) { return beside_target(i) * land.sun[i]; });
+          break;
+        case ImageLayer::kWithoutAir:
+          // Sky is seen through the air to the target.
+          fill([&](std::size_t i) {
+            return kind_in(row, i, static_cast<std::size_t>(ImageLayer::kEmitted)) +
+                   beside_target(i) * (land.without_air[i] + land.beyond[i] * path);
+          });
+          break;
         case ImageLayer::kTemperature:
           fill([&](std::size_t i) { return first(i, 1 + condition); });
           break;

@@ -112,6 +112,9 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
                                             : at.transmittance[i] * planck[i]);
         }
       };
+      Spectrum& emission = land_emission_.emplace_back(nodes);
+      for (std::size_t i = 0; i < nodes; ++i)
+        emission[i] = open ? emissivity[i] * planck[i] : planck[i];
       add_land(environment.land.at_target, land_);
       add_land(environment.land.apparent, land_apparent_);
       add_land(environment.land.behind, behind_land_);
@@ -307,6 +310,24 @@ ConditionSources::LandError ConditionSources::land_error_w_m2_sr(SourceId land,
   const LandLight& land_light = environment_->land;
   if (behind) return {0, through(land_light.behind)};
   return {through(land_light.at_target), through(land_light.apparent)};
+}
+
+ConditionSources::LandParts ConditionSources::land_parts_w_m2_sr(SourceId behind,
+                                                                 const BandOnAxis& band) const {
+  const SourceLayout::Place at = layout_.light.place_of(behind);
+  if (at.kind == SourceLayout::Kind::kBehindLandSun)
+    return {.sun = in_band(apparent(behind), band)};
+  if (at.kind != SourceLayout::Kind::kBehindLand || environment_->land.behind.empty()) return {};
+  const std::uint32_t ranges = layout_.light.behind_ranges();
+  const LandAir& air = environment_->land.behind[at.index % ranges];
+  const Spectrum& emission = land_emission_[at.index / ranges];
+  Spectrum emitted(emission.size()), sky(emission.size());
+  const std::span<const double> seen = apparent(behind);
+  for (std::size_t i = 0; i < emission.size(); ++i) {
+    emitted[i] = air.transmittance[i] * emission[i];
+    sky[i] = seen[i] - air.path_radiance[i] - emitted[i];
+  }
+  return {in_band(emission, band), in_band(emitted, band), in_band(sky, band)};
 }
 
 std::array<std::vector<SourceRange>, kCauses> ConditionSources::causes() const {

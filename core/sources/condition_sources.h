@@ -96,6 +96,13 @@ class ConditionSources {
     double source = 0, apparent = 0;
   };
   [[nodiscard]] LandError land_error_w_m2_sr(SourceId land, const BandOnAxis& band) const;
+  // Returns the radiance that a sensor sees of land behind the target, a source of layout(), by
+  // what it comes from. Without air: what the land emits, before the air in front of it. [W/(m2
+  // sr)]
+  struct LandParts {
+    double without_air = 0, emitted = 0, sky = 0, sun = 0;
+  };
+  [[nodiscard]] LandParts land_parts_w_m2_sr(SourceId behind, const BandOnAxis& band) const;
   [[nodiscard]] bool has_land_errors() const { return !land_error_.empty(); }
   // The most by which a radiance between blackbodies can be wrong, relative to it.
   [[nodiscard]] double emission_error(double shortest_um) const {
@@ -144,7 +151,8 @@ class ConditionSources {
   // sunlight.
   std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
       behind_land_sun_;
-  // [kind, then material] Emission by which land may be wrong. Empty: temperatures are stated.
+  std::vector<Spectrum> land_emission_;  // [kind, then material] at the land
+  // Likewise, emission by which land may be wrong. Empty: temperatures are stated.
   std::vector<Spectrum> land_error_;
   Spectrum none_;
   IncidentRadiance around_;

@@ -54,12 +54,13 @@ inline WeatherSpec scene_weather(double air_k = 0) {
 }
 
 // A box of an emissivity of 0.6, a metre above the ground, in both bands.
-inline Scene scene_on(double elevation_deg, double range_m, bool sun, double air_k = 0) {
+inline Scene scene_on(double elevation_deg, double range_m, bool sun, double air_k = 0,
+                      double land_emissivity = kEmissivity) {
   Scene out;
   SceneSpec scene = scene_of(generated("box", 300, 0, 4, 3, 2), grey(0.6), lwir());
   scene.band.push_back({"MWIR", 3.2, 5, 0.25, {}});
   scene.spectral_breaks_um = air_band_edges_um(3, 13);
-  scene.land_material = {grey(kEmissivity)};
+  scene.land_material = {grey(land_emissivity)};
   out.simulator = simulator_of(scene);
   out.request = request(*out.simulator, 70, elevation_deg, range_m, {air_k > 0 ? air_k : kTargetK});
   out.request.max_reflections = 2;

@@ -75,6 +75,38 @@ class LandDay(unittest.TestCase):
         for region in ("lawn", "road", "wheat", "soil"):
             self.assertIn(max(HOURS, key=lambda hour: self.kelvin[region, hour]), (13, 14), region)
 
+    def diagonal(self, hour):
+        """Radiances of the pictures a to e along the diagonal of the image in 3-5 um, [place][picture]."""
+        table = pathlib.Path(self.folder.name) / f"diagonal{hour}.csv"
+        run("plot", self.db, "--kind", "diagonal", "--band", "mwir", "--time", f"2013-07-12T{hour - 7:02}:00:00Z",
+            "--out", table)
+        pictures = ("without_air", "emitted", "with_sky", "with_sun", "all")
+        with open(table) as file:
+            return [[float(row[f"{name}_w_m2_sr"]) for name in pictures] for row in csv.DictReader(file)]
+
+    def test_effects_of_air_sky_and_sun_add_up(self):
+        day, night = self.diagonal(14), self.diagonal(23)
+        for without_air, emitted, with_sky, with_sun, everything in day + night:
+            self.assertAlmostEqual(with_sky + with_sun - emitted, everything, delta=1e-6 * everything)
+            self.assertGreaterEqual(with_sky, emitted)
+            self.assertGreaterEqual(with_sun, emitted)
+        # What lies beyond the land is in none of them.
+        self.assertAlmostEqual(day[0][0], day[0][4], delta=1e-6)
+        self.assertLess(sum(abs(row[0] - row[4]) < 1e-6 for row in day), 0.2 * len(day))
+        spread = [max(column) - min(column) for column in zip(*day)]
+        self.assertLess(spread[1], 0.8 * spread[0])  # air
+        added = [sum(row[k] - row[1] for row in day) for k in (2, 3)]
+        self.assertGreater(added[0], 0)
+        self.assertGreater(added[1], 2 * added[0])
+        self.assertTrue(all(row[3] == row[1] for row in night))
+
+    def test_effects_are_drawn(self):
+        drawing = pathlib.Path(self.folder.name) / "effects.svg"
+        run("plot", self.db, "--kind", "effects", "--band", "mwir", "--time", "2013-07-12T07:00:00Z", "--out", drawing)
+        text = drawing.read_text()
+        for label in ("a: emission, without air", "e: all", "In-band radiance"):
+            self.assertIn(label, text)
+
     def test_the_lawn_is_smoother_than_the_scene(self):
         cells = []
         for x in range(0, 80, 4):

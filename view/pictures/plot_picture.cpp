@@ -13,6 +13,7 @@
 #include "core/base/status_macros.h"
 #include "view/pictures/band_quadrature.h"
 #include "view/pictures/masks.h"
+#include "view/pictures/sheet_layout.h"
 #include "view/pictures/thumbnail.h"
 #include "view/plot/plot_frame.h"
 
@@ -60,7 +61,7 @@ Shows what_is_shown(const std::string& layer, bool gas) {
   if (layer.empty()) return gas ? Shows::kTargetAndGas : Shows::kTarget;
   const auto known = image_layer_of(layer);
   if (!known || *known == ImageLayer::kAtSensor || *known == ImageLayer::kBackground ||
-      *known == ImageLayer::kPath)
+      *known == ImageLayer::kPath || (is_of_land(*known) && is_radiance(*known)))
     return Shows::kAll;
   if (*known == ImageLayer::kLandTemperature) return Shows::kLand;
   return is_mean_of_target(*known) ? Shows::kOfTarget : Shows::kTarget;
@@ -284,30 +285,10 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
                       rows.size(), kMostPixelsInSheet));
     images.push_back(std::move(image));
   }
-  ASSIGN_OR_RETURN(const auto pixels, pixels_of(reader, images, layer, long_side_px, read));
-  std::uint32_t width = 0, height = 0;
-  for (const Pixels& p : pixels) {
-    width = std::max(width, p.width_px);
-    height = std::max(height, p.height_px);
-  }
-  // A sheet that is about as wide as 1.5 times its height, with room for a label above each image.
-  const std::uint32_t label_px = std::max(8u, width / 6), gap_px = std::max(2u, width / 30);
-  const std::uint32_t cell_x = width + gap_px, cell_y = height + label_px;
-  const auto count = static_cast<std::uint32_t>(images.size());
-  const auto columns = std::clamp(
-      static_cast<std::uint32_t>(std::lround(std::sqrt(1.5 * count * cell_y / cell_x))), 1u, count);
-  FalseColorPicture out;
-  out.width_px = columns * cell_x;
-  out.height_px = (count + columns - 1) / columns * cell_y;
-  out.value.assign(std::size_t{out.width_px} * out.height_px,
-                   std::numeric_limits<float>::quiet_NaN());
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Pixels& p = pixels[i];
+  ASSIGN_OR_RETURN(auto pixels, pixels_of(reader, images, layer, long_side_px, read));
+  std::vector<SheetCell> cells;
+  for (std::size_t i = 0; i < images.size(); ++i) {
     const StoredSignature& s = images[i].signature;
-    const std::uint32_t left = i % columns * cell_x, top = i / columns * cell_y + label_px;
-    for (std::uint32_t y = 0; y < p.height_px; ++y)
-      std::copy_n(p.radiance_w_m2_sr.begin() + std::ptrdiff_t{y} * p.width_px, p.width_px,
-                  out.value.begin() + (std::ptrdiff_t{top} + y) * out.width_px + left);
     std::string text;
     const auto add = [&](bool same, const std::string& what) {
       if (!same) text += (text.empty() ? "" : ", ") + what;
@@ -317,8 +298,10 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
     add(one_place,
         fmt::format("{:.0f}\u00b0, {:.0f}\u00b0", s.aspect_azimuth_deg, s.aspect_elevation_deg));
     add(one_range, range_title(s.range_m));
-    out.label.push_back({static_cast<double>(left), top - 0.25 * label_px, text});
+    cells.push_back({pixels[i].width_px, pixels[i].height_px, std::move(pixels[i].radiance_w_m2_sr),
+                     std::move(text)});
   }
+  FalseColorPicture out = lay_out_sheet(cells);
   out.title = fmt::format("{}, {}", first.sweep, band_title(first));
   if (one_range) out.title += ", " + range_title(first.range_m);
   if (one_season) out.title += ", " + first.season;
