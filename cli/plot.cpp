@@ -99,7 +99,7 @@ struct PlotCommand {
   [[nodiscard]] absl::Status check_options() const {
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
     status.Update(
-        belongs(!scale.empty(), "--scale", {"picture", "sheet", "effects", "temperatures", "sky"}));
+        belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures", "sky", "effects"}));
     status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet", "regions"}));
     status.Update(belongs(!region.empty(), "--region", {"regions"}));
     status.Update(belongs(pixels.has_value(), "--pixels",

@@ -68,7 +68,7 @@ std::vector<std::size_t> diagonal(const EffectPictures& of) {
   return out;
 }
 
-std::string title_of(const StoredSignature& s) {
+std::string effects_title(const StoredSignature& s) {
   return fmt::format("{}, {}, {}", s.sweep, s.time_utc, band_title(s));
 }
 
@@ -106,7 +106,7 @@ absl::StatusOr<FalseColorPicture> effects_sheet(const EffectPictures& pictures,
     cells.push_back(
         {pictures.width_px, pictures.height_px, pictures.w_m2_sr[k], EffectPictures::kName[k]});
   FalseColorPicture out = lay_out_sheet(cells);
-  out.title = title_of(pictures.row);
+  out.title = effects_title(pictures.row);
   out.subtitle = "One image with and without the effects that its light meets; e = c + d \u2212 b";
   ASSIGN_OR_RETURN(const auto own, range_of(out.value));
   out.range = range.value_or(own);
@@ -127,7 +127,7 @@ std::string plot_diagonal(const EffectPictures& pictures) {
       curve.y.push_back(static_cast<double>(pictures.w_m2_sr[k][pixel[i]]));
     }
   }
-  return plot_curves(title_of(pictures.row), "Radiance along the diagonal, by effects", {panel}, 1);
+  return plot_curves(effects_title(pictures.row), "Radiance along the diagonal, by effects", {panel}, 1);
 }
 
 absl::Status write_diagonal(const EffectPictures& pictures, std::string_view format,
