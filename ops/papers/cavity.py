@@ -30,7 +30,8 @@ def findings(lab):
             f"{joined(dhr, '{:.3f}')} at 0, 45, 89 deg", fact(abs(dhr[1] - 0.11) < 0.005), "holds at 45 deg, where the sensor looks"),
         Row("Figure 4", "apparent temperature after N = 1, 2, 3 reflections, box made deeper by one length each time [K]",
             "two points below 306; 306", joined(figure, "{:.3f}"),
-            "yes" if figure[2] > 305.95 > figure[1] else "in order" if figure == sorted(figure) else "no", "306 K is never reached: walls reflect 2 % diffusely, and the sky of 240 K keeps a weight of 0.4 %; the "
+            "yes" if figure[2] > 305.95 > figure[1] else "in order" if figure == sorted(figure) else "no",
+            "306 K is never reached: walls reflect 2 % diffusely, and the sky of 240 K keeps a weight of 0.4 %; the "
             "paper gives whole kelvins"),
         Row("Figure 4", "it rises with the number of reflections: specular, depth 1, N = 0, 1, 2, 3, 8 [K]", "yes",
             joined(special, "{:.3f}"), fact(special == sorted(special) and special[0] < special[4])),
