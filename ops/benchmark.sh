@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds and runs the benchmarks; prints their CSV. Nothing else should run on the machine meanwhile.
 #
-# usage: ops/benchmark.sh [core|store|farm|farm_scale|atmosphere|heat|gas|plume|ray_facet|watertight ...]      (default: all but
+# usage: ops/benchmark.sh [core|store|farm|farm_scale|atmosphere|heat|gas|plume|ray_facet|paper_ship|watertight ...]      (default: all but
 #        watertight, which takes an hour)
 #        ops/benchmark.sh page     measures the examples and writes their table into docs/evidence/performance.md
 set -euo pipefail
@@ -13,7 +13,7 @@ fi
 (($# > 0)) || set -- core store farm farm_scale atmosphere heat gas plume ray_facet
 for room in "$@"; do
   if [[ ! -f tests/benchmark/${room}_bench.cpp ]]; then
-    echo "ops/benchmark.sh: no benchmark \"$room\": core, store, farm, farm_scale, atmosphere, heat, gas, plume, ray_facet, watertight" >&2
+    echo "ops/benchmark.sh: no benchmark \"$room\": core, store, farm, farm_scale, atmosphere, heat, gas, plume, ray_facet, paper_ship, watertight" >&2
     exit 2
   fi
 done

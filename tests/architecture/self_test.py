@@ -8,6 +8,7 @@ import check_layers
 import check_libm
 import check_links
 import check_loaded
+import check_papers
 import check_performance_page
 import check_sentences
 import check_unity
@@ -260,6 +261,36 @@ class PerformancePage(unittest.TestCase):
     def test_without(self):
         self.assertIn("does not say", check_performance_page.complaint(self.page("One run each"), self.HEADER))
         self.assertIn("one line", check_performance_page.complaint("# Performance\n", self.HEADER))
+
+
+class Papers(unittest.TestCase):
+    SCRIPT = "((${#parts[@]} > 0)) || parts=(ship cavity)\n"
+    HEAD = "| where | finding | paper | ours | agreement | part | remark |\n|---|---|---|---|---|---|---|\n"
+
+    def complaints(self, ship, cavity="| 1 | a | 2 | 2 | yes | `cavity` |  |\n", more=""):
+        tables = {"ship": ship, "cavity": cavity}
+        return check_papers.complaints("".join(f"<!-- begin papers {p} -->\n{self.HEAD}{t}<!-- end papers {p} -->\n" for p, t in tables.items())
+                                       + more, self.SCRIPT)
+
+    def test_good(self):
+        self.assertEqual(self.complaints("| 1 | a | 2 | 3 | no | `ship` | because |\n"), [])
+
+    def test_row_of_another_part(self):
+        self.assertIn("in the table of `ship`", self.complaints("| 1 | a | 2 | 2 | yes | `cavity` |  |\n")[0])
+
+    def test_row_without_a_reason(self):
+        for agreement in ("no", "not compared", "nearly"):
+            self.assertIn(f"agreement `{agreement}`", self.complaints(f"| 1 | a | 2 | 3 | {agreement} | `ship` |  |\n")[0])
+
+    def test_empty_table(self):
+        self.assertIn("is empty", self.complaints("")[0])
+
+    def test_cells(self):
+        self.assertIn("6 cells", self.complaints("| 1 | 2 | 2 | yes | `ship` |  |\n")[0])
+
+    def test_marks(self):
+        self.assertIn("no such part", self.complaints("| 1 | a | 2 | 2 | yes | `ship` |  |\n", more="<!-- begin papers moon -->\n")[0])
+        self.assertEqual(len(check_papers.complaints("", self.SCRIPT)), 2)
 
 
 class Unity(TreeTest):

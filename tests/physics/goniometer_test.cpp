@@ -241,6 +241,36 @@ MaterialSpec brown_soil() {
   return {"soil", Lambert{{{0.3, 0.90}, {0.45, 0.84}, {0.55, 0.74}, {0.65, 0.65}, {0.8, 0.6}}}};
 }
 
+// Rationale: every trend against coverage stands on the coverage that the generator reports.
+// Expected: with lamp and sensor above a grey plate under black grains, what is seen is lit, and no
+//   light comes from grains: reflectance factor = (1 - coverage) rho, to 4.5 standard errors plus
+//   the 1024 x 1024 points on which coverage is counted (1e-3 of the edge of all grains).
+// Source: closed form.
+TEST(Goniometer, BlackGrainsHideTheirCoverage) {
+  const double rho = 0.6;
+  for (const double coverage : {0.27, 0.74}) {
+    ParticleBed bed = soil_bed();
+    bed.coverage = coverage;
+    bed.subdivisions = 0;
+    auto model = generate_particles(bed);
+    ASSERT_TRUE(model.ok()) << model.status();
+    GoniometerScene scene = soiled_plate(bed, {"soil", Lambert{{{0, 1}}}}, grey_paint(rho));
+    scene.band = {band_at("green", 0.55)};
+    GoniometerSpec spec = hemisphere(bed.width_m);
+    spec.view_zenith_deg = {0};
+    spec.view_azimuth_deg = {0};
+    spec.source_zenith_deg = {0};
+    spec.samples_per_replicate = 4096;
+    const GoniometerResult r = measured(scene, spec);
+    const Estimate& e = r.brdf(0, 0, 0, 0);
+    const double expected = (1 - model->report.coverage) * rho;
+    EXPECT_NEAR(kPi * e.value, expected, 4.5 * kPi * e.stderr_ + 1e-3 * rho);
+    EXPECT_LT(kPi * e.stderr_, 2e-3 * rho);
+    std::printf("coverage %.4f: reflectance factor %.5f +- %.5f, expected %.5f\n",
+                model->report.coverage, kPi * e.value, kPi * e.stderr_, expected);
+  }
+}
+
 // Rationale: Kirchhoff. Emission and reflected sky are collected in different classes, by the same
 //   paths: what is lost or counted twice anywhere shows in their sum.
 // Expected: emissivity + DHR = 1 to the standard error plus what was cut off; grains of 60 %

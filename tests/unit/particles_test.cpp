@@ -83,19 +83,29 @@ TEST(Particles, EveryGrainRestsOnSomething) {
             500);
 }
 
-// Rationale: the stated coverage is the independent variable of the contamination study.
-// Expected: within 2 % of the plate: one more grain may be dropped (2 mm: 0.8 % of this cell), and
-//   irregular grains cast another shadow than the spheres that were counted.
+// Rationale: the stated coverage is the independent variable of the contamination study. Until the
+//   meshes themselves were counted, grains of 20 facets hid 3 % more than was stated.
+// Expected: the stated part of the plate, and beyond it at most what the last grain hides: a radius
+//   of a grain of 20 facets reaches 1.5 radii of its sphere, which is 0.018 of this cell for 2 mm.
+//   Over 20 beds the excess is on average below a third of that.
 // Source: the generator's contract.
-TEST(Particles, TheStatedCoverageIsReached) {
-  for (const double coverage : {0.05, 0.27, 0.74, 0.95})
-    for (const GrainShape shape : {GrainShape::kSphere, GrainShape::kIrregular}) {
-      ParticleBed bed = soil();
-      bed.coverage = coverage;
-      bed.shape = shape;
-      bed.subdivisions = 2;
-      EXPECT_NEAR(made(bed).report.coverage, coverage, 0.02);
-    }
+TEST(Particles, MeshesHideTheStatedPartOfThePlate) {
+  for (const GrainShape shape : {GrainShape::kSphere, GrainShape::kIrregular}) {
+    double excess = 0;
+    for (const double coverage : {0.05, 0.27, 0.74, 0.95})
+      for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+        ParticleBed bed = soil();
+        bed.coverage = coverage;
+        bed.shape = shape;
+        bed.subdivisions = 0;
+        bed.seed = seed;
+        const double beyond = made(bed).report.coverage - coverage;
+        EXPECT_GE(beyond, 0);
+        EXPECT_LT(beyond, 0.018);
+        excess += beyond / 20;
+      }
+    EXPECT_LT(excess, 0.006);
+  }
 }
 
 // Rationale: the same mass of soil, whatever the grains' form: volumes are those of spheres of the

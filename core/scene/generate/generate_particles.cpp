@@ -144,16 +144,20 @@ class HeightGrid {
         const double a = weight(t[1], t[2]), b = weight(t[2], t[0]), c = weight(t[0], t[1]);
         if (a < 0 || b < 0 || c < 0) continue;
         double& at = height_m_[static_cast<std::size_t>(((i % n) + n) % n * n + ((j % n) + n) % n)];
-        at = std::max(at, a * t[0].z + b * t[1].z + c * t[2].z);
+        const double height = a * t[0].z + b * t[1].z + c * t[2].z;
+        if (at == 0 && height > 0) ++covered_;
+        at = std::max(at, height);
       }
+  }
+
+  [[nodiscard]] double coverage() const {
+    return static_cast<double>(covered_) / static_cast<double>(height_m_.size());
   }
 
   void measure(ParticleReport& report) const {
     double sum = 0, squares = 0;
-    std::size_t covered = 0;
     for (const double h : height_m_) {
       sum += h;
-      covered += h > 0 ? 1 : 0;
       report.top_m = std::max(report.top_m, h);
     }
     const auto n = static_cast<double>(height_m_.size());
@@ -161,46 +165,24 @@ class HeightGrid {
     for (const double h : height_m_)
       squares += (h - report.mean_height_m) * (h - report.mean_height_m);
     report.rms_height_m = std::sqrt(squares / n);
-    report.coverage = static_cast<double>(covered) / n;
+    report.coverage = coverage();
   }
 
  private:
   double cell_m_;
   std::vector<double> height_m_;
+  std::size_t covered_ = 0;
 };
 
-// How much of the plate spheres hide, while they are dropped.
-class Shade {
- public:
-  Shade(double cell_m, double smallest_radius_m) : cell_m_(cell_m) {
-    side_ = static_cast<long>(std::clamp(std::ceil(8 * cell_m / smallest_radius_m), 64.0, 4096.0));
-    hidden_.assign(static_cast<std::size_t>(side_ * side_), false);
-  }
-  void add(const SettledSphere& s) {
-    const double step = cell_m_ / static_cast<double>(side_);
-    const auto reach = static_cast<long>(std::ceil(s.radius_m / step)) + 1;
-    const auto ci = static_cast<long>(s.x_m / step), cj = static_cast<long>(s.y_m / step);
-    for (long i = ci - reach; i <= ci + reach; ++i)
-      for (long j = cj - reach; j <= cj + reach; ++j) {
-        const double dx = (static_cast<double>(i) + 0.5) * step - s.x_m,
-                     dy = (static_cast<double>(j) + 0.5) * step - s.y_m;
-        if (dx * dx + dy * dy > s.radius_m * s.radius_m) continue;
-        const auto at = static_cast<std::size_t>(((i % side_) + side_) % side_ * side_ +
-                                                 ((j % side_) + side_) % side_);
-        if (!hidden_[at]) ++count_;
-        hidden_[at] = true;
-      }
-  }
-  [[nodiscard]] double coverage() const {
-    return static_cast<double>(count_) / static_cast<double>(hidden_.size());
-  }
-
- private:
-  double cell_m_;
-  long side_;
-  std::vector<bool> hidden_;
-  std::size_t count_ = 0;
-};
+// The vertices of the grain that is the `index`-th to be dropped, where its sphere rests; z is up.
+std::vector<Vec<Body>> grain_at_rest(const DividedIcosahedron& form, const ParticleBed& bed,
+                                     const SettledSphere& sphere, std::size_t index) {
+  Stream shape(mix64(bed.seed ^ 0x5a17) + index);
+  std::vector<Vec<Body>> vertex = grain_vertices(form, bed, shape);
+  for (Vec<Body>& v : vertex)
+    v = sphere.radius_m * v + Vec<Body>{sphere.x_m, sphere.y_m, sphere.z_m};
+  return vertex;
+}
 
 // The part of a sphere's volume below a height.
 double volume_below(const SettledSphere& s, double height_m) {
@@ -243,12 +225,11 @@ absl::Status check(const ParticleBed& bed) {
 absl::StatusOr<ParticleModel> generate_particles(const ParticleBed& bed) {
   RETURN_IF_ERROR(check(bed));
   std::vector<double> share;  // by number
-  double largest_m = 0, smallest_m = bed.size.front().diameter_m, sum = 0;
+  double largest_m = 0, sum = 0;
   for (const GrainSize& s : bed.size) {
     share.push_back(bed.fractions_by_mass ? s.fraction / std::pow(s.diameter_m, 3) : s.fraction);
     sum += share.back();
     largest_m = std::max(largest_m, s.diameter_m);
-    smallest_m = std::min(smallest_m, s.diameter_m);
   }
   const std::uint64_t facets = 20ull << (2 * bed.subdivisions);
   const std::uint64_t most_grains =
@@ -258,11 +239,12 @@ absl::StatusOr<ParticleModel> generate_particles(const ParticleBed& bed) {
   ParticleReport& report = out.report;
   report.grains_of_size.assign(bed.size.size(), 0);
   SettlingBed settling(bed.width_m, 0.5 * largest_m);
-  Shade shade(bed.width_m, 0.5 * smallest_m);
+  const DividedIcosahedron form = divided_icosahedron(bed.subdivisions);
+  HeightGrid surface(bed.width_m);
   Stream random(bed.seed);
   std::vector<std::uint32_t> size_of;
   double layers = 0;
-  while (bed.coverage > 0 ? shade.coverage() < bed.coverage : layers < bed.layers) {
+  while (bed.coverage > 0 ? surface.coverage() < bed.coverage : layers < bed.layers) {
     if (report.grains >= most_grains || layers > kMostLayers)
       return absl::InvalidArgumentError(
           fmt::format("more than {} grains would be needed, expected fewer or larger grains, a "
@@ -281,7 +263,9 @@ absl::StatusOr<ParticleModel> generate_particles(const ParticleBed& bed) {
     }
     const double x = bed.width_m * random.next(), y = bed.width_m * random.next();
     const double r = 0.5 * bed.size[size].diameter_m;
-    shade.add(settling.drop(x, y, r));
+    const std::vector<Vec<Body>> vertex =
+        grain_at_rest(form, bed, settling.drop(x, y, r), report.grains);
+    for (const auto& [i, j, k] : form.triangle) surface.add({vertex[i], vertex[j], vertex[k]});
     layers += std::numbers::pi * r * r / (bed.width_m * bed.width_m);
     size_of.push_back(static_cast<std::uint32_t>(size));
     ++report.grains_of_size[size];
@@ -302,18 +286,12 @@ absl::StatusOr<ParticleModel> generate_particles(const ParticleBed& bed) {
     mesh.group.push_back(fmt::format("grain_{:g}um", 1e6 * s.diameter_m));
 
   // Sorted by size, so that each group is one run of triangles.
-  const DividedIcosahedron form = divided_icosahedron(bed.subdivisions);
-  HeightGrid surface(bed.width_m);
   const std::vector<SettledSphere>& sphere = settling.spheres();
   for (std::uint32_t size = 0; size < bed.size.size(); ++size)
     for (std::size_t g = 0; g < sphere.size(); ++g) {
       if (size_of[g] != size) continue;
-      const SettledSphere& s = sphere[g];
-      Stream shape(mix64(bed.seed ^ 0x5a17) + g);
-      std::vector<Vec<Body>> vertex = grain_vertices(form, bed, shape);
-      // z up so far; the body frame is half a turn about x away.
-      for (Vec<Body>& v : vertex) v = s.radius_m * v + Vec<Body>{s.x_m, s.y_m, s.z_m};
-      for (const auto& [i, j, k] : form.triangle) surface.add({vertex[i], vertex[j], vertex[k]});
+      // The body frame is half a turn about x away.
+      const std::vector<Vec<Body>> vertex = grain_at_rest(form, bed, sphere[g], g);
       for (std::uint32_t tx = 0; tx < bed.tiles; ++tx)
         for (std::uint32_t ty = 0; ty < bed.tiles; ++ty) {
           const auto base = static_cast<std::uint32_t>(mesh.vertex.size());

@@ -24,7 +24,7 @@ struct ParticleBed {
   bool fractions_by_mass = false;  // else by number
   double width_m = 0;       // of the square cell that is filled; at least 4 largest diameters
   std::uint32_t tiles = 1;  // copies of the cell in each direction
-  double coverage = 0;      // up to 0.99: grains are dropped until they hide this part of the plate
+  double coverage = 0;      // up to 0.99: grains are dropped until they hide this part, as meshed
   double layers = 0;        // ... or until their cross-sections add up to so many plates
   GrainShape shape = GrainShape::kIrregular;
   double irregularity = 0.2;       // [0, 0.4]: radii of an irregular grain vary by about this
@@ -51,10 +51,10 @@ struct ParticleModel {
   ParticleReport report;
 };
 
-// Grains dropped one by one at random places of a plate (core/scene/generate/settle_spheres.h); sizes follow
-// one another so that after each grain the mix is as close to the stated one as it can be.
-// Irregular grains settle as the spheres of their volume and then overlap a little; so does one in
-// the plate.
+// Grains dropped one by one at random places of a plate (core/scene/generate/settle_spheres.h);
+// sizes follow one another so that after each grain the mix is as close to the stated one as it can
+// be. Irregular grains settle as the spheres of their volume and then overlap a little; so does one
+// in the plate.
 //
 // Body frame: the plate's upper face is z = 0, the cell's or tiles' centre is the origin. Groups:
 // "plate", and for each size "grain_<diameter in um>um". The plate is one-sided and as wide as the
