@@ -127,7 +127,7 @@ class Plumes(unittest.TestCase):
                 (("wind_from_deg = 60", ""), "season[0].wind_from_deg is missing"),
                 (("excess_air = 1.2 ", "# "), "plume.excess_air is missing"),
                 (("temperature_k = 650", "temperature_k = 290"), "is not above the air's 294 K"),
-                (("temperature_k = 650", "temperature_k = 2100"), "expected a number from 200 to 2000"),
+                (("temperature_k = 650", "temperature_k = 3100"), "expected a number from 200 to 3000"),
                 (("voxel_m = 0.95", "voxel_m = 3"), "plume.voxel_m = 3, expected at most the diameter"),
                 (("velocity_m_s = 25", "velocity_m_s = 25\nradius_m = 1"), 'does not apply to a plume of kind "funnel"'),
                 ((r"position_m = \[.*?\]", "position_m = [1, 2]"), "has 2 numbers, expected three"),
