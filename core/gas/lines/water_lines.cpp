@@ -136,7 +136,7 @@ const std::array<Kind, 2>& kinds() {
 }
 
 // In air, at the temperature.
-double width(int j, double temperature_k) {
+double water_line_width(int j, double temperature_k) {
   const double at_296_k = 0.02 + 0.08 * std::exp(-std::pow(j / 11.0, 1.5));
   const double exponent = 0.35 + 0.4 * std::exp(-std::pow(j / 10.0, 2.0));
   return at_296_k * std::pow(296 / temperature_k, exponent);
@@ -153,7 +153,7 @@ std::vector<SpectralLine> water_lines(double temperature_k, double weakest) {
     for (const Transition& t : kind.transition) {
       const double s = per_state * t.strength * std::exp(-kC2CmK * t.lower_cm1 / temperature_k) *
                        (1 - std::exp(-kC2CmK * t.centre_cm1 / temperature_k));
-      if (s >= weakest) out.push_back({t.centre_cm1, s, width(t.j, temperature_k)});
+      if (s >= weakest) out.push_back({t.centre_cm1, s, water_line_width(t.j, temperature_k)});
     }
   }
   return out;
