@@ -87,9 +87,9 @@ class Plumes(unittest.TestCase):
         self.assertIn("plume.file", self.refused(changed(file, ('slab.vdb', 'none.vdb'))))
         self.assertIn("temperature: unit", self.refused(changed(file, ('unit = "K"', 'unit = "F"'))))
         self.assertIn("the tables of hot gas end there", self.refused(changed(file, ('unit = "hPa"', 'unit = "kPa"'))))
-        self.irsig("model", "plume", "slab", "--temperature-k", 2500, "--soot", 4e-8, "--length-m", 2, "--width-m", 2,
+        self.irsig("model", "plume", "slab", "--temperature-k", 3500, "--soot", 4e-8, "--length-m", 2, "--width-m", 2,
                    "--height-m", 2, "--voxel-m", 0.5, "--out", "hot.vdb")
-        self.assertIn("gas of 2500 to 2500 K", self.refused(changed(file, ('slab.vdb', 'hot.vdb'))))
+        self.assertIn("gas of 3500 to 3500 K", self.refused(changed(file, ('slab.vdb', 'hot.vdb'))))
 
     def test_a_funnels_exhaust_goes_with_the_wind(self):
         self.run_sweep(SHIP, "one.sigdb", workers=1)
