@@ -22,7 +22,7 @@ namespace {
 struct GasCommand {
   explicit GasCommand(CLI::App& command)
       : air(command, AirOptions::Use::kHotGas), output(command, {"csv", "json", "text", "svg"}) {
-    command.add_option("--temperature-k", temperature_k, "200 to 2000")->required();
+    command.add_option("--temperature-k", temperature_k, "200 to 3000")->required();
     command.add_option("--pressure-atm", pressure_atm, "0.1 to 2; default 1");
     command.add_option("--length-m", length_m, "Of the column; default 1");
     command.add_option("--co2", state.co2, "Mole fraction; default 0");

@@ -222,7 +222,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Heat.rays", 16, 65536, "fewer see nothing, more only cost time"},
 
     {"Plume.position_m", -1e6, 1e6, kPlacement},
-    {"Plume.temperature_k", 200, 2000, kGasTables},
+    {"Plume.temperature_k", 200, 3000, kGasTables},
     {"Plume.pressure_pa", 10132.5, 202650, kGasTables},
     {"Plume.diameter_m", 1e-3, 100, "a candle to a volcano"},
     {"Plume.velocity_m_s", 0.1, 500,

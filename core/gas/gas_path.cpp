@@ -73,10 +73,6 @@ class OwnBands {
     band_.resize(narrow_.size());
   }
 
-  [[nodiscard]] const std::vector<std::size_t>& narrow() const { return narrow_; }
-  [[nodiscard]] const std::vector<double>& weak() const { return weak_; }
-  [[nodiscard]] const std::vector<double>& lorentz() const { return lorentz_; }
-
   // Writes the bands that it has.
   void add(const GasLayer& layer, const HotLinePlace& place, double* from, double* by) {
     const double t = layer.state.temperature_k, amount = amount_cm_atm(gas_, layer);
@@ -118,6 +114,38 @@ class OwnBands {
   std::vector<NarrowBand> band_;
   std::vector<Lines> with_lines_;
   std::vector<double> decay_;
+};
+
+// What a layer's water takes from each band where it is thin, and how its absorption is spread over
+// the band's wavenumbers: a curve of LorenzCurves, from the lines' density of narrow_band.h.
+class WaterShapes {
+ public:
+  explicit WaterShapes(GasBands bands) {
+    for (std::size_t b = bands.first; b < bands.last; ++b) {
+      centre_cm1_.push_back(gas_band_centre_cm1(b));
+      lines_.push_back(hot_line_band(HotGas::kH2o, b));
+    }
+    band_.resize(centre_cm1_.size());
+  }
+
+  void find(const GasLayer& layer, const HotLinePlace& place, double* weak, double* shape) {
+    narrow_bands(HotGas::kH2o, centre_cm1_, layer.state.temperature_k, band_);
+    const double cm_atm = amount_cm_atm(HotGas::kH2o, layer),
+                 mol_m2 = amount_mol_m2(HotGas::kH2o, layer),
+                 lorentz = lorentz_width_cm1(HotGas::kH2o, layer.state);
+    for (std::size_t b = 0; b < band_.size(); ++b) {
+      weak[b] = lines_[b] == nullptr ? band_[b].strength_per_cm_atm * cm_atm
+                : mol_m2 > 0         ? mean_absorption_m2_mol(*lines_[b], place) * mol_m2
+                                     : 0;
+      if (weak[b] > 0)
+        shape[b] = LorenzCurves::place_of_shape(2 * lorentz * band_[b].lines_per_cm1);
+    }
+  }
+
+ private:
+  std::vector<double> centre_cm1_;
+  std::vector<const HotLineBand*> lines_;
+  std::vector<NarrowBand> band_;
 };
 
 // Points of joint lines, before anything.
@@ -248,6 +276,7 @@ void GasPath::compute(std::span<const GasLayer> path) {
   }
   std::array<OwnBands, 3> own = {OwnBands(kGases[0], bands_), OwnBands(kGases[1], bands_),
                                  OwnBands(kGases[2], bands_)};
+  WaterShapes shapes(bands_);
   std::vector<double> whole_from(n), whole_by(n), from(n), by(n), emitted(n, 0.0), taken(n, 0.0);
   std::vector<double> others(2 * n, 1.0), joint_through(n, 1.0);
   for (const JointLines& one : joint_) {
@@ -274,14 +303,11 @@ void GasPath::compute(std::span<const GasLayer> path) {
     }
     double *water_from = of(layer, kWaterFrom), *water_by = of(layer, kWaterBy);
     std::fill(water_from, water_from + n, 1.0);
-    own[0].add(segment, place, water_from, water_by);
+    const HotLinePlace water_place =
+        hot_line_place(t, line_pressure_pa(HotGas::kH2o, segment.state));
+    own[0].add(segment, water_place, water_from, water_by);
     for (std::size_t b = 0; b < n; ++b) water_through_[b] = water_from[b] + water_by[b];
-    double *weak = of(layer, kWeak), *shape = of(layer, kShape);
-    for (std::size_t i = 0; i < own[0].narrow().size(); ++i) {
-      const std::size_t b = own[0].narrow()[i];
-      weak[b] = own[0].weak()[i];
-      if (weak[b] > 0) shape[b] = LorenzCurves::place_of_shape(2 * own[0].lorentz()[i]);
-    }
+    shapes.find(segment, water_place, of(layer, kWeak), of(layer, kShape));
     independence_.push_back(water_independence(t));
     spread_.push_back(water_independence_spread(t));
     planck_mean(n, um.data(), planck_scale.data(), t - spread, t + spread, of(layer, kEmitted));

@@ -22,9 +22,9 @@ struct GasLayer {
   double temperature_spread_k = 0;
 };
 
-// Range of the tables. Below 300 K the numbers of water and of CO2 outside 15 and 4.3 um are those
-// of 300 K.
-inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 2000;
+// Range of the tables. Below 300 K the numbers of water beyond 7000 cm-1 and of CO2 at 2.7 and 2.0
+// um are those of 300 K, above 2500 K water's beyond 7000 cm-1 those of 2500 K.
+inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 3000;
 inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
 inline constexpr double kGasSootMax = 1e-3;
 

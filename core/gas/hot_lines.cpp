@@ -52,7 +52,8 @@ class HotLines {
               .push_back(std::log(take_number(rest)));
         }
       } else if (first == "gas") {
-        gas = take_word(rest) == "CO2" ? &co2 : &co;
+        const std::string_view name = take_word(rest);
+        gas = name == "H2O" ? &h2o : name == "CO2" ? &co2 : &co;
         gas->resize(kGasBandCount);
       } else if (first == "band") {
         const auto index =
@@ -67,18 +68,19 @@ class HotLines {
         IRSIG_CHECK(row.empty());
       }
     }
-    for (const auto* of : {&co2, &co}) {
-      for (const auto& b : *of) {
+    for (auto* of : {&h2o, &co2, &co}) {
+      IRSIG_CHECK(of->size() == kGasBandCount);
+      for (auto& b : *of) {
         if (!b) continue;
         IRSIG_CHECK(b->thousandth_ln.size() ==
                     b->weight.size() * knots.ln_temperature.size() * knots.ln_pressure_atm.size());
+        add_means(*b);
       }
     }
   }
 
   [[nodiscard]] const HotLineBand* find(HotGas gas, std::size_t band) const {
-    if (gas == HotGas::kH2o) return nullptr;
-    const auto& of = gas == HotGas::kCo2 ? co2 : co;
+    const auto& of = gas == HotGas::kH2o ? h2o : gas == HotGas::kCo2 ? co2 : co;
     return of[band] ? &*of[band] : nullptr;
   }
 
@@ -104,7 +106,17 @@ class HotLines {
     return out;
   }
 
-  std::vector<std::optional<HotLineBand>> co2, co;
+  static void add_means(HotLineBand& band) {
+    const std::size_t points = band.weight.size();
+    for (std::size_t first = 0; first < band.thousandth_ln.size(); first += points) {
+      double sum = 0;
+      for (std::size_t n = 0; n < points; ++n)
+        sum += band.weight[n] * std::exp(1e-3 * band.thousandth_ln[first + n]);
+      band.ln_mean.push_back(std::log(sum));
+    }
+  }
+
+  std::vector<std::optional<HotLineBand>> h2o, co2, co;
 };
 
 const HotLines& hot_lines() {
@@ -119,6 +131,12 @@ const HotLineBand* hot_line_band(HotGas gas, std::size_t band) {
 }
 
 const HotLineKnots& hot_line_knots() { return hot_lines().knots; }
+
+double mean_absorption_m2_mol(const HotLineBand& band, const HotLinePlace& at) {
+  double ln = 0;
+  for (std::size_t r = 0; r < at.row.size(); ++r) ln += at.weight[r] * band.ln_mean[at.row[r]];
+  return std::exp(ln);
+}
 
 HotLinePlace hot_line_place(double temperature_k, double pressure_pa) {
   // Four knots around the temperature, at the table's ends those next to them.

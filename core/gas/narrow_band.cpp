@@ -75,6 +75,14 @@ double doppler_width_cm1(HotGas gas, double wavenumber_cm1, double temperature_k
   return 5.94e-6 * wavenumber_cm1 * std::sqrt(temperature_k / (273 * widths(gas).molar_mass_g));
 }
 
+double line_pressure_pa(HotGas gas, const GasState& s) {
+  if (gas != HotGas::kH2o) return s.pressure_pa;
+  GasState nitrogen;
+  nitrogen.temperature_k = s.temperature_k;
+  nitrogen.pressure_pa = s.pressure_pa;
+  return s.pressure_pa * lorentz_width_cm1(gas, s) / lorentz_width_cm1(gas, nitrogen);
+}
+
 double amount_cm_atm(HotGas gas, const GasLayer& segment) {
   const GasState& s = segment.state;
   return share(gas, s) * s.pressure_pa / 101325 * 100 * segment.length_m * 273 / s.temperature_k;

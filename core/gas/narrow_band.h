@@ -34,6 +34,11 @@ void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double tem
 [[nodiscard]] double lorentz_width_cm1(HotGas gas, const GasState& state);
 [[nodiscard]] double doppler_width_cm1(HotGas gas, double wavenumber_cm1, double temperature_k);
 
+// Returns the pressure of pure nitrogen in which the gas's lines are as wide as in the state: more
+// than the state's own for water, whose own kind widens its lines five times as much; for other
+// gases the state's own.                                                            [Pa]
+[[nodiscard]] double line_pressure_pa(HotGas gas, const GasState& state);
+
 // Partial pressure x length, at 273 K.                                             [cm atm]
 [[nodiscard]] double amount_cm_atm(HotGas gas, const GasLayer& segment);
 

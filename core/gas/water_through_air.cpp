@@ -12,10 +12,10 @@ struct Knot {
 };
 constexpr std::array<Knot, 6> kIndependence = {
     {{300, 0, 0.01},
-     {500, 0.03, 0.015},
-     {700, 0.14, 0.05},
-     {1000, 0.35, 0.06},
-     {1500, 0.60, 0.06},
+     {500, 0.065, 0.025},
+     {700, 0.185, 0.045},
+     {1000, 0.38, 0.055},
+     {1500, 0.57, 0.06},
      {2000, 0.75, 0.10}}};  // the last: continued, not measured
 
 double between(double temperature_k, double Knot::*what) {

@@ -8,7 +8,7 @@ namespace irsig {
 // Transmittance of cold air for the emission of hot water vapour. Hot and cold lines lie partly in
 // the same places: the hot gas's own strong lines are the cold gas's at 400 K and hardly any at
 // 2000 K. Between the two limits,
-//   (1 - w) ranked + w product,   w = 0, 0.03, 0.14, 0.35, 0.60 at 300, 500, 700, 1000, 1500 K,
+//   (1 - w) ranked + w product,   w = 0, 0.065, 0.185, 0.38, 0.57 at 300, 500, 700, 1000, 1500 K,
 // ranked: both gases strongest at the same wavenumbers; product: without regard to each other. w is
 // measured against HITRAN2016 at 2000-2100 cm-1, columns of 1-10 cm atm, 0.1-20 km of air. Limit:
 // one window; w grows with amount and range.

@@ -87,9 +87,9 @@ class Plumes(unittest.TestCase):
         self.assertIn("plume.file", self.refused(changed(file, ('slab.vdb', 'none.vdb'))))
         self.assertIn("temperature: unit", self.refused(changed(file, ('unit = "K"', 'unit = "F"'))))
         self.assertIn("the tables of hot gas end there", self.refused(changed(file, ('unit = "hPa"', 'unit = "kPa"'))))
-        self.irsig("model", "plume", "slab", "--temperature-k", 2500, "--soot", 4e-8, "--length-m", 2, "--width-m", 2,
+        self.irsig("model", "plume", "slab", "--temperature-k", 3500, "--soot", 4e-8, "--length-m", 2, "--width-m", 2,
                    "--height-m", 2, "--voxel-m", 0.5, "--out", "hot.vdb")
-        self.assertIn("gas of 2500 to 2500 K", self.refused(changed(file, ('slab.vdb', 'hot.vdb'))))
+        self.assertIn("gas of 3500 to 3500 K", self.refused(changed(file, ('slab.vdb', 'hot.vdb'))))
 
     def test_a_funnels_exhaust_goes_with_the_wind(self):
         self.run_sweep(SHIP, "one.sigdb", workers=1)
@@ -127,7 +127,7 @@ class Plumes(unittest.TestCase):
                 (("wind_from_deg = 60", ""), "season[0].wind_from_deg is missing"),
                 (("excess_air = 1.2 ", "# "), "plume.excess_air is missing"),
                 (("temperature_k = 650", "temperature_k = 290"), "is not above the air's 294 K"),
-                (("temperature_k = 650", "temperature_k = 2100"), "expected a number from 200 to 2000"),
+                (("temperature_k = 650", "temperature_k = 3100"), "expected a number from 200 to 3000"),
                 (("voxel_m = 0.95", "voxel_m = 3"), "plume.voxel_m = 3, expected at most the diameter"),
                 (("velocity_m_s = 25", "velocity_m_s = 25\nradius_m = 1"), 'does not apply to a plume of kind "funnel"'),
                 ((r"position_m = \[.*?\]", "position_m = [1, 2]"), "has 2 numbers, expected three"),

@@ -10,11 +10,13 @@ namespace {
 
 // Wings are summed on a coarse grid beyond kNearCm1; of weak lines, of which there are most, from 1
 // to 25 cm-1.
-constexpr double kFarCm1 = 200, kCoarseCm1 = 0.1, kStrong = 1e-23;
+constexpr double kCoarseCm1 = 0.1, kStrong = 1e-23;
 struct Reach {
   double near_cm1, far_cm1;
 };
-Reach reach(double strength) { return strength > kStrong ? Reach{4, kFarCm1} : Reach{1, 25}; }
+Reach reach(double strength, double far_cm1) {
+  return strength > kStrong ? Reach{4, far_cm1} : Reach{1, 25};
+}
 
 // Real part of the complex error function, y > 0: relative 1e-4.                  [humlicek1982]
 double voigt(double x, double y) {
@@ -64,7 +66,7 @@ std::vector<double> absorption_cm2(std::span<const SpectralLine> lines, const Li
   const double last_cm1 = grid.first_cm1 + grid.step_cm1 * static_cast<double>(grid.count);
   const auto coarse_count = static_cast<std::size_t>((last_cm1 - grid.first_cm1) / kCoarseCm1) + 2;
   std::vector<double> coarse(coarse_count, 0.0),
-      wing(static_cast<std::size_t>(kFarCm1 / kCoarseCm1) + 2);
+      wing(static_cast<std::size_t>(shape.far_cm1 / kCoarseCm1) + 2);
   for (std::size_t i = 0; i < wing.size(); ++i) {
     wing[i] =
         shape.sub_lorentzian ? co2_wing(static_cast<double>(i) * kCoarseCm1, temperature_k) : 1;
@@ -82,7 +84,7 @@ std::vector<double> absorption_cm2(std::span<const SpectralLine> lines, const Li
     const double scale = line.strength / (e_width * std::sqrt(std::numbers::pi));
     const double tail = line.strength * lorentz / std::numbers::pi;
     const double core_cm1 = 15 * e_width;
-    const auto [near_cm1, far_cm1] = reach(line.strength);
+    const auto [near_cm1, far_cm1] = reach(line.strength, shape.far_cm1);
     const std::size_t begin = clamp_index(
         std::ceil((line.centre_cm1 - near_cm1 - grid.first_cm1) / grid.step_cm1 - 0.5), grid.count);
     const std::size_t end =

@@ -17,7 +17,7 @@ struct WavenumberGrid {
 };
 
 // Absorption of a gas line by line.                                    [cm2 / molecule]
-// Voigt lines; wings to 200 cm-1 from the centre, carbon dioxide's times the factor of CO2 in
+// Voigt lines; wings to LineShape::far_cm1 from the centre, carbon dioxide's times the factor of CO2 in
 // nitrogen beyond 4 cm-1 [perrin1989]. Lines weaker than 1e-23 cm per molecule end at 25 cm-1.
 [[nodiscard]] std::vector<double> absorption_cm2(std::span<const SpectralLine> lines,
                                                  const LineShape& shape, double temperature_k,

@@ -10,8 +10,8 @@
 namespace irsig {
 namespace {
 
-constexpr int kQuanta = 15, kV3 = 5, kJ = 170;
-constexpr double kHighestCm1 = 12000;
+constexpr int kQuanta = 20, kV3 = 7, kJ = 200;
+constexpr double kHighestCm1 = 16000;
 constexpr double kFundamentalStrength = 9.13e-17, kCo2ReferenceK = 296;
 // Square of the moment of the bending band over that of the fundamental: what makes the Planck mean
 // at 300 K HITEMP2010's.
@@ -20,6 +20,11 @@ constexpr double kBend = 0.16;
 // with m (their P branches are several times their R branches): MODTRAN's column of carbon dioxide
 // at 2030-2110 cm-1 over 5 km of tropical air, met within 0.03 of transmittance but for 2080-2090.
 constexpr double kWeakBands = 9e-5, kHermanWallis = -0.025;
+// Moments of v3 + 1 with v1 - 1 and with v2 - 2 over that of the fundamental: those that give
+// (00011)-(10001) 7.1e-22 and (00011)-(10002) 1.00e-21 cm per molecule at 296 K, as the cold air's
+// table has them. (A second solution has them the other way round; the first is what the cubic
+// constant of v1 and v3 does.)
+constexpr double kLessV1 = 0.16924, kLessV2 = 0.01762;
 
 // Air's widths fall from 0.095 to 0.06 cm-1/atm with m, as measured.       [rothman1981]
 double width(int m) { return 0.058 + 0.037 * std::exp(-m / 25.0); }
@@ -52,8 +57,12 @@ class Lister {
   Lister(const Co2Isotopologue& of, Co2Region region, double t, double weakest)
       : of_(of),
         region_(region),
-        first_cm1_(region == Co2Region::k15um ? 460 : 1900),
-        last_cm1_(region == Co2Region::k15um ? 920 : 2480),
+        first_cm1_(region == Co2Region::k15um   ? 460
+                   : region == Co2Region::k10um ? 800
+                                                : 1900),
+        last_cm1_(region == Co2Region::k15um   ? 920
+                  : region == Co2Region::k10um ? 1130
+                                               : 2480),
         t_(t),
         weakest_(weakest) {
     const double b = 0.390219 * of.rotation;
@@ -103,26 +112,48 @@ class Lister {
             bool upper) {
     const Polyad low = levels(quanta, l, v3, j, upper);
     if (low.energy_cm1.empty()) return;
-    const double jj = j, ll = l;
+    const double ll = l;
     if (region_ == Co2Region::k15um) {
       bend(out, scale * kBend, 1, quanta, l, v3, j, upper, low);
       return;
     }
-    // v3 to v3 + 1: P and R keep the symmetry; Q is weak and changes it.
+    if (region_ == Co2Region::k10um) {
+      if (quanta - l < 2) return;
+      stretch(out, scale, quanta - 2, l, v3, j, upper, low,
+              [&](const std::vector<double>& a, const std::vector<double>& b) {
+                double sum = 0;
+                for (std::size_t v1 = 0; v1 < a.size(); ++v1) {
+                  const double n = static_cast<double>(v1), v2 = quanta - 2 * n;
+                  if (v1 > 0) sum += kLessV1 * std::sqrt(n) * a[v1] * b[v1 - 1];
+                  if (v1 < b.size())
+                    sum += kLessV2 * 0.5 * std::sqrt(v2 * v2 - ll * ll) * a[v1] * b[v1];
+                }
+                return sum * sum;
+              });
+      return;
+    }
+    stretch(out, scale, quanta, l, v3, j, upper, low,
+            [](const std::vector<double>& a, const std::vector<double>& b) {
+              double sum = 0;
+              for (std::size_t v1 = 0; v1 < a.size(); ++v1) sum += a[v1] * b[v1];
+              return sum * sum;
+            });
+    bend(out, scale * kWeakBands, 3, quanta, l, v3, j, upper, low);
+  }
+
+  // v3 to v3 + 1 and the polyad of `to`: P and R keep the symmetry; Q is weak and changes it.
+  template <typename Moment>
+  void stretch(std::vector<SpectralLine>& out, double scale, int to, int l, int v3, int j,
+               bool upper, const Polyad& low, const Moment& moment) {
+    const double jj = j, ll = l;
     for (const int dj : {-1, 0, 1}) {
       if (j + dj < l || (dj == 0 && l == 0)) continue;
       const double factor = dj == 1   ? ((jj + 1) * (jj + 1) - ll * ll) / (jj + 1)
                             : dj == 0 ? (2 * jj + 1) * ll * ll / (jj * (jj + 1))
                                       : (jj * jj - ll * ll) / jj;
-      const Polyad& high = levels(quanta, l, v3 + 1, j + dj, dj == 0 ? !upper : upper);
-      add(out, scale * (v3 + 1) * factor, low, high, dj, j,
-          [](const std::vector<double>& a, const std::vector<double>& b) {
-            double sum = 0;
-            for (std::size_t v1 = 0; v1 < a.size(); ++v1) sum += a[v1] * b[v1];
-            return sum * sum;
-          });
+      const Polyad& high = levels(to, l, v3 + 1, j + dj, dj == 0 ? !upper : upper);
+      add(out, scale * (v3 + 1) * factor, low, high, dj, j, moment);
     }
-    bend(out, scale * kWeakBands, 3, quanta, l, v3, j, upper, low);
   }
 
   // v2, l to v2 + 1, l +- 1, with v1 (more = 1) or to v1 + 1 (more = 3).

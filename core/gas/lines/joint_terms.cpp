@@ -71,6 +71,26 @@ ColdTerms terms_by_share(const double* cold, std::size_t first, std::size_t coun
   return out;
 }
 
+ColdTerms nested_terms(const double* cold, const std::vector<double>& hot, std::size_t first,
+                       std::size_t count, const std::vector<double>& share,
+                       const std::vector<double>& within) {
+  ColdTerms out;
+  for (std::vector<std::uint32_t>& point : terms_by_share(cold, first, count, share).point) {
+    std::ranges::sort(point, [&](std::uint32_t a, std::uint32_t b) {
+      return hot[a] != hot[b] ? hot[a] < hot[b] : a < b;
+    });
+    std::size_t begin = 0;
+    for (const std::size_t end : ends(within, point.size())) {
+      add_term(out,
+               {point.begin() + static_cast<std::ptrdiff_t>(begin),
+                point.begin() + static_cast<std::ptrdiff_t>(end)},
+               count);
+      begin = end;
+    }
+  }
+  return out;
+}
+
 std::vector<double> hot_bins(const std::vector<double>& hot, const ColdTerms& terms,
                              const std::vector<double>& share) {
   std::vector<double> out;

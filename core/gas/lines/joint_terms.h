@@ -21,6 +21,13 @@ struct ColdTerms {
 [[nodiscard]] ColdTerms terms_by_share(const double* cold, std::size_t first, std::size_t count,
                                        const std::vector<double>& share);
 
+// Terms of given shares, each cut into terms of given shares by what hotter gas absorbs.
+//   hot  absorption on the whole grid
+[[nodiscard]] ColdTerms nested_terms(const double* cold, const std::vector<double>& hot,
+                                     std::size_t first, std::size_t count,
+                                     const std::vector<double>& share,
+                                     const std::vector<double>& within);
+
 // Mean absorption of the hot gas in each bin of each term, [term * shares + bin]; bins by the hot
 // absorption itself, of given shares of the term's points.
 [[nodiscard]] std::vector<double> hot_bins(const std::vector<double>& hot, const ColdTerms& terms,

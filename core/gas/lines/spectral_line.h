@@ -16,6 +16,7 @@ struct LineShape {
   double molar_mass_g;
   double width_exponent;  // width ~ (296 K / T)^exponent
   bool sub_lorentzian;    // wings beyond 3 cm-1: carbon dioxide's    [perrin1989]
+  double far_cm1 = 200;   // wings end there; of lines below 1e-23 cm per molecule at 25
 };
 
 // hc/k, and molecules per cm3 at 1 atm and 1 K.            [codata2018]

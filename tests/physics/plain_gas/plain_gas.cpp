@@ -112,16 +112,17 @@ class BandPath {
         if (lines->joint && air != nullptr) {
           IRSIG_CHECK(cold.depth.size() == lines->term_weight.size());
           for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = cold.depth[lines->term_of[i]];
-        } else {
+        } else if (kGases[g] != HotGas::kH2o) {
           others_ *= product(cold);
         }
         lines_[g].emplace(lines->weight, std::move(depth));
         through_[g] = lines_[g]->transmittance();
-      } else if (kGases[g] == HotGas::kH2o && air != nullptr) {
+      } else if (kGases[g] != HotGas::kH2o) {
+        others_ *= product(cold);
+      }
+      if (kGases[g] == HotGas::kH2o && air != nullptr) {
         water_.emplace(cold);
         through_[g] = product(cold);
-      } else {
-        others_ *= product(cold);
       }
     }
     if (air == nullptr) return;
@@ -163,24 +164,28 @@ class BandPath {
     Step step{through_[g], 0};
     if (!(mole_fraction(gas, segment.state) > 0) || !(segment.length_m > 0)) return step;
     const double t = segment.state.temperature_k;
+    const NarrowBand band = narrow_band(gas, centre_cm1_, t);
+    const double lorentz = lorentz_width_cm1(gas, segment.state) * band.lines_per_cm1;
+    double weak = band.strength_per_cm_atm * amount_cm_atm(gas, segment);
     if (lines_[g]) {
-      step = lines_[g]->add(hot_line_absorption_m2_mol(gas, band_, t, segment.state.pressure_pa),
-                            amount_mol_m2(gas, segment));
+      const std::vector<double> absorption =
+          hot_line_absorption_m2_mol(gas, band_, t, line_pressure_pa(gas, segment.state));
+      const HotLineBand* lines = hot_line_band(gas, band_);
+      step = lines_[g]->add(absorption, amount_mol_m2(gas, segment));
+      weak =
+          amount_mol_m2(gas, segment) *
+          mean_absorption_m2_mol(*lines, hot_line_place(t, line_pressure_pa(gas, segment.state)));
     } else {
-      const NarrowBand band = narrow_band(gas, centre_cm1_, t);
-      const double weak = band.strength_per_cm_atm * amount_cm_atm(gas, segment);
-      const double lorentz = lorentz_width_cm1(gas, segment.state) * band.lines_per_cm1;
       if (!(weak > 0)) return step;
-      const Step hot = exp_minus(growth_[g].add(
-          weak, lorentz, doppler_width_cm1(gas, centre_cm1_, t) * band.lines_per_cm1));
-      step = hot;
-      if (gas == HotGas::kH2o && water_) {
-        const WaterThroughAir::Share share = water_->add(weak, lorentz);
-        const double w = water_independence(t);
-        step = {through_[g], hot.by * ((1 - w) * share.ranked + w * share.product)};
-        water_spread = std::abs(hot.by * (share.product - share.ranked)) *
-                       water_independence_spread(t, share.product);
-      }
+      step = exp_minus(growth_[g].add(weak, lorentz,
+                                      doppler_width_cm1(gas, centre_cm1_, t) * band.lines_per_cm1));
+    }
+    if (gas == HotGas::kH2o && water_) {
+      const WaterThroughAir::Share share = water_->add(weak, lorentz);
+      const double w = water_independence(t);
+      water_spread = std::abs(step.by * (share.product - share.ranked)) *
+                     water_independence_spread(t, share.product);
+      step = {through_[g], step.by * ((1 - w) * share.ranked + w * share.product)};
     }
     through_[g] = step.to();
     return step;
