@@ -159,17 +159,22 @@ LandBackground::Parts LandBackground::parts_of(std::uint32_t condition,
 }
 
 std::vector<double> LandBackground::temperature_k(std::span<const double> kelvin) const {
+  // 0: no land, or land that faces land: its place counts as what faces the sky.
+  std::vector<double> source_k(source_.size(), 0.0);
+  for (std::size_t k = 0; k < source_.size(); ++k) {
+    const SourceLayout::Place at = paths_.place_of(source_[k]);
+    if (at.kind != SourceLayout::Kind::kBehindLand) continue;
+    const std::uint32_t kind = at.index / paths_.behind_ranges();
+    if (kind < paths_.land_kinds()) source_k[k] = kelvin[kind];
+  }
   std::vector<double> out;
   for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
     double sum = 0, all = 0;
     for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
-      const SourceLayout::Place at = paths_.place_of(source_[weight_[w].source]);
-      if (at.kind != SourceLayout::Kind::kBehindLand) continue;
+      const double of_source_k = source_k[weight_[w].source];
+      if (!(of_source_k > 0)) continue;
       const auto weight = static_cast<double>(weight_[w].value);
-      // What faces land is the same place as what faces the sky.
-      const std::uint32_t kind = at.index / paths_.behind_ranges();
-      if (kind >= paths_.land_kinds()) continue;
-      sum += weight * kelvin[kind];
+      sum += weight * of_source_k;
       all += weight;
     }
     out.push_back(all > 0 ? sum / all : 0);
