@@ -142,8 +142,9 @@ TEST(LandKindsView, PixelsHaveTemperaturesAndTheirErrors) {
   std::vector<double> kelvin(kinds->kind.size()), warm;
   for (std::size_t k = 0; k < kelvin.size(); ++k) kelvin[k] = 280 + 4 * static_cast<double>(k);
   for (const double k : kelvin) warm.push_back(k + kErrorK);
-  const auto picture_of = [&](const std::vector<double>& of, std::vector<double> error_k) {
-    Scene scene = scene_on(50, 800, true);
+  const auto picture_of = [&](const std::vector<double>& of, std::vector<double> error_k,
+                              double elevation_deg = 50) {
+    Scene scene = scene_on(elevation_deg, 800, true);
     ImageSpec image;
     image.width_px = image.height_px = 16;
     image.margin = 3;
@@ -171,6 +172,18 @@ TEST(LandKindsView, PixelsHaveTemperaturesAndTheirErrors) {
     EXPECT_NEAR(unsure.layer[at].stderr_[pixel] - stated.layer[at].stderr_[pixel], change,
                 0.05 * change);
   }
+  // Seen at grazing incidence, land far behind the target has the air in front of itself.
+  const SignatureResult far = picture_of(kelvin, {}, 4), far_warmer = picture_of(warm, {}, 4),
+                        far_unsure =
+                            picture_of(kelvin, std::vector<double>(kelvin.size(), kErrorK), 4);
+  double changed = 0, error = 0;
+  for (std::size_t pixel = 0; pixel < 16; ++pixel) {  // the upper row
+    changed += static_cast<double>(far_warmer.layer[at].value[pixel] - far.layer[at].value[pixel]);
+    error +=
+        static_cast<double>(far_unsure.layer[at].stderr_[pixel] - far.layer[at].stderr_[pixel]);
+  }
+  ASSERT_GT(changed, 0);
+  EXPECT_NEAR(error, changed, 0.05 * changed);
 }
 
 }  // namespace

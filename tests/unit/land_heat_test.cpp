@@ -329,6 +329,18 @@ TEST(LandHeat, RunsOfASweepHaveTheSameKinds) {
   ASSERT_TRUE(good.ok()) << good.status();
   EXPECT_EQ(good->kelvin[3].front(), 281.5);
   EXPECT_EQ(good->error_k[1].front(), 0.5);
+  // A condition that states temperatures has them by material.
+  schema::ResolvedSweep stated = sweep;
+  schema::Condition& c = *stated.mutable_condition(3);
+  c.clear_land_heat();
+  c.clear_land_temperature_k();
+  for (std::uint32_t m = 0; m < kinds.materials; ++m) c.add_land_temperature_k(281 + m);
+  const auto mixed = land_temperatures_from_sweep(stated, {output(0, kinds), output(1, kinds)});
+  ASSERT_TRUE(mixed.ok()) << mixed.status();
+  for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
+    EXPECT_EQ(mixed->kelvin[3][k], 281 + kinds.kind[k].material);
+    EXPECT_EQ(mixed->error_k[3][k], 0);
+  }
   LandKinds other = kinds;
   other.square[0].horizon[3] = 1;
   const absl::Status status =
