@@ -27,6 +27,7 @@ void add_run(CLI::App& app, int& exit_code);
 void add_plan(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
 void add_serve(CLI::App& app, int& exit_code);
+void add_fly(CLI::App& app, int& exit_code);
 void add_submit(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_cancel(CLI::App& app, int& exit_code);

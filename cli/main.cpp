@@ -135,6 +135,7 @@ int run_program(int argc, char** argv) {
   irsig::add_explain(app, exit_code);
   irsig::add_plot(app, exit_code);
   irsig::add_serve(app, exit_code);
+  irsig::add_fly(app, exit_code);
   irsig::add_profile(app, exit_code);
   irsig::add_export(app, exit_code);
   irsig::add_slice(app, exit_code);

@@ -25,6 +25,8 @@ struct PageReply {
   std::string body;
   std::string file_name = {};      // not empty: to be saved under this name
   bool is_self_contained = false;  // HTML with styles and pictures of its own, and nothing else
+  bool keep_alive = false;         // HttpReply::keep_alive
+  std::uint32_t pause_ms = 0;      // HttpReply::pause_ms
 };
 
 // Answers a GET of a path. Any number of threads may ask: each answer opens its database and closes

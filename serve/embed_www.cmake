@@ -1,6 +1,9 @@
-# cmake -DOUTPUT=<source> -DSOURCES=<a.html|b.js> -P embed_www.cmake
+# cmake -DOUTPUT=<source> -DSOURCES=<a.html|b.js> [-DFUNCTION=<name>] -P embed_www.cmake
 #
-# The files as bytes of the function irsig::www_files() (serve/www_files.h).
+# The files as bytes of the function irsig::www_files() (serve/www_files.h), or of that name.
+if(NOT FUNCTION)
+  set(FUNCTION www_files)
+endif()
 set(text "// Made from serve/www by embed_www.cmake.\n#include \"serve/www_files.h\"\n\nnamespace irsig {\nnamespace {\n\n")
 set(table "")
 string(REPLACE "|" ";" sources "${SOURCES}")
@@ -13,6 +16,6 @@ foreach(source IN LISTS sources)
   string(APPEND table "      {\"${name}\", {reinterpret_cast<const char*>(file${number}), sizeof file${number}}},\n")
   math(EXPR number "${number} + 1")
 endforeach()
-string(APPEND text "}  // namespace\n\nconst std::vector<WwwFile>& www_files() {\n  static const std::vector<WwwFile> files = {\n"
+string(APPEND text "}  // namespace\n\nconst std::vector<WwwFile>& ${FUNCTION}() {\n  static const std::vector<WwwFile> files = {\n"
        "${table}  };\n  return files;\n}\n\n}  // namespace irsig\n")
 file(WRITE "${OUTPUT}" "${text}")

@@ -43,7 +43,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Connection(Connections& all, Tcp::socket socket, asio::ip::address peer)
       : all_(all), stream_(std::move(socket)), peer_(std::move(peer)), buffer_(kMostHeadBytes) {
-    parser_.header_limit(kMostHeadBytes);
+    timer_.emplace(stream_.get_executor());
   }
 
   void read();
@@ -54,10 +54,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
     stream_.close();
   }
   [[nodiscard]] Stage stage() const { return stage_; }
+  // Whether it has had a reply after which it stays.
+  [[nodiscard]] bool kept() const { return kept_; }
   [[nodiscard]] const asio::ip::address& peer() const { return peer_; }
 
  private:
   void have_answered();
+  void write();
   void wait_for_close();
   void leave();
 
@@ -65,7 +68,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::tcp_stream stream_;
   asio::ip::address peer_;
   beast::flat_buffer buffer_;
-  http::request_parser<http::empty_body> parser_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<asio::steady_timer> timer_;
+  bool kept_ = false;
   bool is_head_ = false;  // the request's method
   std::optional<http::response<http::string_body>> reply_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
@@ -123,11 +128,11 @@ class Connections {
   template <typename Condition>
   bool end_oldest(const Condition& condition) {
     using Stage = Connection::Stage;
-    for (const bool also_sending : {false, true}) {
+    for (const bool last_resort : {false, true}) {
       const auto oldest = std::find_if(all_.begin(), all_.end(), [&](const auto& one) {
         const Stage stage = one->stage();
         return condition(*one) && stage != Stage::kAnswering &&
-               (also_sending || stage != Stage::kSending);
+               (last_resort || (stage != Stage::kSending && !one->kept()));
       });
       if (oldest == all_.end()) continue;
       (*oldest)->end();
@@ -153,9 +158,12 @@ class Connections {
 };
 
 void Connection::read() {
+  stage_ = Stage::kReading;
+  parser_.emplace();
+  parser_->header_limit(kMostHeadBytes);
   stream_.expires_after(kHeadTime);  // of the whole head, however it is cut
   http::async_read_header(
-      stream_, buffer_, parser_, [self = shared_from_this()](error_code error, std::size_t) {
+      stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
         if (self->ended_) return;
         if (!error) return self->have_answered();
         if (error == http::error::header_limit || error == http::error::buffer_overflow)
@@ -171,7 +179,7 @@ void Connection::read() {
 
 void Connection::have_answered() {
   stage_ = Stage::kAnswering;
-  const auto& head = parser_.get();
+  const auto& head = parser_->get();
   HttpRequest request{std::string(head.method_string()), std::string(head.target()), {}};
   const auto hosts = head.equal_range(http::field::host);
   for (auto host = hosts.first; host != hosts.second; ++host)
@@ -185,14 +193,27 @@ void Connection::send(HttpReply reply) {
   stage_ = Stage::kSending;
   reply_.emplace(static_cast<http::status>(reply.status), 11);
   for (const auto& [name, value] : reply.headers) reply_->set(name, value);
-  reply_->keep_alive(false);
+  const bool stays = reply.keep_alive && parser_->is_done() && parser_->get().keep_alive();
+  reply_->keep_alive(stays);
   reply_->content_length(reply.body.size());
   reply_->body() = std::move(reply.body);
+  if (reply.pause_ms == 0) return write();
+  stream_.expires_never();
+  timer_->expires_after(std::chrono::milliseconds(reply.pause_ms));
+  timer_->async_wait([self = shared_from_this()](error_code) {
+    if (!self->ended_) self->write();
+  });
+}
+
+void Connection::write() {
   stream_.expires_after(kReplyTime + seconds(reply_->body().size() / kSlowestBytesPerSecond));
   serializer_.emplace(*reply_);
   auto sent = [self = shared_from_this()](error_code error, std::size_t) {
     if (self->ended_) return;
-    error ? self->leave() : self->wait_for_close();
+    if (error) return self->leave();
+    if (!self->reply_->keep_alive()) return self->wait_for_close();
+    self->kept_ = true;
+    self->read();
   };
   is_head_ ? http::async_write_header(stream_, *serializer_, std::move(sent))
            : http::async_write(stream_, *serializer_, std::move(sent));

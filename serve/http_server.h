@@ -22,16 +22,19 @@ struct HttpReply {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;  // sent whole: Range headers are ignored
+  // Whether the connection waits for another request, if the client wants that too.
+  bool keep_alive = false;
+  std::uint32_t pause_ms = 0;  // before it is sent: the rate of a client that is refused
 };
 
-// A server of HTTP/1.1 with one request a connection, whose memory and threads do not depend on who
+// A server of HTTP/1.1 with one request a connection, or as many as replies allow, whose memory and threads do not depend on who
 // connects.
 //
 // - A request head has 10 s and 64 kB; longer or slower ones are refused before anything is made of
 // them.
 // - 256 connections are kept, 64 of each peer that is not on this machine. One more ends the oldest
 // connection that
-//   has not sent its head, or whose answer is sent and that has not closed; then the oldest that
+//   has not sent its first head, or whose answer is sent and that has not closed; then the oldest that
 //   reads its answer. Where all wait for answers, the new connection is closed.
 // - A reply must be taken within 30 s and 1 s for each 10 kB.
 class HttpServer {

@@ -16,8 +16,8 @@ def irsig(program, *arguments, code=0):
 
 
 class Server:
-    def __init__(self, program, *arguments, cwd=None):
-        self.process = subprocess.Popen([program, "serve", *map(str, arguments), "--port", "0"], cwd=cwd, text=True,
+    def __init__(self, program, *arguments, cwd=None, command="serve"):
+        self.process = subprocess.Popen([program, command, *map(str, arguments), "--port", "0"], cwd=cwd, text=True,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.url = self.process.stdout.readline().strip()
         if not re.fullmatch(r"http://\S+:\d+/[0-9a-f]{32}/", self.url):

@@ -74,6 +74,8 @@ struct LandObjects::Shape {
   PlacesFrom from = PlacesFrom::kTable;
   std::vector<std::uint32_t> line;  // [place] of a file; else empty
   std::unique_ptr<const Tracer> tracer;
+  std::vector<float> vertex;            // as the tracer has them
+  std::vector<std::uint32_t> triangle;  // three indices each
   Vec<Body> half{};  // of the box
   double radius = 0;
   struct Facet {
@@ -146,6 +148,8 @@ absl::StatusOr<LandObjects> LandObjects::create(std::vector<ObjectModel> models,
            model.material[mesh.triangle_group[i]]});
     }
     ASSIGN_OR_RETURN(shape.tracer, Tracer::build(vertex, triangle, isa));
+    shape.vertex = std::move(vertex);
+    shape.triangle = std::move(triangle);
 
     const ObjectBase base = base_of(mesh);
     if (model.from == PlacesFrom::kFile)
@@ -283,6 +287,16 @@ std::optional<ObjectName> LandObjects::around(Vec<Enu> point_m) const {
                   shape.line.empty() ? 0 : shape.line[object.place], object.place);
   });
   return out;
+}
+
+std::size_t LandObjects::shapes() const { return shape_.size(); }
+
+LandObjects::ShapeMesh LandObjects::mesh(std::size_t shape) const {
+  return {shape_[shape].vertex, shape_[shape].triangle};
+}
+
+std::uint32_t LandObjects::material(std::size_t shape, std::uint32_t facet) const {
+  return shape_[shape].facet[facet].material;
 }
 
 std::size_t LandObjects::memory_bytes() const {

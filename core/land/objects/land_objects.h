@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,25 @@ class LandObjects {
   // Returns the middle of the box around an object, relative to the land's origin.
   [[nodiscard]] Vec<Enu> middle_m(std::size_t object) const { return object_[object].middle_m; }
   [[nodiscard]] std::size_t memory_bytes() const;
+
+  // The meshes and where they stand, for other ray tracers.
+  struct ShapeMesh {
+    std::span<const float> vertex;            // x y z around the middle of the mesh's box
+    std::span<const std::uint32_t> triangle;  // three indices each
+  };
+  [[nodiscard]] std::size_t shapes() const;
+  [[nodiscard]] ShapeMesh mesh(std::size_t shape) const;
+  [[nodiscard]] std::uint32_t material(std::size_t shape, std::uint32_t facet) const;
+  struct Stand {
+    std::uint32_t shape;
+    Vec<Enu> middle_m;  // of the mesh's box, without a bend
+    double cos_heading, sin_heading, scale;
+  };
+  // (x, y, z) of a mesh stands at middle_m + scale (x s + y c, x c - y s, -z).
+  [[nodiscard]] Stand stand(std::size_t object) const {
+    const Object& o = object_[object];
+    return {o.shape, o.middle_m, o.cos_heading, o.sin_heading, o.scale};
+  }
 
  private:
   struct Shape;

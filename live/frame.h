@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "live/land_rays.h"
+#include "live/place_grid.h"
+#include "live/tile_threads.h"
+
+namespace irsig {
+
+// Light that a frame shows. All but kTotal are pictures of where the total comes from, and add up
+// to it.
+enum class LiveLight : std::uint8_t { kTotal, kEmitted, kSun, kReflected, kAir };
+inline constexpr std::array<const char*, 5> kLiveLights = {"total", "emitted", "sun", "reflected",
+                                                           "air"};
+
+// A class of pixels whose errors are alike, by what a ray meets. 0: neither target nor land; from 1 on
+// materials of the target and then of land, each first in shade and then in the sun.
+using LiveClass = std::uint16_t;
+
+// One picture of the live path.
+struct LiveFrame {
+  std::uint32_t width_px = 0, height_px = 0;
+  // [pixel], row by row from the top left
+  std::vector<float> radiance_w_m2_sr;
+  std::vector<float> spread;   // of the pixel's samples: half their range [W/(m2 sr)]
+  std::vector<LiveClass> met;  // of the first sample
+  std::vector<std::uint8_t>
+      edge;                  // 1: its samples, or it and a pixel beside it, met different things
+  std::vector<float> error;  // stated: half the range that holds 90 % of pixels [W/(m2 sr)]
+  double seconds = 0;
+};
+
+// A place under the pointer.
+struct LivePick {
+  std::string what;          // "hull", "grass", "background"
+  double range_m = 0;        // 0: nothing is met
+  double temperature_k = 0;  // of the surface; 0: nothing is met
+  bool in_sun = false;
+  std::array<double, 5> light{};  // [LiveLight] W/(m2 sr)
+};
+
+// Draws frames of one choice with direct light alone: first hits, tables of emission, sky and air,
+// and rays to the sun. Not for several threads.
+class FrameTracer {
+ public:
+  // The arguments outlive it.
+  //   land  of the sweep; null: it has none
+  FrameTracer(const LiveSweep& sweep, const LandRays* land, const PlaceLights& lights,
+              PlaceGrid& grid, TileThreads& threads);
+  ~FrameTracer();
+
+  // samples: rays of each pixel, 1 to 4. Errors as PlaceGrid::at and picture_frame have them.
+  [[nodiscard]] absl::StatusOr<LiveFrame> draw(const LiveCamera& camera, std::uint32_t samples,
+                                               LiveLight light);
+  [[nodiscard]] absl::StatusOr<LivePick> pick(const LiveCamera& camera, std::uint32_t x,
+                                              std::uint32_t y);
+  // Returns how many classes there are.
+  [[nodiscard]] std::uint32_t classes() const;
+
+ private:
+  class View;
+  struct Worker;
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<View>> view(const LiveCamera& camera);
+
+  const LiveSweep& sweep_;
+  const LandRays* land_;
+  const PlaceLights& lights_;
+  PlaceGrid& grid_;
+  TileThreads& threads_;
+  std::vector<std::unique_ptr<Worker>> worker_;
+};
+
+}  // namespace irsig

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "absl/status/statusor.h"
+#include "live/place_light.h"
+
+namespace irsig {
+
+// Light at the nodes of a grid of places around the target, by azimuth, elevation and range of the
+// sensor, made when it is first asked for and kept; between nodes every number is linear in each of
+// the three. Any number of threads may ask.
+class PlaceGrid {
+ public:
+  // lights: outlives the grid.
+  explicit PlaceGrid(const PlaceLights& lights) : lights_(lights) {}
+
+  struct Seen {
+    PlaceLight light;
+    double horizon_z = 0;
+  };
+  // Returns the light of a place between the nodes around it, which are made if they are missing.
+  // Where a node cannot be seen from, the light is that of the place itself. Errors as
+  // PlaceLights::at has them.
+  [[nodiscard]] absl::StatusOr<Seen> at(const Viewpoint& viewpoint);
+  // Makes one missing node around a place; returns false if there was none.
+  [[nodiscard]] bool make_one(const Viewpoint& viewpoint);
+  // Number of nodes that were made.
+  [[nodiscard]] std::size_t nodes() const;
+
+ private:
+  struct Key {
+    std::int32_t azimuth, elevation, range;
+    auto operator<=>(const Key&) const = default;
+  };
+  struct Corner {
+    Key key;
+    float weight;
+  };
+  struct Corners {
+    std::array<Corner, 8> corner;
+    int count = 0;
+  };
+  [[nodiscard]] Corners corners_of(const Viewpoint& viewpoint) const;
+  [[nodiscard]] Viewpoint place_of(const Key& key) const;
+  // Null: the node cannot be seen from.
+  [[nodiscard]] std::shared_ptr<const PlaceLight> node(const Key& key);
+
+  const PlaceLights& lights_;
+  mutable std::mutex mutex_;
+  std::map<Key, std::shared_ptr<const PlaceLight>> node_;
+};
+
+}  // namespace irsig

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/signature/shading.h"
+#include "live/live_sweep.h"
+#include "live/reflected_sky.h"
+
+namespace irsig {
+
+// Effects that the live view can switch.
+struct LiveEffects {
+  bool sun = true;    // all sunlight
+  bool sky = true;    // light of sky and surface that the target reflects
+  bool parts = true;  // light of its own parts that the target reflects
+  bool operator==(const LiveEffects&) const = default;
+};
+
+// Returns the effects of a job with these: `otherwise`, if all are on; else those by name.
+[[nodiscard]] EffectChoice live_effects(const LiveEffects& on, EffectChoice otherwise);
+// Names of the effects that are left on, for [effects] of a sweep file.
+[[nodiscard]] std::vector<std::string> names_of(const LiveEffects& on);
+
+// One condition and band, with the effects that are on.
+struct LiveChoice {
+  std::uint32_t condition = 0, band = 0;
+  LiveEffects effects;
+  bool operator==(const LiveChoice&) const = default;
+};
+
+// Nodes of the cosine of the angle at which a surface is seen, linear in its square root.
+inline constexpr std::uint32_t kEmissionCosines = 17;
+// Directions of a background on each side of the horizon. The distance from the horizon grows with
+// the square of the index: the path through the air changes fastest there.
+inline constexpr std::uint32_t kSideNodes = 20;
+
+// In-band radiances of everything that a sensor at one place can see, with the air between: tables
+// that are linear in between, so that two places' tables may be mixed number by number.
+// [W/(m2 sr)]; air is that of the line of sight to the target, but for what stands behind it.
+struct PlaceLight {
+  std::vector<float> emitted;  // [material][light][kEmissionCosines], of ConditionSources::emitted
+  std::vector<float> blackbody;  // [light] as bright as a blackbody of its temperature
+  std::vector<float> reflected;  // [material][ReflectedSky::kEntries]
+  std::vector<float> sun;        // [column] irradiance of the sun at the target; empty: none [W/m2]
+  std::vector<float> background;  // [2 x kSideNodes] above, then below the horizon, from it on
+  std::vector<float> land;        // [kind, then material][range]
+  std::vector<float> land_sun;    // [material][range] per unit cosine of incidence
+  std::vector<float> land_error;  // [kind, then material][range] of temperatures
+  float path = 0;                 // of the air between the sensor and the target
+
+  // Adds `weight` times another place's numbers; takes its sizes if this has none.
+  void add(float weight, const PlaceLight& other);
+};
+
+// Sizes and light that all places of a choice share.
+struct LightFrame {
+  std::uint32_t materials = 0, lights = 0, columns = 1;
+  std::size_t first_column = 0;
+  std::uint32_t kinds = 0, land_materials = 0;  // of land; 0: none
+  std::vector<double> land_range_m;
+  Vec<Body> sun;            // towards it
+  bool sun_shines = false;  // on the target
+  // [emitter] Lights of which an emitter consists: ConditionSources::fraction_of.
+  std::vector<ConditionSources::EmitterShare> emitter;
+  std::vector<float> kelvin;  // [emitter]
+};
+
+// Tables of one choice at any place. Immutable but for nothing: any number of threads may ask.
+class PlaceLights {
+ public:
+  // Errors as Environment::view() has them.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<const PlaceLights>> make(
+      std::shared_ptr<const LiveSweep> sweep, std::shared_ptr<const ReflectedSky> reflected,
+      const LiveChoice& choice, const Viewpoint& viewpoint);
+
+  [[nodiscard]] const LightFrame& frame() const { return frame_; }
+  [[nodiscard]] const LiveChoice& choice() const { return choice_; }
+  // Returns true if light depends on the azimuth of the sensor, or on its place at all.
+  [[nodiscard]] bool depends_on_azimuth() const;
+  [[nodiscard]] bool depends_on_place() const {
+    return sweep_->environment() != nullptr || has_air_;
+  }
+
+  // Computes the light of a sensor at a place. INVALID_ARGUMENT: a place below the surface, or one
+  // from which the Earth hides the target.
+  [[nodiscard]] absl::StatusOr<PlaceLight> at(const Viewpoint& viewpoint) const;
+  // Returns the elevation at which a sensor at this range is 2 m above the surface, and no less
+  // than -90 deg; without a surface -90.
+  [[nodiscard]] double least_elevation_deg(double range_m) const;
+  // Returns Land::bend_of for a sensor.
+  [[nodiscard]] double land_bend_per_m(const Viewpoint& viewpoint) const;
+  // Returns the z of a sensor's horizon (Environment::Horizon::z).
+  [[nodiscard]] absl::StatusOr<double> horizon_z(const Viewpoint& viewpoint) const;
+
+ private:
+  PlaceLights() = default;
+  struct Made;
+  [[nodiscard]] absl::StatusOr<Made> made(const Viewpoint& viewpoint) const;
+  void fill_land(const ViewSources& sources, PlaceLight& out) const;
+  [[nodiscard]] std::vector<double> around_rings(const ViewSources& sources,
+                                                 const SourceTable& table) const;
+
+  std::shared_ptr<const LiveSweep> sweep_;
+  std::shared_ptr<const ReflectedSky> reflected_;
+  LiveChoice choice_;
+  LightFrame frame_;
+  bool has_air_ = false;
+  double above_surface_m_ = INFINITY;  // of the target's reference point
+};
+
+}  // namespace irsig

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "live/frame.h"
+#include "live/place_ahead.h"
+
+namespace irsig {
+
+// A viewer's question for a picture.
+struct LiveAsk {
+  LiveCamera camera;
+  std::uint32_t condition = 0, band = 0;  // of the sweep as it is written
+  std::optional<std::uint32_t> minute;    // of the day, UTC, instead of the condition's time
+  std::optional<double> visibility_m;     // instead of that of [air]
+  LiveEffects effects;
+  LiveLight light = LiveLight::kTotal;
+  std::uint32_t samples = 2;
+};
+
+// A sweep with one condition, resolved, with the content of its files.
+struct LiveInput {
+  schema::ResolvedSweep resolved;
+  Assets assets;
+  HeatOutputs heat;
+};
+// Makes the sweep of what is asked for: its condition alone; the camera is not looked at.
+using MakeLiveInput = std::function<absl::StatusOr<LiveInput>(const LiveAsk&)>;
+
+// State of a picture: by the live path, by few paths of the estimator, with the accuracy of a
+// stored image.
+enum class LiveState : std::uint8_t { kMoving, kResting, kStored };
+struct LivePicture {
+  LiveFrame frame;
+  LiveState state = LiveState::kMoving;
+};
+
+// Accuracy of images that are kept: root mean square over the target's pixels. [percent]
+inline constexpr double kStoredPixelErrorPercent = 2;
+
+// One viewer's look at a sweep: draws what is asked for, and once the camera rests measures it as a
+// job does. Any number of threads may ask; frames are drawn one after the other.
+class LiveSession {
+ public:
+  // Makes the scene and what a first frame needs. threads: of a frame. Errors of `make`, of
+  // LiveSweep::make and of FrameTracer::draw.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<LiveSession>> open(MakeLiveInput make,
+                                                                         const LiveAsk& first,
+                                                                         std::uint32_t threads);
+  ~LiveSession();
+
+  [[nodiscard]] absl::StatusOr<LivePicture> picture(const LiveAsk& ask);
+  [[nodiscard]] absl::StatusOr<LivePick> pick(const LiveAsk& ask, std::uint32_t x, std::uint32_t y);
+  // Returns the scene with the first condition that was asked for.
+  [[nodiscard]] const LiveSweep& sweep() const { return *base_; }
+  // Measures what is asked for as the sweep's job would: the layer "at_sensor", bit for bit, with
+  // its errors. samples: of each pixel; 0: as many as kStoredPixelErrorPercent asks for.
+  [[nodiscard]] absl::StatusOr<LiveFrame> measure(const LiveAsk& ask, std::uint32_t samples);
+
+ private:
+  struct Stage;
+  LiveSession() = default;
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<Stage>> stage_of(const LiveAsk& ask);
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const LiveSweep>> sweep_of(const LiveAsk& ask);
+  void rest();
+  void learn(Stage& stage, const LiveAsk& ask, const LiveFrame& truth);
+
+  MakeLiveInput make_;
+  std::shared_ptr<const LiveSweep> base_;
+  std::unique_ptr<const LandRays> land_;
+  std::unique_ptr<TileThreads> threads_;
+  std::mutex drawing_;  // guards the stages and the threads of frames
+  std::list<std::shared_ptr<Stage>> stage_;
+
+  std::mutex resting_;  // guards what follows
+  std::condition_variable wake_;
+  bool stopped_ = false;
+  std::uint64_t moved_ = 0;  // counts changes of what is asked for
+  std::optional<LiveAsk> wanted_;
+  std::optional<LiveAsk> rested_;  // of `rest_`
+  LivePicture rest_;
+  std::thread rester_;
+};
+
+[[nodiscard]] bool operator==(const LiveAsk& a, const LiveAsk& b);
+
+}  // namespace irsig

@@ -1,0 +1,270 @@
+"""irsig fly: frames and their errors, images that are kept, hostile requests, and the page in a real browser.
+
+    fly_test.py <irsig executable> <source folder> <folder for screenshots>
+"""
+import http.client
+import json
+import os
+import pathlib
+import struct
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import urllib.parse
+
+import numpy
+
+from browser import Browser
+from serve_fixture import Server, irsig
+
+IRSIG, SOURCE, SHOTS = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+sys.path.insert(0, str(SOURCE / "python"))
+import irsig as reader  # noqa: E402
+
+MOVING, STORED = 0, 2
+VIEW = {"azimuth_deg": 40, "elevation_deg": 12, "range_m": 3000, "field_of_view_deg": 3, "condition": 2}
+
+
+class Picture:
+    """A frame as it is sent: radiance as float16 times a scale, a byte of error for each pixel."""
+    def __init__(self, body):
+        assert body[:4] == b"IRFL", body[:80]
+        width, height, self.state = struct.unpack_from("<3I", body, 4)
+        scale, self.ms = struct.unpack_from("<2f", body, 16)
+        pixels = width * height
+        assert len(body) == 64 + 3 * pixels
+        self.half = numpy.frombuffer(body, "<f2", pixels, 64).reshape(height, width)
+        self.scale = scale
+        self.radiance = self.half.astype(float) * scale
+        byte = numpy.frombuffer(body, "u1", pixels, 64 + 2 * pixels).reshape(height, width).astype(float)
+        self.edge = byte == 255
+        self.error = 1e-4 * 10 ** (byte * 4 / 254) * self.radiance
+
+
+class FlyCase(unittest.TestCase):
+    example, changes = "quickstart.toml", {"triangles = 20000": "triangles = 2000"}
+
+    @classmethod
+    def setUpClass(cls):
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        cls.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.path = pathlib.Path(cls.folder.name)
+        text = (SOURCE / "jobs/examples" / cls.example).read_text()
+        for old, new in cls.changes.items():
+            assert old in text, old
+            text = text.replace(old, new)
+        cls.sweep, cls.db = cls.path / "sweep.toml", cls.path / "kept.sigdb"
+        cls.sweep.write_text(text)
+        cls.server = Server(IRSIG, cls.sweep, "--keep", cls.db, "--threads", 2, command="fly")
+        cls.addClassCleanup(cls.server.end)
+
+    def sit_down(self):
+        scene = self.server.json("/api/scene")
+        self.viewer = scene["viewer"]
+        self.addCleanup(lambda: self.server.request(f"/api/leave?viewer={self.viewer}"))
+        return scene
+
+    def ask(self, path, code=200, **parameters):
+        status, _, body = self.server.request(f"/api/{path}?" + urllib.parse.urlencode({"viewer": self.viewer, **parameters}))
+        self.assertEqual(status, code, body[:300])
+        return body
+
+    def picture(self, **parameters):
+        return Picture(self.ask("frame", **parameters))
+
+    def rested(self, **parameters):
+        begin = time.monotonic()
+        while (picture := self.picture(**parameters)).state != STORED:
+            self.assertLess(time.monotonic() - begin, 60, "the picture is never as good as a stored image")
+            time.sleep(0.1)
+        return picture
+
+
+class FramesTest(FlyCase):
+    def test_stated_errors_cover_the_pixels_from_the_first_frame(self):
+        self.sit_down()
+        for view in (VIEW, {**VIEW, "band": 1}, {**VIEW, "azimuth_deg": 130, "elevation_deg": 35}):
+            with self.subTest(view):
+                first = self.picture(**view)
+                self.assertEqual(first.state, MOVING)
+                truth = self.rested(**view)
+                ship = numpy.abs(truth.radiance / numpy.median(truth.radiance) - 1) > 0.02
+                interior = ship & ~first.edge
+                self.assertGreater(interior.sum(), 200)
+                self.assertLess(first.edge.mean(), 0.15)
+                off = numpy.abs(first.radiance - truth.radiance)
+                noise = numpy.mean((truth.error / 1.645 / truth.radiance)[interior] ** 2)
+                self.assertLess(numpy.sqrt(numpy.mean((off / truth.radiance)[interior] ** 2) - noise), 0.035)
+                self.assertGreater((off <= first.error + truth.error)[interior].mean(), 0.9)
+                self.assertGreater((off <= first.error + truth.error)[~first.edge].mean(), 0.9)
+                # Errors that cover everything say nothing.
+                self.assertLess(numpy.median((first.error / first.radiance)[interior]), 0.09)
+
+    def test_what_is_kept_is_what_was_shown(self):
+        self.sit_down()
+        shown = self.rested(**VIEW)
+        words = self.ask("keep", **VIEW).decode()
+        self.assertIn("kept.sigdb", words)
+        database = reader.open(self.db)
+        rows = database.query(band="mwir")
+        stored = rows.images("at_sensor")[-1]
+        numpy.testing.assert_array_equal(shown.half, (stored / numpy.float32(shown.scale)).astype(numpy.float16))
+        self.assertEqual(len(list(self.path.glob("*_view*.toml"))), 1)
+
+    def test_the_sweep_of_a_view_is_a_sweep_file(self):
+        self.sit_down()
+        file = self.path / "mine.toml"
+        file.write_bytes(self.ask("sweep", **VIEW, minute_utc=245, sun=0))
+        plan = irsig(IRSIG, "plan", file)
+        self.assertIn("1 job", plan)
+        text = file.read_text()
+        self.assertIn("04:05Z", text)
+        self.assertNotIn("direct_sun", text)
+
+    def test_light_adds_up_and_hours_change_it(self):
+        self.sit_down()
+        view = {**VIEW, "azimuth_deg": 41}
+        parts = sum(self.picture(**view, light=light).radiance for light in ("emitted", "sun", "reflected", "air"))
+        total = self.picture(**view)
+        self.assertEqual(total.state, MOVING)
+        numpy.testing.assert_allclose(parts, total.radiance, rtol=3e-3)
+        day, night = (self.picture(**VIEW, light="sun", minute_utc=m).radiance.sum() for m in (3 * 60, 15 * 60))
+        self.assertGreater(day, 0)
+        self.assertEqual(night, 0)
+
+    def test_a_place_tells_what_it_is(self):
+        self.sit_down()
+        found = json.loads(self.ask("pick", **VIEW, x=160, y=128))
+        self.assertIn("hull", found["what"])
+        self.assertAlmostEqual(found["range_m"], 3000, delta=100)
+        self.assertAlmostEqual(sum(found[k] for k in ("emitted", "sun", "reflected", "air")), found["total"], delta=1e-5)
+
+
+class SeatTest(FlyCase):
+    def test_a_second_viewer_is_refused_with_words(self):
+        self.sit_down()
+        self.picture(**VIEW)
+        words = self.server.json("/api/scene", code=409)["error"]
+        self.assertIn("one viewer at a time", words)
+        self.ask("leave")
+        self.sit_down()
+
+    def test_other_addresses_are_refused(self):
+        words = irsig(IRSIG, "fly", self.sweep, "--address", "0.0.0.0", code=2)
+        self.assertIn("expected 127.0.0.1", words)
+
+    def test_hostile_numbers_are_refused_with_words(self):
+        self.sit_down()
+        for name, value in (("azimuth_deg", "nan"), ("range_m", "1e308"), ("range_m", "-1"), ("look_x_m", "inf"),
+                            ("width_px", 4000), ("width_px", "1e9"), ("height_px", 0), ("condition", 99), ("band", "-1"),
+                            ("minute_utc", 1440), ("visibility_m", "nan"), ("light", "x" * 500), ("sun", 2), ("samples", 64), ("foo", 1)):
+            with self.subTest(f"{name}={value}"):
+                self.assertIn(b'"error"', self.ask("frame", code=400, **{name: value}))
+        self.ask("frame", code=400, range_m=50)  # inside the ship
+        self.picture(**VIEW)
+
+    def test_a_flood_leaves_memory_flat_and_the_viewer_half_its_frames(self):
+        self.sit_down()
+        flight = lambda k: {**VIEW, "azimuth_deg": k % 360}  # noqa: E731
+        seconds = 30 if os.environ.get("IRSIG_LONG") else 3
+
+        def rate(until):
+            connection, frames, begin = http.client.HTTPConnection(self.server.host, self.server.port, timeout=60), 0, time.monotonic()
+            while time.monotonic() - begin < until:
+                connection.request("GET", f"{self.server.root}/api/frame?" + urllib.parse.urlencode({"viewer": self.viewer, **flight(frames)}))
+                Picture(connection.getresponse().read())
+                frames += 1
+            connection.close()
+            return frames / (time.monotonic() - begin)
+
+        def resident():
+            return int(pathlib.Path(f"/proc/{self.server.process.pid}/statm").read_text().split()[1]) * 4096
+        alone = rate(seconds)
+        before, stop = resident(), threading.Event()
+
+        def flood():
+            k = 0
+            while not stop.is_set():
+                k += 1
+                query = ("azimuth_deg=nan", "range_m=1e308", "viewer=v0", "width_px=99999")[k % 4]
+                self.server.request(f"/api/frame?viewer={self.viewer}&{query}")
+        attacker = threading.Thread(target=flood)
+        attacker.start()
+        try:
+            flooded = rate(seconds)
+        finally:
+            stop.set()
+            attacker.join()
+        self.assertGreater(flooded, 0.5 * alone)
+        self.assertLess(resident() - before, 16e6)
+
+
+class PageTest(FlyCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = Browser(cls.path / "profile")
+        cls.addClassCleanup(cls.browser.__exit__)
+
+    def open(self, width, height, touch=False):
+        page = self.browser.page(width, height, touch=touch)
+        self.addCleanup(page.close)
+        page.open(self.server.url)
+        page.wait("window.irsigFly.frames > 0", "a frame")
+        return page
+
+    def test_it_is_flown_by_keys_and_mouse(self):
+        page = self.open(1280, 900)
+        self.assertEqual(page.unnamed_controls(), [])
+        bright = "(() => { const c = document.getElementById('picture'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; " \
+                 "return new Set(d).size; })()"
+        self.assertGreater(page.run(bright), 20, "the picture is empty")
+        azimuth = page.run("window.irsigFly.camera().azimuth")
+        begin = time.monotonic()
+        frames = page.run("window.irsigFly.frames")
+        page.key("ArrowRight")
+        page.wait(f"window.irsigFly.frames > {frames}")
+        self.assertLess(time.monotonic() - begin, 5)
+        self.assertNotEqual(page.run("window.irsigFly.camera().azimuth"), azimuth)
+        box = page.box("#picture")
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse("mouseMoved", x, y)
+        page.wait("document.getElementById('readout').innerText.includes('±')")
+        page.wait("document.getElementById('readout').innerText.includes('emitted')", "where it comes from")
+        page.wait("window.irsigFly.state() === 2", "the estimator's picture")
+        page.screenshot(SHOTS / "fly.png")
+        page.call("Emulation.setDeviceMetricsOverride", width=700, height=500, deviceScaleFactor=1, mobile=False)
+        page.wait("document.getElementById('picture').getBoundingClientRect().width <= 700")
+        self.assertEqual(page.errors, [])
+
+    def test_a_narrow_page_is_flown_by_touch(self):
+        page = self.open(390, 844, touch=True)
+        self.assertLessEqual(page.run("document.documentElement.scrollWidth"), 390)
+        elevation = page.run("window.irsigFly.camera().elevation")
+        box = page.box("#picture")
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        for kind, points in (("touchStart", [(x, y)]), ("touchMove", [(x, y + 30)]), ("touchEnd", [])):
+            page.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": a, "y": b} for a, b in points])
+        page.wait(f"window.irsigFly.camera().elevation !== {elevation}")
+        page.screenshot(SHOTS / "fly-narrow.png")
+        self.assertEqual(page.errors, [])
+
+    def test_a_second_page_and_a_lost_connection_are_told(self):
+        page = self.open(1280, 900)
+        other = self.browser.page(600, 400)
+        other.open(self.server.url)
+        self.assertIn("one viewer at a time", other.text("#trouble"))
+        other.close()
+        lost = Server(IRSIG, self.sweep, command="fly")
+        page.open(lost.url)
+        page.wait("window.irsigFly.frames > 0")
+        lost.end()
+        page.wait("!document.getElementById('trouble').hidden")
+        self.assertIn("connection is lost", page.text("#trouble"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
