@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/gas/lines/joint_terms.h"
-#include "core/gas/lines/symmetric_eigen.h"
+#include "core/gas/lines/lowest_eigenstates.h"
 #include "core/gas/lines/water_levels.h"
 #include "core/gas/lines/water_surface.h"
 
@@ -45,7 +45,7 @@ TEST(WaterLines, EigenvectorsOfARandomMatrix) {
           100 * (x - 0.5) + (i == j ? 20.0 * static_cast<double>(i % 7) : 0);
     }
   copy = a;
-  const SymmetricEigen all = symmetric_eigen(copy, kSize, 1e9);
+  const LowestEigenstates all = lowest_eigenstates(copy, kSize, 1e9);
   ASSERT_EQ(all.value.size(), kSize);
   double trace = 0, sum = 0;
   for (std::size_t i = 0; i < kSize; ++i) trace += a[i * (kSize + 1)], sum += all.value[i];
@@ -65,13 +65,13 @@ TEST(WaterLines, EigenvectorsOfARandomMatrix) {
   }
   copy = a;
   const double limit = all.value[40] + 1e-6;
-  EXPECT_EQ(symmetric_eigen(copy, kSize, limit).value.size(), 41U);
+  EXPECT_EQ(lowest_eigenstates(copy, kSize, limit).value.size(), 41U);
 }
 
 // Two levels of the same matrix elements, and a matrix that is diagonal already.
 TEST(WaterLines, EigenvectorsOfADiagonal) {
   std::vector<double> a = {3, 0, 0, 0, 1, 0, 0, 0, 2};
-  const SymmetricEigen of = symmetric_eigen(a, 3, 10);
+  const LowestEigenstates of = lowest_eigenstates(a, 3, 10);
   EXPECT_EQ(of.value, (std::vector<double>{1, 2, 3}));
   for (std::size_t n = 0; n < 3; ++n)
     EXPECT_NEAR(std::abs(of.vector[n * 3 + std::vector<std::size_t>{1, 2, 0}[n]]), 1, 1e-12);

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/check.h"
-#include "core/gas/lines/symmetric_eigen.h"
+#include "core/gas/lines/lowest_eigenstates.h"
 #include "core/gas/lines/water_surface.h"
 
 namespace irsig {
@@ -120,13 +120,13 @@ Stretch stretch(double mass, std::size_t n) {
             std::min(1e5, water_potential_cm1(shape_of(water, fine.point[i], 0.95, kMeanAngle)));
     }
   std::vector<double> work = h;
-  SymmetricEigen states = symmetric_eigen(work, m, 1e9);
+  LowestEigenstates states = lowest_eigenstates(work, m, 1e9);
   std::vector<double> r(n * n);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < n; ++b)
       for (std::size_t i = 0; i < m; ++i)
         r[a * n + b] += states.vector[a * m + i] * fine.point[i] * states.vector[b * m + i];
-  const SymmetricEigen at = symmetric_eigen(r, n, 1e9);
+  const LowestEigenstates at = lowest_eigenstates(r, n, 1e9);
   // Kinetic energy among the states, then on the points.
   std::vector<double> t(n * n), half(n * n);
   for (std::size_t a = 0; a < n; ++a)
@@ -221,7 +221,7 @@ std::vector<AtAngle> at_angles(const Grid& on, std::size_t s) {
         if (x == y) e += on.potential[t * n + use[x]];
         h[x * use.size() + y] = e;
       }
-    const SymmetricEigen found = symmetric_eigen(h, use.size(), kMostOfAngle);
+    const LowestEigenstates found = lowest_eigenstates(h, use.size(), kMostOfAngle);
     AtAngle& one = out.emplace_back();
     one.energy = found.value;
     one.vector.assign(found.value.size() * n, 0.0);
@@ -265,7 +265,7 @@ OnGrid vibrations(const Grid& on, const std::vector<AtAngle>& at, std::size_t k,
       }
     }
   }
-  const SymmetricEigen found = symmetric_eigen(h, size, at_most);
+  const LowestEigenstates found = lowest_eigenstates(h, size, at_most);
   OnGrid out{found.value, std::vector<double>(found.value.size() * on.size(), 0.0)};
   for (std::size_t v = 0; v < found.value.size(); ++v)
     for (std::size_t t = 0; t < angles; ++t)
@@ -412,7 +412,7 @@ WaterLevels water_levels(const WaterBasis& basis, std::size_t j, std::size_t p, 
     if (k + 1 <= j) put(k + 1, k, states.coupling, count, from_zero * up(k));
     if (k + 2 <= j) put(k + 2, k, states.twist, count, from_zero * up(k) * up(k + 1));
   }
-  SymmetricEigen found = symmetric_eigen(h, size, highest_cm1);
+  LowestEigenstates found = lowest_eigenstates(h, size, highest_cm1);
   out.energy_cm1 = std::move(found.value);
   out.vector = std::move(found.vector);
   return out;

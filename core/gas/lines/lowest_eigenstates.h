@@ -6,7 +6,7 @@
 namespace irsig {
 
 // Lowest eigenvalues and eigenvectors of a real symmetric matrix.
-struct SymmetricEigen {
+struct LowestEigenstates {
   std::vector<double> value;   // increasing
   std::vector<double> vector;  // [n * size + i], orthonormal rows
 };
@@ -14,7 +14,7 @@ struct SymmetricEigen {
 // Householder reduction, implicit QL for the values, inverse iteration for the vectors.
 //   a         [i * size + j], symmetric; overwritten
 //   at_most   values above it are left out
-[[nodiscard]] SymmetricEigen symmetric_eigen(std::vector<double>& a, std::size_t size,
-                                             double at_most);
+[[nodiscard]] LowestEigenstates lowest_eigenstates(std::vector<double>& a, std::size_t size,
+                                                   double at_most);
 
 }  // namespace irsig

@@ -1,4 +1,4 @@
-#include "core/gas/lines/symmetric_eigen.h"
+#include "core/gas/lines/lowest_eigenstates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -159,9 +159,9 @@ void inverse_iteration(const Tridiagonal& of, double value, const double* near, 
 
 }  // namespace
 
-SymmetricEigen symmetric_eigen(std::vector<double>& a, std::size_t size, double at_most) {
+LowestEigenstates lowest_eigenstates(std::vector<double>& a, std::size_t size, double at_most) {
   IRSIG_CHECK(a.size() == size * size);
-  SymmetricEigen out;
+  LowestEigenstates out;
   if (size == 0) return out;
   const Tridiagonal reduced = reduce(a, size);
   out.value = values_of(reduced);
