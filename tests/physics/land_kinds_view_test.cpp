@@ -150,7 +150,8 @@ TEST(LandKindsView, PixelsHaveTemperaturesAndTheirErrors) {
     image.margin = 3;
     image.layer = {ImageLayer::kAtSensor, ImageLayer::kLandTemperature};
     scene.request.image = image;
-    auto land = std::make_shared<LandScene>(*land_of(height, 1000, 10));
+    auto land = std::make_shared<LandScene>(elevation_deg < 10 ? *land_of(flat, 6000, 50)
+                                                               : *land_of(height, 1000, 10));
     land->kinds = kinds;
     scene.request.condition[0].land_temperature_k = of;
     scene.request.condition[0].land_temperature_error_k = std::move(error_k);
@@ -172,7 +173,7 @@ TEST(LandKindsView, PixelsHaveTemperaturesAndTheirErrors) {
     EXPECT_NEAR(unsure.layer[at].stderr_[pixel] - stated.layer[at].stderr_[pixel], change,
                 0.05 * change);
   }
-  // Seen at grazing incidence, land far behind the target has the air in front of itself.
+  // At grazing incidence level land far behind the target is seen, with the air in front of it.
   const SignatureResult far = picture_of(kelvin, {}, 4), far_warmer = picture_of(warm, {}, 4),
                         far_unsure =
                             picture_of(kelvin, std::vector<double>(kelvin.size(), kErrorK), 4);
