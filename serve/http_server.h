@@ -22,7 +22,7 @@ struct HttpReply {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;  // sent whole: Range headers are ignored
-  // Whether the connection waits for another request, if the client wants that too.
+  // The connection waits for another request, if the client wants that too.
   bool keep_alive = false;
   std::uint32_t pause_ms = 0;  // before it is sent: the rate of a client that is refused
 };
