@@ -12,9 +12,10 @@
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/import/model_file.h"
-#include "jobs/number_bounds.h"
 #include "jobs/resolve_cloud.h"
-#include "jobs/sweep_file.h"
+#include "jobs/resolve_sweep.h"
+#include "jobs/text/number_bounds.h"
+#include "jobs/text/sweep_file.h"
 #include "messages/environment/weather_from_message.h"
 #include "planning/load_sweep.h"
 

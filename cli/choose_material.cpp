@@ -7,8 +7,8 @@
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/materials/material.h"
-#include "jobs/nearest_name.h"
-#include "jobs/sweep_materials.h"
+#include "jobs/files/sweep_materials.h"
+#include "jobs/text/nearest_name.h"
 #include "messages/scene/material_from_message.h"
 #include "planning/load_sweep.h"
 

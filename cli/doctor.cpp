@@ -6,7 +6,7 @@
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
 #include "runner/job_runner.h"
-#include "schema/store/examine.h"
+#include "schema/store/whole/examine.h"
 #include "view/base/print.h"
 #include "view/base/table.h"
 

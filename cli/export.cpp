@@ -12,7 +12,7 @@
 #include "cli/target_extent.h"
 #include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
-#include "jobs/imager_file.h"
+#include "jobs/files/imager_file.h"
 #include "planning/export_temperatures.h"
 #include "view/base/print.h"
 #include "view/pictures/export_thumbnails.h"

@@ -11,7 +11,7 @@
 #include "absl/strings/str_split.h"
 #include "cli/positive_number.h"
 #include "core/base/status_macros.h"
-#include "jobs/number_bounds.h"
+#include "jobs/text/number_bounds.h"
 
 namespace irsig {
 namespace {

@@ -13,7 +13,8 @@
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/image/image.h"
-#include "jobs/edit_sweep.h"
+#include "jobs/resolve_sweep.h"
+#include "jobs/text/edit_sweep.h"
 #include "live/film.h"
 
 namespace irsig {

@@ -24,9 +24,9 @@
 #include "core/scene/generate/generate_particles.h"
 #include "core/scene/import/model_file.h"
 #include "fmt/format.h"
+#include "jobs/files/material_files.h"
 #include "jobs/goniometer_file.h"
 #include "jobs/keys/expand.h"
-#include "jobs/material_files.h"
 #include "messages/scene/goniometer_from_message.h"
 #include "runner/job_runner.h"
 #include "runner/spec_to_request.h"
@@ -178,8 +178,7 @@ class GoniometerCommand {
     if (spec_.has_particles()) {
       ASSIGN_OR_RETURN(const auto bed, bed_of(spec_, coverage));
       auto model = generate_particles(bed);
-      if (!model.ok())
-        return at_key("particles", model.status());
+      if (!model.ok()) return at_key("particles", model.status());
       const ParticleReport& p = model->report;
       covered = p.coverage;
       about = fmt::format(

@@ -10,7 +10,7 @@
 #include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
-#include "jobs/nearest_name.h"
+#include "jobs/text/nearest_name.h"
 #include "runner/job_runner.h"
 #include "view/base/print.h"
 
@@ -50,9 +50,9 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> commands = names_of(*app, false);
   const bool bare = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr &&
                     app->get_require_subcommand_min() > 0;
-  std::string text = "irsig: " + (bare ? "a command is missing, expected one of " +
-                                             absl::StrJoin(commands, ", ")
-                                       : irsig::printable(error.what()));
+  std::string text =
+      "irsig: " + (bare ? "a command is missing, expected one of " + absl::StrJoin(commands, ", ")
+                        : irsig::printable(error.what()));
   if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) {
     std::string_view what = error.what();
     constexpr std::string_view kOpening = "Could not convert: ";

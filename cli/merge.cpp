@@ -1,4 +1,4 @@
-#include "schema/store/merge.h"
+#include "schema/store/whole/merge.h"
 
 #include <memory>
 #include <optional>

@@ -14,7 +14,7 @@
 #include "coordinator/client/progress_text.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
-#include "jobs/detector_file.h"
+#include "jobs/files/detector_file.h"
 #include "view/base/print.h"
 
 namespace irsig {

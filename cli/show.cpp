@@ -17,7 +17,7 @@
 #include "core/base/user_file.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
-#include "jobs/sweep_file.h"
+#include "jobs/text/sweep_file.h"
 #include "view/base/table.h"
 
 namespace irsig {

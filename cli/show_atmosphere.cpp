@@ -12,7 +12,7 @@
 #include "cli/air_options.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
-#include "core/atmosphere/imported_path.h"
+#include "core/atmosphere/imported/imported_path.h"
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/environment/weather_air.h"

@@ -1,4 +1,4 @@
-#include "schema/store/slice.h"
+#include "schema/store/whole/slice.h"
 
 #include <memory>
 #include <optional>

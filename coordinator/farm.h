@@ -58,7 +58,7 @@ struct Returned {
   std::uint64_t fencing_token = 0;  // of its lease; 0: it comes from a spool
   std::string sweep_sha256;
   const schema::JobResult& result;
-  std::string content_sha256 = {};  // schema/store/content.h; empty: it is worked out
+  std::string content_sha256 = {};  // schema/store/tables/content.h; empty: it is worked out
   absl::Status checked = absl::OkStatus();
 };
 

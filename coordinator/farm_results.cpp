@@ -8,7 +8,7 @@
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "schema/store/content.h"
+#include "schema/store/tables/content.h"
 
 namespace irsig {
 namespace {

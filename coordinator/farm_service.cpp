@@ -10,8 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_plausible.h"
-#include "schema/store/content.h"
+#include "schema/store/check/check_plausible.h"
+#include "schema/store/tables/content.h"
 #include "schema/wire_size.h"
 
 namespace irsig {
@@ -309,9 +309,8 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
     if (!sweep.ParseFromString(bytes_))
       return absl::InvalidArgumentError("the sweep arrived damaged");
     bytes_ = std::string();
-    ASSIGN_OR_RETURN(auto made,
-                     make_submission(desk_.check_sweep, std::move(sweep), physics_version_,
-                                     std::move(assets_)));
+    ASSIGN_OR_RETURN(auto made, make_submission(desk_.check_sweep, std::move(sweep),
+                                                physics_version_, std::move(assets_)));
     made.prediction = std::move(prediction_);
     made.priority = priority_;
     desk_.loop.post(

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

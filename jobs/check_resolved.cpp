@@ -10,13 +10,13 @@
 #include "absl/strings/str_cat.h"
 #include "core/geo/sun.h"
 #include "jobs/keys/expand.h"
-#include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
 #include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
-#include "jobs/size_bounds.h"
+#include "jobs/text/number_bounds.h"
+#include "jobs/text/size_bounds.h"
 #include "messages/environment/weather_from_message.h"
 
 namespace irsig {

@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
-#include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
+#include "jobs/text/number_bounds.h"
 
 namespace irsig {
 namespace {

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "jobs/sweep_file.h"
+#include "jobs/text/sweep_file.h"
 #include "schema/goniometer.pb.h"
 
 namespace irsig {

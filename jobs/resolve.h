@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "jobs/section_check.h"
+#include "jobs/text/limits.h"
+#include "jobs/text/section_check.h"
+#include "jobs/text/sweep_places.h"
 #include "schema/job.pb.h"
 
 namespace irsig {
@@ -50,15 +52,6 @@ void take_temperature_field(const std::map<std::string, schema::ConditionField>&
 // if nothing was found so far. `file` has the text of the files that air and seasons name.
 void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, Findings& findings);
 
-// [place]. Without latitude_deg it says only how high the target is.
-[[nodiscard]] inline bool has_position(const schema::Sweep& sweep) {
-  return sweep.place().has_latitude_deg();
-}
-// Height of the target's reference point above sea or ground, in a season of the sweep. [m]
-[[nodiscard]] inline double above_surface_m(const schema::Sweep& sweep,
-                                            const schema::Season& season) {
-  return season.has_above_surface_m() ? season.above_surface_m() : sweep.place().above_surface_m();
-}
 void check_place(const schema::Sweep& sweep, Findings& findings);
 
 // Reports settings that contradict above_surface_m of [place], seasons and conditions.
@@ -87,14 +80,6 @@ void write_air_defaults(schema::Air& air);
 void check_complete_surroundings(const schema::Sweep& sweep, const schema::Surroundings& complete,
                                  const std::string& path, Findings& findings);
 
-// The sweep's own surroundings with what the season says in their place, field by field.
-[[nodiscard]] schema::Surroundings overridden(schema::Surroundings base,
-                                              const schema::Surroundings& season);
-
-// The key that viewpoint `index` of `all` comes from.
-[[nodiscard]] std::string viewpoint_path(const schema::Viewpoints& set, std::size_t index,
-                                         std::size_t all);
-
 // [viewpoints]: writes ResolvedSweep.viewpoint.
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 
@@ -114,16 +99,5 @@ void write_image_defaults(schema::Sweep& sweep);
 // [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.
 void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_profile_defaults(schema::Sweep& sweep);
-
-// The wavelengths that a sweep file may use: from 0.3 um, where optical constants and the sun are
-// well known, to 1000 um, the end of the range over which Planck's law is measured.
-inline constexpr double kShortestUm = 0.3;
-inline constexpr double kLongestUm = 1000.0;
-
-// Larger sweeps are refused before they fill the memory; split them.
-inline constexpr int kMostViewpoints = 1000000;
-inline constexpr int kMostConditions = 100000;
-inline constexpr int kMostPlumes = 1000;  // every worker keeps each of them
-inline constexpr int kMostWavelengths = 100000;
 
 }  // namespace irsig

@@ -8,9 +8,9 @@
 #include "core/base/hottest.h"
 #include "core/geo/sun.h"
 #include "core/thermal/solids.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
-#include "jobs/time_of_day.h"
+#include "jobs/text/nearest_name.h"
+#include "jobs/text/time_of_day.h"
 
 namespace irsig {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/atmosphere/cloud.h"
 #include "core/base/status_macros.h"
 #include "core/thermal/condensation.h"
-#include "jobs/number_bounds.h"
+#include "jobs/text/number_bounds.h"
 
 namespace irsig {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "jobs/section_check.h"
+#include "jobs/text/section_check.h"
 #include "schema/job.pb.h"
 
 namespace irsig {

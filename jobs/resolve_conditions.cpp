@@ -12,7 +12,7 @@
 #include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/season_course.h"
-#include "jobs/time_of_day.h"
+#include "jobs/text/time_of_day.h"
 
 namespace irsig {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/effects/effects.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 namespace {

@@ -5,8 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/accuracy/image_layers.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/text/nearest_name.h"
 #include "schema/image_size.h"
 
 namespace irsig {

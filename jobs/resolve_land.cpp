@@ -11,9 +11,9 @@
 #include "core/land/height_raster.h"
 #include "jobs/keys/expand.h"
 #include "jobs/land_build_ups.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_land_objects.h"
+#include "jobs/text/nearest_name.h"
 #include "schema/heat_run.h"
 
 namespace irsig {

@@ -8,7 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
-#include "jobs/nearest_name.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 namespace {

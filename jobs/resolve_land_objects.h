@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "jobs/section_check.h"
+#include "jobs/text/section_check.h"
 #include "schema/sweep.pb.h"
 
 namespace irsig {

@@ -3,13 +3,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/materials/optical/material_library.h"
-#include "jobs/library_material.h"
-#include "jobs/material_kinds.h"
-#include "jobs/nearest_name.h"
-#include "jobs/number_bounds.h"
+#include "jobs/files/library_material.h"
+#include "jobs/files/material_kinds.h"
+#include "jobs/files/sweep_materials.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_land.h"
-#include "jobs/sweep_materials.h"
+#include "jobs/text/nearest_name.h"
+#include "jobs/text/number_bounds.h"
 
 namespace irsig {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "jobs/material_files.h"
-#include "jobs/section_check.h"
+#include "jobs/files/material_files.h"
+#include "jobs/text/section_check.h"
 #include "schema/job.pb.h"
 
 namespace irsig {

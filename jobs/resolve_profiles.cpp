@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/absorber_amounts.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 namespace {

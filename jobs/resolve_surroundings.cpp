@@ -2,16 +2,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "jobs/files/season_surroundings.h"
 #include "jobs/resolve.h"
 
 namespace irsig {
 namespace {
 
 using schema::Surroundings;
-
-bool states_sky(const Surroundings& s) {
-  return s.has_sky_temperature_k() || s.has_sky_radiance_w_m2_sr_um();
-}
 
 // What the keys of a table mean: the kind that it takes part in, and the air above it.
 struct Role {
@@ -116,31 +113,6 @@ Missing missing_from(const Surroundings& complete, bool atmosphere, bool heat) {
 }
 
 }  // namespace
-
-// The two ways to state the sky are one field; what the other kind of surroundings, or another sea,
-// would need is not inherited.
-Surroundings overridden(Surroundings base, const Surroundings& season) {
-  if (states_sky(season)) {
-    base.clear_sky_temperature_k();
-    base.clear_sky_radiance_w_m2_sr_um();
-  }
-  if (season.has_kind() && season.kind() != base.kind()) {
-    base.clear_solar_albedo();
-    if (season.kind() != "none") base.clear_lower_radiance_w_m2_sr_um();
-    if (season.kind() != "sea") {
-      base.clear_sea_model();
-      base.clear_sea_temperature_k();
-      base.clear_sea_emissivity();
-    }
-    if (season.kind() != "ground") {
-      base.clear_ground_temperature_k();
-      base.clear_ground_emissivity();
-    }
-  }
-  if (season.has_sea_model() && season.sea_model() != "grey") base.clear_sea_emissivity();
-  base.MergeFrom(season);
-  return base;
-}
 
 void check_complete_surroundings(const schema::Sweep& sweep, const Surroundings& complete,
                                  const std::string& path, Findings& findings) {

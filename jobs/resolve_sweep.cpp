@@ -1,18 +1,20 @@
+#include "jobs/resolve_sweep.h"
+
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
-#include "jobs/check_weather.h"
-#include "jobs/condition_table.h"
+#include "jobs/consistency/check_weather.h"
+#include "jobs/files/condition_table.h"
 #include "jobs/land_build_ups.h"
-#include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
 #include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
-#include "jobs/size_bounds.h"
-#include "jobs/sweep_file.h"
+#include "jobs/text/number_bounds.h"
+#include "jobs/text/size_bounds.h"
+#include "jobs/text/sweep_file.h"
 
 namespace irsig {
 namespace {

@@ -6,9 +6,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "jobs/keys/expand.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_land.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 namespace {

@@ -3,10 +3,10 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "jobs/files/temperature_files.h"
 #include "jobs/keys/expand.h"
-#include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
-#include "jobs/temperature_files.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 

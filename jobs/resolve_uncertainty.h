@@ -1,6 +1,6 @@
 #pragma once
 
-#include "jobs/section_check.h"
+#include "jobs/text/section_check.h"
 
 namespace irsig {
 

@@ -124,14 +124,6 @@ double height_above_surface_m(const Viewpoint& view, double reference_m) {
 
 }  // namespace
 
-std::string viewpoint_path(const schema::Viewpoints& set, std::size_t index, std::size_t all) {
-  const std::size_t of_range = all / static_cast<std::size_t>(std::max(1, set.ranges_m_size()));
-  const std::size_t spread_ones = of_range - static_cast<std::size_t>(set.aspect_size());
-  const std::size_t at = index % of_range;
-  return at < spread_ones ? "viewpoints"
-                          : absl::StrCat("viewpoints.aspect[", at - spread_ones, "]");
-}
-
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
   const schema::Sweep& sweep = resolved.sweep();
   if (!sweep.has_viewpoints()) {

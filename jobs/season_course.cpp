@@ -12,11 +12,11 @@
 #include "core/base/problems.h"
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/weather_file.h"
-#include "jobs/number_bounds.h"
+#include "jobs/files/weather_files.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_cloud.h"
 #include "jobs/resolve_plume.h"
-#include "jobs/weather_files.h"
+#include "jobs/text/number_bounds.h"
 
 namespace irsig {
 namespace {

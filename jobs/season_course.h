@@ -7,7 +7,7 @@
 #include "core/base/problems.h"
 #include "core/geo/sun.h"
 #include "core/thermal/weather_course.h"
-#include "jobs/section_check.h"
+#include "jobs/text/section_check.h"
 
 namespace irsig {
 

@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "core/geo/frames.h"
 #include "core/geo/viewpoint.h"
-#include "core/signature/image_spec.h"
+#include "core/signature/view/image_spec.h"
 
 namespace irsig {
 

@@ -8,8 +8,8 @@
 
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/view_pictures.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/view_pictures.h"
 #include "core/transport/ray_batch.h"
 
 namespace irsig {

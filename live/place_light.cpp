@@ -6,8 +6,8 @@
 
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/shading.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/shading.h"
 
 namespace irsig {
 namespace {

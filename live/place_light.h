@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/shading.h"
+#include "core/signature/view/shading.h"
 #include "live/live_sweep.h"
 #include "live/reflected_sky.h"
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/environment/direction_nodes.h"
-#include "core/signature/prepared_scene.h"
+#include "core/environment/fit/direction_nodes.h"
+#include "core/signature/view/prepared_scene.h"
 
 namespace irsig {
 

@@ -12,13 +12,14 @@
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "core/scene/import/model_file.h"
+#include "jobs/files/material_files.h"
+#include "jobs/files/temperature_files.h"
+#include "jobs/files/weather_files.h"
 #include "jobs/keys/expand.h"
-#include "jobs/material_files.h"
 #include "jobs/resolve_land.h"
 #include "jobs/resolve_plume.h"
+#include "jobs/resolve_sweep.h"
 #include "jobs/shard.h"
-#include "jobs/temperature_files.h"
-#include "jobs/weather_files.h"
 #include "runner/heat_outputs.h"
 #include "runner/sweep_temperatures.h"
 
@@ -90,8 +91,9 @@ absl::StatusOr<SweepFile> load_sweep_text(const std::string& text, const std::st
     RETURN_IF_ERROR(read(file, reader(kMostTableBytes)));
   RETURN_IF_ERROR(read_temperature_files(file, reader(kMostModelBytes)));
   RETURN_IF_ERROR(read_plume_file(file, reader(kMostModelBytes)));
-  RETURN_IF_ERROR(read_land_files(
-      file, [&](const std::string& name) { return read_model_beside(path, name, kMostModelBytes); }));
+  RETURN_IF_ERROR(read_land_files(file, [&](const std::string& name) {
+    return read_model_beside(path, name, kMostModelBytes);
+  }));
   return file;
 }
 

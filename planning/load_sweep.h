@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "jobs/sweep_file.h"
+#include "jobs/text/sweep_file.h"
 #include "planning/sweep_size.h"
 #include "runner/job_runner.h"
 
@@ -27,7 +27,8 @@ struct LoadedSweep {
   schema::ResolvedSweep resolved;
   Assets assets;
   HeatOutputs heat = {};  // what its heat jobs leave; empty: not computed yet
-  // Warnings, one line each: its weather (jobs/check_weather.h), open shells of its model.
+  // Warnings, one line each: its weather (jobs/consistency/check_weather.h), open shells of its
+  // model.
   std::vector<std::string> warnings;
   JobMemory memory = {};  // of one worker
   SweepSize size = {};

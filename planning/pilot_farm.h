@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

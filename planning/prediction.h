@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "planning/sweep_pilot.h"
 #include "schema/farm.pb.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

@@ -14,7 +14,7 @@
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
 #include "schema/shard.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 #include "view/rows/measured_row.h"
 
 namespace irsig {

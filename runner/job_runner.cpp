@@ -10,8 +10,8 @@
 #include "core/base/arithmetic_fingerprint.h"
 #include "core/base/status_macros.h"
 #include "core/scene/check/mesh_lint.h"
-#include "core/signature/in_sight.h"
 #include "core/signature/simulator.h"
+#include "core/signature/view/in_sight.h"
 #include "messages/environment/weather_from_message.h"
 #include "messages/results/result_to_proto.h"
 #include "runner/check_numbers.h"
@@ -204,8 +204,7 @@ absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& ta
     condition.above_surface_m = above_surface_m(sweep, c);
   }
   if (land != nullptr && land->objects != nullptr && !conditions.empty()) {
-    RETURN_IF_ERROR(
-        check_outside_objects(target, *land, conditions.front().above_surface_m));
+    RETURN_IF_ERROR(check_outside_objects(target, *land, conditions.front().above_surface_m));
   }
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (const absl::Status status =

@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/problems.h"
-#include "core/signature/prepared_scene.h"
+#include "core/signature/view/prepared_scene.h"
 #include "schema/job.pb.h"
 
 namespace irsig {

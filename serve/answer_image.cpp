@@ -5,7 +5,7 @@
 
 #include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_picture.h"
+#include "schema/store/check/check_picture.h"
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/image_layers.h"
-#include "schema/store/filters.h"
+#include "schema/store/tables/filters.h"
 #include "view/bands/bands.h"
 #include "view/query/query.h"
 

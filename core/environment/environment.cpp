@@ -15,7 +15,7 @@
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
 #include "core/environment/broken_cloud.h"
-#include "core/environment/lazy.h"
+#include "core/environment/fit/lazy.h"
 #include "core/environment/light_bounds.h"
 #include "core/environment/line_horizon.h"
 #include "core/environment/sensor_path.h"

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/base/constants.h"
-#include "core/environment/glitter_sums.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/sea/glitter_sums.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {

@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "core/base/constants.h"
-#include "core/environment/interpolation_error.h"
-#include "core/environment/linear_basis_fit.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/fit/interpolation_error.h"
+#include "core/environment/fit/linear_basis_fit.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {

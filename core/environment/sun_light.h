@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/environment/lazy.h"
+#include "core/environment/fit/lazy.h"
 #include "core/environment/sensor_path.h"
 #include "core/environment/thermal_surroundings.h"
 

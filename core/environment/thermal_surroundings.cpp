@@ -8,9 +8,9 @@
 
 #include "core/base/check.h"
 #include "core/base/constants.h"
-#include "core/environment/interpolation_error.h"
-#include "core/environment/ring_ratios.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/fit/interpolation_error.h"
+#include "core/environment/fit/ring_ratios.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {

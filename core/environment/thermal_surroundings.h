@@ -10,9 +10,9 @@
 
 #include "core/atmosphere/cloud_light.h"
 #include "core/atmosphere/path_layers.h"
-#include "core/environment/direction_nodes.h"
-#include "core/environment/lazy.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/fit/direction_nodes.h"
+#include "core/environment/fit/lazy.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/environment/unknown_cloud.h"
 #include "core/environment/view_environment.h"
 #include "core/environment/weather_spec.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/environment/interpolation_error.h"
+#include "core/environment/fit/interpolation_error.h"
 
 namespace irsig {
 namespace {

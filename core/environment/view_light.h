@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/effects/effect_set.h"
+#include "core/environment/fit/ring_ratios.h"
 #include "core/environment/line_horizon.h"
-#include "core/environment/ring_ratios.h"
 #include "core/environment/sensor_path.h"
 #include "core/environment/sun_light.h"
 #include "core/environment/thermal_surroundings.h"

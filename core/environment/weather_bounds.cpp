@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "core/atmosphere/path_layers.h"
-#include "core/environment/glitter_sums.h"
-#include "core/environment/linear_basis_fit.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/fit/linear_basis_fit.h"
+#include "core/environment/sea/glitter_sums.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {

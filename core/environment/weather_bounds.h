@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/atmosphere/absorber_amounts.h"
-#include "core/environment/direction_nodes.h"
+#include "core/environment/fit/direction_nodes.h"
 #include "core/environment/view_environment.h"
 #include "core/environment/weather_spec.h"
 

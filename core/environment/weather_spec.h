@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/atmosphere/atmosphere.h"
-#include "core/atmosphere/imported_path.h"
+#include "core/atmosphere/imported/imported_path.h"
 #include "core/geo/frames.h"
 
 namespace irsig {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/accuracy/replicates.h"
-#include "core/signature/result.h"
+#include "core/signature/view/result.h"
 
 namespace irsig {
 

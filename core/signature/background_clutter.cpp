@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "core/signature/result.h"
+#include "core/signature/view/result.h"
 
 namespace irsig {
 

@@ -7,7 +7,7 @@
 #include "core/base/ordered_dot.h"
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/unseen.h"
+#include "core/signature/view/unseen.h"
 
 namespace irsig {
 namespace {

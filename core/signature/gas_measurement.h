@@ -12,8 +12,8 @@
 #include "core/hot_gas/column_spectra.h"
 #include "core/hot_gas/gas_on_view.h"
 #include "core/signature/gas_rows.h"
-#include "core/signature/shading.h"
-#include "core/signature/trace_view.h"
+#include "core/signature/view/shading.h"
+#include "core/signature/view/trace_view.h"
 #include "core/transport/boxed_view.h"
 
 namespace irsig {

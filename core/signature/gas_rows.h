@@ -6,12 +6,12 @@
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
 #include "core/effects/plan.h"
-#include "core/signature/pixel_errors.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/request.h"
-#include "core/signature/result.h"
-#include "core/signature/view_pictures.h"
+#include "core/signature/view/pixel_errors.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/result.h"
+#include "core/signature/view/view_pictures.h"
 
 namespace irsig {
 

@@ -7,8 +7,8 @@
 
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/shading.h"
-#include "core/signature/trace_view.h"
+#include "core/signature/view/shading.h"
+#include "core/signature/view/trace_view.h"
 #include "core/sources/view_sources.h"
 
 namespace irsig {

@@ -7,10 +7,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/request.h"
-#include "core/signature/result.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/result.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/base/status_macros.h"
-#include "core/signature/land_background.h"
+#include "core/signature/view/land_background.h"
 
 namespace irsig {
 namespace {

@@ -2,8 +2,8 @@
 
 #include "absl/status/status.h"
 #include "core/signature/measured_view.h"
-#include "core/signature/request.h"
-#include "core/signature/result.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/result.h"
 
 namespace irsig {
 

@@ -6,8 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/signature/measured_view.h"
-#include "core/signature/pixel_errors.h"
-#include "core/signature/view_pictures.h"
+#include "core/signature/view/pixel_errors.h"
+#include "core/signature/view/view_pictures.h"
 
 namespace irsig {
 

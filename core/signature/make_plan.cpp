@@ -13,10 +13,10 @@
 #include "core/base/status_macros.h"
 #include "core/signature/aim_at_bright.h"
 #include "core/signature/effect_bounds.h"
-#include "core/signature/in_sight.h"
 #include "core/signature/measured_view.h"
 #include "core/signature/row_bounds/row_bounds.h"
-#include "core/signature/scene_hash.h"
+#include "core/signature/view/in_sight.h"
+#include "core/signature/view/scene_hash.h"
 
 namespace irsig {
 namespace {
@@ -344,8 +344,8 @@ absl::Status check_land(const PreparedScene& scene, const ViewRequest& request) 
                          "land needs [surroundings] kind = \"ground\", which lies beyond "
                          "its map");
   for (const ConditionSpec& c : request.condition) {
-    if (c.land_temperature_k.size() != kinds || (!c.land_temperature_error_k.empty() &&
-                                                 c.land_temperature_error_k.size() != kinds))
+    if (c.land_temperature_k.size() != kinds ||
+        (!c.land_temperature_error_k.empty() && c.land_temperature_error_k.size() != kinds))
       return absl::InvalidArgumentError(
           "a condition does not state one temperature for each kind of the land");
     if (c.gas != nullptr)

@@ -5,10 +5,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/signature/plan.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/request.h"
+#include "core/signature/view/plan.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/request.h"
 
 namespace irsig {
 

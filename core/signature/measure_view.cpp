@@ -9,7 +9,7 @@
 #include "core/signature/make_plan.h"
 #include "core/signature/measured_view.h"
 #include "core/signature/row_pictures.h"
-#include "core/signature/view_pictures.h"
+#include "core/signature/view/view_pictures.h"
 
 namespace irsig {
 namespace {

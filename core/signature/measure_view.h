@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/plan.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/request.h"
-#include "core/signature/result.h"
+#include "core/signature/view/plan.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/result.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/accuracy/measured.h"
-#include "core/signature/result.h"
-#include "core/signature/trace_view.h"
-#include "core/signature/view_setup.h"
+#include "core/signature/view/result.h"
+#include "core/signature/view/trace_view.h"
+#include "core/signature/view/view_setup.h"
 
 namespace irsig {
 

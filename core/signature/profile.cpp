@@ -12,7 +12,7 @@
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/prepared_view.h"
+#include "core/signature/view/prepared_view.h"
 #include "core/sources/view_sources.h"
 
 namespace irsig {

@@ -5,8 +5,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/request.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/request.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {

@@ -9,9 +9,9 @@
 
 #include "core/base/status_macros.h"
 #include "core/signature/make_plan.h"
-#include "core/signature/picture_window.h"
-#include "core/signature/pixel_background.h"
-#include "core/signature/pixel_errors.h"
+#include "core/signature/view/picture_window.h"
+#include "core/signature/view/pixel_background.h"
+#include "core/signature/view/pixel_errors.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {

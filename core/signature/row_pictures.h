@@ -3,9 +3,9 @@
 #include "absl/status/status.h"
 #include "core/signature/light_component.h"
 #include "core/signature/measured_view.h"
-#include "core/signature/request.h"
-#include "core/signature/result.h"
-#include "core/signature/view_pictures.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/result.h"
+#include "core/signature/view/view_pictures.h"
 
 namespace irsig {
 

@@ -7,14 +7,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/signature/input_changes.h"
-#include "core/signature/plan.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/request.h"
-#include "core/signature/result.h"
+#include "core/signature/view/plan.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/result.h"
 
 namespace irsig {
 
-struct PreparedView;  // core/signature/prepared_view.h
+struct PreparedView;  // core/signature/view/prepared_view.h
 
 // A plan and what was made of the view on the way to it, which measure() then need not make again.
 struct PlannedView {

@@ -8,8 +8,8 @@
 #include "core/base/check.h"
 #include "core/base/constants.h"
 #include "core/base/ordered_dot.h"
-#include "core/environment/sea_glint.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/sea/sea_glint.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/environment/background_directions.h"
-#include "core/environment/direction_nodes.h"
+#include "core/environment/fit/direction_nodes.h"
 #include "core/geo/frames.h"
 #include "core/sources/land.h"
 

@@ -4,7 +4,7 @@
 
 #include "core/base/check.h"
 #include "core/environment/land_air.h"
-#include "core/environment/sea_glint.h"
+#include "core/environment/sea/sea_glint.h"
 
 namespace irsig {
 
@@ -38,7 +38,8 @@ SourceLayout SourceLayout::make(std::uint32_t emitters, const SourceGeometry& ge
   out.land_sun_ = out.glint_ + out.suns_ * out.glint_nodes_;
   out.behind_ = out.land_sun_ + out.land_suns_ * lands;
   out.behind_land_ = out.behind_ + (geometry.behind ? geometry.behind->count() : 0);
-  out.behind_land_sun_ = out.behind_land_ + (out.land_kinds_ + out.land_materials_) * out.behind_ranges_;
+  out.behind_land_sun_ =
+      out.behind_land_ + (out.land_kinds_ + out.land_materials_) * out.behind_ranges_;
   out.end_ = out.behind_land_sun_ + out.land_suns_ * behind_lands;
   return out;
 }

@@ -6,8 +6,8 @@
 
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
-#include "core/signature/prepared_view.h"
-#include "core/signature/shading.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/shading.h"
 
 namespace irsig {
 
@@ -43,9 +43,7 @@ ViewSources ViewEstimator::sources_of(std::span<const std::uint32_t> conditions,
   const PreparedScene& scene = simulator_.scene();
   SourceRequest sources = source_request(scene, request_, conditions);
   sources.contrast = contrast;
-  return {sources,
-          EffectSet::everything(request_.condition.size(), 1),
-          environments_,
+  return {sources, EffectSet::everything(request_.condition.size(), 1), environments_,
           scene.axis.node_um()};
 }
 
@@ -53,7 +51,7 @@ PathSettings ViewEstimator::settings(const EstimatorOptions& knobs) const {
   PathSettings out;
   out.max_reflections = knobs.max_reflections;
   out.replicates = knobs.replicates;
-  out.split = knobs.wide_roulette ? 2 : 1;  // as core/signature/trace_view.cpp has it
+  out.split = knobs.wide_roulette ? 2 : 1;  // as core/signature/view/trace_view.cpp has it
   out.roulette_survival_scale = knobs.wide_roulette ? 2 : 1;
   out.hot_lights = out.sun_disk_by_chance = knobs.hot_parts;
   out.pseudo_random = knobs.pseudo_random;

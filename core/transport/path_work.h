@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-#include "core/environment/sea_glint.h"
+#include "core/environment/sea/sea_glint.h"
 #include "core/transport/hot_lights.h"
 #include "core/transport/path_tracer.h"
 #include "core/transport/vector_stages.h"
@@ -141,19 +141,19 @@ struct PathTracer::Work {
   std::vector<std::uint64_t> met_parts;  // [ray of the batch][part / 64], a bit for each
   std::map<std::vector<std::uint32_t>, std::uint32_t> place_of_set;
   std::vector<Sun> sun;
-  std::uint32_t capacity = 0;               // primary rays of a batch
-  std::uint32_t most = 0;                   // after splitting
-  std::uint32_t orders = 1;                 // tables of weights of one replicate
-  std::vector<SourceWeights> weight;        // [replicate][order], of the current stratum
-  std::vector<SourceWeights> last;          // [replicate]: those of the last order alone
-  std::vector<double> area;                 // [replicate]
-  std::vector<double> background_area;      // [replicate]
-  std::vector<double> hidden_area;          // [replicate]
+  std::uint32_t capacity = 0;           // primary rays of a batch
+  std::uint32_t most = 0;               // after splitting
+  std::uint32_t orders = 1;             // tables of weights of one replicate
+  std::vector<SourceWeights> weight;    // [replicate][order], of the current stratum
+  std::vector<SourceWeights> last;      // [replicate]: those of the last order alone
+  std::vector<double> area;             // [replicate]
+  std::vector<double> background_area;  // [replicate]
+  std::vector<double> hidden_area;      // [replicate]
   // Weights of primary rays for which the mean of what is behind the target stands in, and how many
   // samples of each replicate have what they meet themselves.
   std::vector<double> mean_behind;  // [replicate][part]
   std::uint32_t behind_samples = 0;
-  float behind_scale = 1;  // what such a sample stands for
+  float behind_scale = 1;                   // what such a sample stands for
   std::vector<double> beyond;               // [replicate][order]: PathWeights::beyond_order_m2
   std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
   std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names

@@ -4,7 +4,7 @@
 
 namespace irsig {
 
-// A text of a sweep or of a request that has no bound of its own (jobs/size_bounds.h). [bytes]
+// A text of a sweep or of a request that has no bound of its own (jobs/text/size_bounds.h). [bytes]
 inline constexpr std::size_t kLongestName = 1000;
 
 // Limits of one sweep in all: rows = viewpoints x conditions x bands, jobs, and rows of profiles

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "core/signature/request.h"
+#include "core/signature/view/request.h"
 #include "schema/sweep.pb.h"
 
 namespace irsig {

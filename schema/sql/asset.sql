@@ -1,4 +1,4 @@
--- Files that sweeps need and outputs of heat jobs, by their SHA-256 (schema/store/stored_asset.cpp).
+-- Files that sweeps need and outputs of heat jobs, by their SHA-256 (schema/store/tables/stored_asset.cpp).
 
 -- name: asset_bytes
 SELECT bytes FROM asset WHERE sha256 = ?1;

@@ -1,4 +1,4 @@
--- What computing cost, and what was predicted (schema/store/cost.cpp).
+-- What computing cost, and what was predicted (schema/store/tables/cost.cpp).
 
 -- name: store_prediction
 INSERT OR REPLACE INTO prediction (

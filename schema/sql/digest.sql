@@ -1,4 +1,4 @@
--- The digest (schema/store/digest.cpp, schema/README.md): what does not depend on when, where, by whom and in which
+-- The digest (schema/store/tables/digest.cpp, schema/README.md): what does not depend on when, where, by whom and in which
 -- pieces it was computed, in key order. Column order is part of the digest's definition.
 
 -- name: digest_sweeps

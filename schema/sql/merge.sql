@@ -1,4 +1,4 @@
--- Merging (schema/store/merge.cpp): the done jobs of this database, `main`, into `merged`, in which all sweeps have
+-- Merging (schema/store/whole/merge.cpp): the done jobs of this database, `main`, into `merged`, in which all sweeps have
 -- been submitted. Tables temp.of_...: what is called `theirs` here is called `ours` there; `known` is what `merged`
 -- has already. ?1: the sweep here, ?2: the sweep there.
 

@@ -1,4 +1,4 @@
--- A slice (schema/store/slice.cpp): some rows of this database, `main`, into a new and empty one, `slice`. Ids stay;
+-- A slice (schema/store/whole/slice.cpp): some rows of this database, `main`, into a new and empty one, `slice`. Ids stay;
 -- places (viewpoint_index and so on) are counted anew.
 
 -- name: slice_tables

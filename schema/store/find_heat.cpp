@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
-#include "schema/store/statements.h"
-#include "schema/store/stored_asset.h"
+#include "schema/store/tables/statements.h"
+#include "schema/store/tables/stored_asset.h"
 
 namespace irsig {
 

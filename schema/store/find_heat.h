@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/database.h"
-#include "schema/store/filters.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/database.h"
+#include "schema/store/tables/filters.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

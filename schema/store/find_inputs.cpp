@@ -1,7 +1,7 @@
 #include "schema/store/find_inputs.h"
 
 #include "core/base/status_macros.h"
-#include "schema/store/statements.h"
+#include "schema/store/tables/statements.h"
 
 namespace irsig {
 

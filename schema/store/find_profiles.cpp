@@ -1,7 +1,7 @@
 #include "schema/store/find_profiles.h"
 
 #include "core/base/status_macros.h"
-#include "schema/store/statements.h"
+#include "schema/store/tables/statements.h"
 
 namespace irsig {
 

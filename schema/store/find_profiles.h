@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/database.h"
 #include "schema/store/reader.h"
+#include "schema/store/tables/database.h"
 
 namespace irsig {
 

@@ -11,8 +11,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
-#include "schema/store/statements.h"
 #include "schema/store/sweep_table.h"
+#include "schema/store/tables/statements.h"
 
 namespace irsig {
 namespace {

@@ -12,12 +12,12 @@
 #include "absl/strings/str_split.h"
 #include "core/accuracy/quantities.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_result.h"
+#include "schema/store/check/check_result.h"
+#include "schema/store/check/ingest_inputs.h"
 #include "schema/store/ingest_heat.h"
-#include "schema/store/ingest_inputs.h"
-#include "schema/store/spectrum_blob.h"
-#include "schema/store/statements.h"
 #include "schema/store/sweep_table.h"
+#include "schema/store/tables/spectrum_blob.h"
+#include "schema/store/tables/statements.h"
 
 namespace irsig {
 namespace {

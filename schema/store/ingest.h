@@ -7,8 +7,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "schema/result.pb.h"
-#include "schema/store/database.h"
 #include "schema/store/queue.h"
+#include "schema/store/tables/database.h"
 
 namespace irsig {
 

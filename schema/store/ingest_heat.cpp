@@ -10,11 +10,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_heat_result.h"
+#include "schema/store/check/check_heat_result.h"
 #include "schema/store/ingest.h"
-#include "schema/store/sha256.h"
-#include "schema/store/statements.h"
-#include "schema/store/stored_asset.h"
+#include "schema/store/tables/sha256.h"
+#include "schema/store/tables/statements.h"
+#include "schema/store/tables/stored_asset.h"
 
 namespace irsig {
 namespace {

@@ -6,8 +6,8 @@
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
-#include "schema/store/database.h"
 #include "schema/store/queue.h"
+#include "schema/store/tables/database.h"
 
 namespace irsig {
 

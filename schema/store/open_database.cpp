@@ -13,8 +13,8 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_schema.h"
-#include "schema/store/statements.h"
+#include "schema/store/tables/check_schema.h"
+#include "schema/store/tables/statements.h"
 #include "schema/store/whole_file.h"
 
 namespace irsig {

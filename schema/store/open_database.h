@@ -5,8 +5,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "schema/store/database.h"
-#include "schema/store/writer_lock.h"
+#include "schema/store/tables/database.h"
+#include "schema/store/tables/writer_lock.h"
 
 namespace irsig {
 
@@ -25,9 +25,9 @@ struct WritableDatabase {
 
 // Creates or opens for writing, switches to write-ahead logging. INVALID_ARGUMENT: the file is no
 // signature database, or one of another format; an older one is named with the build that wrote it.
-// Files that it refuses (schema/store/check_schema.h, schema/store/whole_file.h) stay as they are;
-// a new one is its owner's alone (mode 0600); a file that it began to create does not stay behind
-// when it fails.
+// Files that it refuses (schema/store/tables/check_schema.h, schema/store/whole_file.h) stay as
+// they are; a new one is its owner's alone (mode 0600); a file that it began to create does not
+// stay behind when it fails.
 [[nodiscard]] absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path);
 
 // Folds the journal in, so that one plain file remains. UNAVAILABLE: a reader has the file open;

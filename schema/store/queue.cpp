@@ -8,7 +8,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "core/base/status_macros.h"
-#include "schema/store/statements.h"
+#include "schema/store/tables/statements.h"
 
 namespace irsig {
 namespace {

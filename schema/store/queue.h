@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "schema/store/database.h"
+#include "schema/store/tables/database.h"
 #include "schema/store/writer.h"
 
 namespace irsig {

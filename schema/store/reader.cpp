@@ -7,9 +7,7 @@
 #include "absl/strings/str_split.h"
 #include "core/accuracy/spectral_modes.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_picture.h"
-#include "schema/store/cost.h"
-#include "schema/store/digest.h"
+#include "schema/store/check/check_picture.h"
 #include "schema/store/find_contents.h"
 #include "schema/store/find_heat.h"
 #include "schema/store/find_inputs.h"
@@ -18,9 +16,11 @@
 #include "schema/store/find_signatures.h"
 #include "schema/store/open_database.h"
 #include "schema/store/queue.h"
-#include "schema/store/spectrum_blob.h"
-#include "schema/store/statements.h"
-#include "schema/store/stored_asset.h"
+#include "schema/store/tables/cost.h"
+#include "schema/store/tables/digest.h"
+#include "schema/store/tables/spectrum_blob.h"
+#include "schema/store/tables/statements.h"
+#include "schema/store/tables/stored_asset.h"
 
 namespace irsig {
 namespace {

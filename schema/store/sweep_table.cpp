@@ -15,14 +15,14 @@
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/util/json_util.h"
 #include "schema/shard.h"
-#include "schema/store/check_sweep.h"
-#include "schema/store/heat_time.h"
+#include "schema/store/check/check_sweep.h"
+#include "schema/store/check/ingest_inputs.h"
 #include "schema/store/ingest_heat.h"
-#include "schema/store/ingest_inputs.h"
 #include "schema/store/queue.h"
-#include "schema/store/sha256.h"
-#include "schema/store/statements.h"
-#include "schema/store/stored_asset.h"
+#include "schema/store/tables/heat_time.h"
+#include "schema/store/tables/sha256.h"
+#include "schema/store/tables/statements.h"
+#include "schema/store/tables/stored_asset.h"
 
 namespace irsig {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
-#include "schema/store/database.h"
+#include "schema/store/tables/database.h"
 #include "schema/store/writer.h"
 
 namespace irsig {

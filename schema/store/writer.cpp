@@ -4,16 +4,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
-#include "schema/store/content.h"
-#include "schema/store/cost.h"
 #include "schema/store/ingest.h"
 #include "schema/store/ingest_heat.h"
 #include "schema/store/open_database.h"
 #include "schema/store/progress_counters.h"
 #include "schema/store/queue.h"
-#include "schema/store/statements.h"
-#include "schema/store/stored_asset.h"
 #include "schema/store/sweep_table.h"
+#include "schema/store/tables/content.h"
+#include "schema/store/tables/cost.h"
+#include "schema/store/tables/statements.h"
+#include "schema/store/tables/stored_asset.h"
 
 namespace irsig {
 namespace {

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 #include "schema/sweep.pb.h"
 
 namespace irsig {

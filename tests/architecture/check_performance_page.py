@@ -23,6 +23,6 @@ def complaint(page, header):
 
 if __name__ == "__main__":
     root = pathlib.Path(sys.argv[1])
-    wrong = complaint((root / "docs/evidence/performance.md").read_text(), (root / "core/signature/result.h").read_text())
+    wrong = complaint((root / "docs/evidence/performance.md").read_text(), (root / "core/signature/view/result.h").read_text())
     if wrong:
         sys.exit(wrong)

@@ -10,7 +10,7 @@
 #include <cstdio>
 
 #include "core/base/work_counts.h"
-#include "core/signature/unseen.h"
+#include "core/signature/view/unseen.h"
 #include "tests/physics/scene_fixture.h"
 
 namespace irsig {

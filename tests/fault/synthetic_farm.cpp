@@ -14,7 +14,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/geo/sun.h"
-#include "jobs/sweep_file.h"
+#include "jobs/resolve_sweep.h"
+#include "jobs/text/sweep_file.h"
 #include "tests/fault/synthetic_ledger.h"
 #include "tests/fault/synthetic_pictures.h"
 

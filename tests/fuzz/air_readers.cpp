@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "core/atmosphere/air_profile.h"
-#include "core/atmosphere/imported_path.h"
+#include "core/atmosphere/imported/imported_path.h"
 #include "core/thermal/weather_file.h"
 #include "tests/fuzz/readers.h"
 

@@ -13,8 +13,8 @@
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
 #include "jobs/check_resolved.h"
-#include "jobs/size_bounds.h"
-#include "schema/store/check_plausible.h"
+#include "jobs/text/size_bounds.h"
+#include "schema/store/check/check_plausible.h"
 #include "schema/wire_size.h"
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fuzz/message_mutator.h"
@@ -297,8 +297,12 @@ class Babel {
   std::mt19937_64 random_;
   fuzz::MessageMutator fields_;
   double now_s_ = 0;
-  Farm farm_{store_, FarmRules{.audit_fraction = 0}, [this] { return now_s_; },
-             [this] { return 1e9 + now_s_; }, "c", check_resolved};
+  Farm farm_{store_,
+             FarmRules{.audit_fraction = 0},
+             [this] { return now_s_; },
+             [this] { return 1e9 + now_s_; },
+             "c",
+             check_resolved};
   schema::RegisterRequest registration_;
   std::map<std::string, std::uint64_t> held_;  // worker id -> token
   std::string sha256_, honest_id_, worker_id_;

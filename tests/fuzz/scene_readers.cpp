@@ -12,7 +12,8 @@
 #include "jobs/check_resolved.h"
 #include "jobs/goniometer_file.h"
 #include "jobs/keys/expand.h"
-#include "jobs/sweep_file.h"
+#include "jobs/resolve_sweep.h"
+#include "jobs/text/sweep_file.h"
 #include "tests/fuzz/mesh_mutants.h"
 #include "tests/fuzz/readers.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "jobs/sweep_file.h"
+#include "jobs/text/sweep_file.h"
 #include "tests/fuzz/readers.h"
 #include "tests/fuzz/turns.h"
 

@@ -7,9 +7,9 @@
 #include <set>
 
 #include "core/effects/effects.h"
-#include "jobs/material_kinds.h"
-#include "jobs/number_bounds.h"
-#include "jobs/sweep_file.h"
+#include "jobs/files/material_kinds.h"
+#include "jobs/text/number_bounds.h"
+#include "jobs/text/sweep_file.h"
 
 namespace irsig::fuzz {
 namespace {
@@ -25,15 +25,16 @@ using Texts = std::vector<std::string>;
 const Texts& words_of(const std::string& key) {
   static const std::map<std::string, Texts> known = [] {
     const Texts axes = {"+x", "-x", "+y", "-y", "+z", "-z"};
-    const Texts profiles = {"tropical",          "midlatitude_summer", "midlatitude_winter",
-                            "subarctic_summer",  "subarctic_winter",   "us_standard_1976"};
+    const Texts profiles = {"tropical",         "midlatitude_summer", "midlatitude_winter",
+                            "subarctic_summer", "subarctic_winter",   "us_standard_1976"};
     std::map<std::string, Texts> out = {
         {"Plume.kind", {"funnel", "slab", "cylinder", "sphere", "file"}},
         {"Plume.interpolation", {"linear", "constant"}},
         {"Plume.forward_axis", axes},
         {"Plume.up_axis", axes},
         {"GasQuantity.grid", {"temperature", "density", "co2", "h2o", "none"}},
-        {"GasQuantity.unit", {"K", "degC", "Pa", "hPa", "kPa", "bar", "atm", "1", "percent", "ppm"}},
+        {"GasQuantity.unit",
+         {"K", "degC", "Pa", "hPa", "kPa", "bar", "atm", "1", "percent", "ppm"}},
         {"Uncertainty.sides", {"one", "both"}},
         {"Model.generate",
          {"disk", "sphere", "box", "cylinder", "cone", "frigate", "cooling_tower", "houses"}},
@@ -67,8 +68,14 @@ const Texts& words_of(const std::string& key) {
         {"Season.date",
          {"2025-06-21", "2025-12-21", "2026-01-27", "2024-02-29", "2025-02-29", "1900-01-01",
           "2100-12-31", "21.6.2025", "2025", "2025-13-41"}}};
-    const Texts times = {"12:00Z",      "10:30+09:00", "23:59:59.5-07:30", "2026-01-27T20:00:00Z",
-                         "00:00+00:00", "24:00Z",      "12:00",            "T",
+    const Texts times = {"12:00Z",
+                         "10:30+09:00",
+                         "23:59:59.5-07:30",
+                         "2026-01-27T20:00:00Z",
+                         "00:00+00:00",
+                         "24:00Z",
+                         "12:00",
+                         "T",
                          "2026-01-27T"};
     for (const char* of : {"Sweep.time", "Season.time", "InsideAt.time"}) out[of] = times;
     for (const MaterialKind& kind : material_kinds()) out["Material.kind"].push_back(kind.name);
@@ -92,8 +99,10 @@ const Texts& words_of(const std::string& key) {
 // Keys that name something of the sweep's own, and the list that it is in.
 const char* list_named_by(const std::string& key) {
   static const std::map<std::string, const char*> lists = {
-      {"Part.material", "material"},   {"Part.build_up", "build_up"},
-      {"Season.season", "season"},     {"Season.temperature_field", "temperature_field"},
+      {"Part.material", "material"},
+      {"Part.build_up", "build_up"},
+      {"Season.season", "season"},
+      {"Season.temperature_field", "temperature_field"},
       {"Published.profile", "profile"}};
   const auto found = lists.find(key);
   return found == lists.end() ? nullptr : found->second;
@@ -118,8 +127,9 @@ void write_text(const std::string& text, std::string& out) {
 }
 
 void write_number(double value, std::string& out) {
-  out += std::isnan(value) ? "nan" : std::isinf(value) ? (value < 0 ? "-inf" : "inf")
-                                                       : fmt::format("{}", value);
+  out += std::isnan(value)   ? "nan"
+         : std::isinf(value) ? (value < 0 ? "-inf" : "inf")
+                             : fmt::format("{}", value);
 }
 
 void write_scalar(const Message& message, const FieldDescriptor& field, int index,
@@ -262,9 +272,9 @@ schema::Sweep SweepGrammar::begin() {
 
 double SweepGrammar::number(const Message& message, const Field& field) {
   const NumberBounds& bounds = bounds_of(key_of(message, field));
-  static const std::vector<double> odd = {0,    1,     -1,   0.5,  2,    10,   288,   300, 1e-9,
-                                          1e9,  1e300, 5,    0.01, 0.1,  100,  1000,  45,  90,
-                                          -90,  360,   3.3,  12,   1e-3, 0.05, 101325};
+  static const std::vector<double> odd = {0,   1,     -1,  0.5,  2,    10,   288,   300, 1e-9,
+                                          1e9, 1e300, 5,   0.01, 0.1,  100,  1000,  45,  90,
+                                          -90, 360,   3.3, 12,   1e-3, 0.05, 101325};
   switch (below(8)) {
     case 0:
       return below(2) == 0 ? bounds.least : bounds.most;
@@ -300,8 +310,9 @@ std::uint64_t SweepGrammar::whole(const Message& message, const Field& field) {
 
 std::string SweepGrammar::text(const Message& message, const Field& field) {
   const std::string key = key_of(message, field);
-  static const Texts odd = {"", "x", "hull", "any", "a, b", std::string(200, 'y'), "\x1b[31m",
-                            "\t", "=1+1", "../x", "season[0]", "part[0].name: ", "\u00e9"};
+  static const Texts odd = {"",         "x",  "hull", "any",  "a, b",      std::string(200, 'y'),
+                            "\x1b[31m", "\t", "=1+1", "../x", "season[0]", "part[0].name: ",
+                            "\u00e9"};
   if (below(10) == 0) return one_of(odd);
   if (field.name() == "file" || field.name().ends_with("_file"))
     return below(12) == 0 ? "none.csv" : one_of(files_);
@@ -404,9 +415,9 @@ void SweepGrammar::shrink(schema::Sweep& sweep) {
 
 // What no message can say: values of another type, lines and tables twice or not at all.
 void SweepGrammar::damage(std::string& toml) {
-  static const Texts values = {"true",  "[]",        "{}",      "\"\"",       "nan",
-                               "-inf",  "2025-12-21", "12:00:00", "\"text\"",  "[1, \"a\"]",
-                               "1e999", "{ a = 1 }", "[[1]]",   "18446744073709551616"};
+  static const Texts values = {
+      "true",     "[]",       "{}",         "\"\"",  "nan",       "-inf",  "2025-12-21",
+      "12:00:00", "\"text\"", "[1, \"a\"]", "1e999", "{ a = 1 }", "[[1]]", "18446744073709551616"};
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < toml.size();) {
     const std::size_t end = std::min(toml.find('\n', at), toml.size());

@@ -25,9 +25,10 @@
 #include "core/plume/generate_plume.h"
 #include "core/plume/vdb_subprocess.h"
 #include "jobs/check_resolved.h"
+#include "jobs/files/temperature_files.h"
 #include "jobs/keys/expand.h"
 #include "jobs/resolve_plume.h"
-#include "jobs/temperature_files.h"
+#include "jobs/resolve_sweep.h"
 #include "planning/load_sweep.h"
 #include "runner/job_runner.h"
 #include "tests/fuzz/mutator.h"
@@ -76,15 +77,15 @@ std::map<std::string, std::string> files_beside() {
   std::map<std::string, std::string> out;
   const fs::path examples = fs::path(IRSIG_SOURCE_DIR) / "jobs/examples";
   out["boxes.obj"] = bytes_of(fs::path(IRSIG_SOURCE_DIR) / "jobs/models/boxes.obj");
-  for (const auto& [file, reader] : std::map<std::string, const char*>{
-           {"weather.csv", "weather_csv"},
-           {"tmy3.csv", "tmy3"},
-           {"sounding.csv", "sounding"},
-           {"path.csv", "path_csv"},
-           {"spectrum.csv", "spectrum"},
-           {"nk.yml", "optical_constants"},
-           {"brdf.csv", "brdf"},
-           {"field.csv", "temperature_csv"}})
+  for (const auto& [file, reader] :
+       std::map<std::string, const char*>{{"weather.csv", "weather_csv"},
+                                          {"tmy3.csv", "tmy3"},
+                                          {"sounding.csv", "sounding"},
+                                          {"path.csv", "path_csv"},
+                                          {"spectrum.csv", "spectrum"},
+                                          {"nk.yml", "optical_constants"},
+                                          {"brdf.csv", "brdf"},
+                                          {"field.csv", "temperature_csv"}})
     out[file] = fuzz::reader_named(reader)->sound.front();
   out["conditions.csv"] =
       "name,date,time,air_temperature_k\na,2025-06-21,12:00Z,288\nb,2025-12-21,10:30+09:00,275\n";
@@ -149,9 +150,7 @@ model = "vacuum"
 [transport]
 sun = false
 )";
-const std::string kSound[] = {
-    kBox,
-    std::string(kBox) + R"(
+const std::string kSound[] = {kBox, std::string(kBox) + R"(
 [plume]
 kind = "file"
 position_m = [0, 0, 5]
@@ -166,7 +165,7 @@ h2o = 0
 co = 0
 soot = 0
 )",
-    std::string(kBox) + R"(
+                              std::string(kBox) + R"(
 [plume]
 kind = "slab"
 position_m = [0, 0, 5]
@@ -177,7 +176,7 @@ width_m = 2
 height_m = 1
 co2 = 0.05
 )",
-    std::string(kBox) + R"(
+                              std::string(kBox) + R"(
 [effects]
 mode = "only"
 only = ["path_sun", "sky"]
@@ -308,8 +307,8 @@ TEST(SweepGrammarFuzz, NoFileEndsTheProgramAndEveryRefusalHasAPlace) {
   std::vector<std::string> sound = examples();
   sound.insert(sound.end(), std::begin(kSound), std::end(kSound));
   fuzz::SweepGrammar grammar(sound, fuzz::reader_named("sweep")->sound, names_of(files));
-  auto* shared = static_cast<Shared*>(mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE,
-                                           MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  auto* shared = static_cast<Shared*>(
+      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   ASSERT_NE(shared, MAP_FAILED);
   const char* first = std::getenv("IRSIG_FUZZ_FROM");  // a turn, to make it again
   const std::uint64_t from = first != nullptr ? std::strtoull(first, nullptr, 10) : 0;
@@ -339,8 +338,7 @@ TEST(SweepGrammarFuzz, NoFileEndsTheProgramAndEveryRefusalHasAPlace) {
   const Counts& c = shared->counts;
   std::printf("%llu files: %llu parsed, %llu resolved, %llu built, %llu computed\n",
               static_cast<unsigned long long>(c.files), static_cast<unsigned long long>(c.parsed),
-              static_cast<unsigned long long>(c.resolved),
-              static_cast<unsigned long long>(c.built),
+              static_cast<unsigned long long>(c.resolved), static_cast<unsigned long long>(c.built),
               static_cast<unsigned long long>(c.computed));
   // Files that are all refused at the first line would test nothing.
   EXPECT_GT(c.parsed, c.files / 3);

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "core/fields/temperature_field.h"
-#include "jobs/detector_file.h"
-#include "jobs/imager_file.h"
-#include "jobs/response_file.h"
+#include "jobs/files/detector_file.h"
+#include "jobs/files/imager_file.h"
+#include "jobs/files/response_file.h"
 #include "tests/fuzz/readers.h"
 #include "tests/unit/test_folder.h"
 #include "view/query/row_weights.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/signature/shading.h"
+#include "core/signature/view/shading.h"
 #include "core/sources/view_sources.h"
 #include "core/spectral/planck.h"
 #include "scene_fixture.h"

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "core/environment/environment.h"
-#include "core/environment/sea_surface.h"
+#include "core/environment/sea/sea_surface.h"
 #include "tests/physics/around_spectra.h"
 
 namespace irsig {

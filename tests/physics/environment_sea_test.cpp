@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "core/environment/sea_surface.h"
+#include "core/environment/sea/sea_surface.h"
 
 namespace irsig {
 namespace {

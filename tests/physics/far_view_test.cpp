@@ -2,10 +2,10 @@
 // far enough away, all corners of the target have the same coordinates.
 // Expected: what a disk sends to a sensor does not depend on the range, within its standard error
 // (at most 2e-4), for the smallest and the largest targets and ranges of a sweep file
-// (jobs/number_bounds.cpp, core/scene/import/import_mesh.cpp) and at the largest ratio of range to radius
-// that a job may have, 1e9 (runner/job_runner.cpp), where the sensor's place is rounded to 1e-7 of
-// the target. At 1e12 2e-4 are missing, at 1e15 2 to 6 %.
-// Source: I = L A cos(angle); the disk's polygon has the area of its circle.
+// (jobs/text/number_bounds.cpp, core/scene/import/import_mesh.cpp) and at the largest ratio of
+// range to radius that a job may have, 1e9 (runner/job_runner.cpp), where the sensor's place is
+// rounded to 1e-7 of the target. At 1e12 2e-4 are missing, at 1e15 2 to 6 %. Source: I = L A
+// cos(angle); the disk's polygon has the area of its circle.
 #include <numbers>
 
 #include "core/geo/viewpoint.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/signature/pixel_background.h"
+#include "core/signature/view/pixel_background.h"
 #include "tests/physics/scene_fixture.h"
 
 namespace irsig {

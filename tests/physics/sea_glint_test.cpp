@@ -3,14 +3,14 @@
 // where the body itself stands in the sun.
 // Expected: an upright white plate: the integral of E rho glint_per_sr cos over what it sees below
 // the horizon, by quadrature. Under a roof that shades the sea before it: nearly nothing. Source:
-// core/environment/sea_surface.h; quadrature below.
-#include "core/environment/sea_glint.h"
+// core/environment/sea/sea_surface.h; quadrature below.
+#include "core/environment/sea/sea_glint.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/environment/sea_surface.h"
+#include "core/environment/sea/sea_surface.h"
 #include "core/signature/measured_view.h"
 #include "scene_fixture.h"
 

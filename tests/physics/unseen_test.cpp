@@ -2,7 +2,7 @@
 // Expected: no bound is below the one that each facet has for itself, for the same light; and none
 // is much above it, since samples are paid for it. Source: the same bounds facet by facet, as a
 // lamp has them: one so far away that its light is the sun's.
-#include "core/signature/unseen.h"
+#include "core/signature/view/unseen.h"
 
 #include <cmath>
 #include <functional>

@@ -1,11 +1,12 @@
 // The embedded atmosphere in a sweep file: what is resolved, and what the consistency gate calls
 // wrong or odd.
-#include "jobs/check_weather.h"
+#include "jobs/consistency/check_weather.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "jobs/resolve_sweep.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

@@ -1,12 +1,13 @@
 // Tables of conditions: what a condition takes from where, what a CSV file may say, how errors find
 // their place.
-#include "jobs/condition_table.h"
+#include "jobs/files/condition_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
 #include "jobs/keys/expand.h"
+#include "jobs/resolve_sweep.h"
 #include "sweep_text.h"
 
 namespace irsig {

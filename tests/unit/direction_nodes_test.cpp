@@ -1,4 +1,4 @@
-#include "core/environment/direction_nodes.h"
+#include "core/environment/fit/direction_nodes.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 #include "core/scene/generate/generate_mesh.h"
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
-#include "jobs/detector_file.h"
-#include "jobs/imager_file.h"
+#include "jobs/files/detector_file.h"
+#include "jobs/files/imager_file.h"
 #include "jobs/keys/expand.h"
 #include "tests/unit/sweep_text.h"
 

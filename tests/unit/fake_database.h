@@ -14,10 +14,10 @@
 #include "absl/strings/str_replace.h"
 #include "core/geo/frames.h"
 #include "core/geo/viewpoint.h"
-#include "schema/store/database.h"
 #include "schema/store/reader.h"
-#include "schema/store/spectrum_blob.h"
-#include "schema/store/statements.h"
+#include "schema/store/tables/database.h"
+#include "schema/store/tables/spectrum_blob.h"
+#include "schema/store/tables/statements.h"
 #include "tests/fault/synthetic_pictures.h"
 
 namespace irsig {

@@ -16,7 +16,7 @@
 #include "absl/strings/escaping.h"
 #include "core/spectral/planck.h"
 #include "fake_database.h"
-#include "schema/store/check_picture.h"
+#include "schema/store/check/check_picture.h"
 #include "view/draw/png.h"
 #include "view/draw/svg.h"
 #include "view/pictures/plot_picture.h"

@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "schema/store/content.h"
+#include "schema/store/tables/content.h"
 #include "tests/unit/farm_fixture.h"
 
 namespace irsig {

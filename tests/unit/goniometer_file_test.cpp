@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "jobs/material_files.h"
+#include "jobs/files/material_files.h"
 
 namespace irsig {
 namespace {

@@ -12,7 +12,7 @@
 #include <numeric>
 
 #include "core/spectral/planck.h"
-#include "jobs/imager_file.h"
+#include "jobs/files/imager_file.h"
 #include "tests/unit/test_folder.h"
 
 namespace irsig {

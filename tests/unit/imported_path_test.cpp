@@ -1,4 +1,4 @@
-#include "core/atmosphere/imported_path.h"
+#include "core/atmosphere/imported/imported_path.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/atmosphere/atmosphere.h"
-#include "core/atmosphere/imported_samples.h"
+#include "core/atmosphere/imported/imported_samples.h"
 
 // The layouts are those of MODTRAN 4 and 5 and LOWTRAN 7, to the column; the numbers are straight
 // lines, so that every band mean is known.
@@ -404,9 +404,9 @@ TEST(ImportedPath, MarksOfAnEncoding) {
                marked = parse_imported_paths("\xef\xbb\xbf" + text, "a");
     ASSERT_TRUE(plain.ok()) << plain.status();
     ASSERT_TRUE(marked.ok()) << marked.status();
-    EXPECT_THAT(marked->path[0].transmittance,  // NaN where no band is covered
-                ::testing::Pointwise(::testing::NanSensitiveDoubleEq(),
-                                     plain->path[0].transmittance));
+    EXPECT_THAT(
+        marked->path[0].transmittance,  // NaN where no band is covered
+        ::testing::Pointwise(::testing::NanSensitiveDoubleEq(), plain->path[0].transmittance));
   }
   EXPECT_THAT(std::string(parse_imported_paths("\xff\xfe ", "a.tp7").status().message()),
               HasSubstr("a.tp7:1:1: this is text in UTF-16, expected UTF-8: save it as UTF-8"));

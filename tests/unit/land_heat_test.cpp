@@ -16,6 +16,7 @@
 #include "core/land/generate_terrain.h"
 #include "jobs/keys/expand.h"
 #include "jobs/resolve_land.h"
+#include "jobs/resolve_sweep.h"
 #include "messages/scene/land_heat_messages.h"
 #include "runner/heat_field.h"
 #include "runner/heat_outputs.h"

@@ -1,6 +1,6 @@
 // [[material]] of every kind: TOML -> message -> what the core takes, with numbers inline, in
 // tables and in files; and what is refused before any job runs.
-#include "jobs/material_kinds.h"
+#include "jobs/files/material_kinds.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/materials/optical/material_library.h"
+#include "jobs/files/library_material.h"
+#include "jobs/files/material_files.h"
+#include "jobs/files/sweep_materials.h"
 #include "jobs/keys/expand.h"
-#include "jobs/library_material.h"
-#include "jobs/material_files.h"
-#include "jobs/sweep_materials.h"
+#include "jobs/resolve_sweep.h"
 #include "messages/scene/material_from_message.h"
 #include "runner/job_runner.h"
 #include "tests/unit/sweep_text.h"

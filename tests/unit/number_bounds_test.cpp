@@ -1,5 +1,5 @@
 // Every number of a sweep file and of a goniometer's has limits, they hold, and the pages say them.
-#include "jobs/number_bounds.h"
+#include "jobs/text/number_bounds.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST(NumberBounds, EveryNumberHasARowAndEveryRowANumber) {
     EXPECT_GT(row.reason.size(), 5U) << row.key;
   }
   for (const auto& [key, tables] : expected)
-    EXPECT_TRUE(rows.contains(key)) << key << " has no row in jobs/number_bounds.cpp";
+    EXPECT_TRUE(rows.contains(key)) << key << " has no row in jobs/text/number_bounds.cpp";
 }
 
 // A message with this one number, wherever it can stand: as a value, in a list, in a map.

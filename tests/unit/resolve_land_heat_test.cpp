@@ -15,6 +15,7 @@
 #include "jobs/check_resolved.h"
 #include "jobs/keys/expand.h"
 #include "jobs/resolve_land.h"
+#include "jobs/resolve_sweep.h"
 #include "tests/unit/heated_land.h"
 #include "tests/unit/sweep_text.h"
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_replace.h"
 #include "jobs/check_resolved.h"
 #include "jobs/keys/expand.h"
+#include "jobs/resolve_sweep.h"
 #include "schema/assets.h"
 #include "tests/unit/sweep_text.h"
 

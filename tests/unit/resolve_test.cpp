@@ -7,6 +7,7 @@
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
 #include "jobs/keys/expand.h"
+#include "jobs/resolve_sweep.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {

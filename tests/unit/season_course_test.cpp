@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "jobs/resolve_sweep.h"
 #include "messages/environment/weather_from_message.h"
 #include "tests/unit/sweep_text.h"
 

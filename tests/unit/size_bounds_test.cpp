@@ -1,6 +1,6 @@
 // Every list of a sweep has a bound, every bound a list; and too much is refused by file and by
 // message alike.
-#include "jobs/size_bounds.h"
+#include "jobs/text/size_bounds.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ TEST(SizeBounds, EveryListHasARowAndEveryRowAListOrAText) {
     EXPECT_GT(row.most, 0U) << row.key;
   }
   for (const auto& [key, field] : lists)
-    EXPECT_TRUE(rows.contains(key)) << key << " has no row in jobs/size_bounds.cpp";
+    EXPECT_TRUE(rows.contains(key)) << key << " has no row in jobs/text/size_bounds.cpp";
 }
 
 // Of each list and each text: as much as may be, and one more.

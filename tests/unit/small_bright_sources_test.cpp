@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/signature/unseen.h"
+#include "core/signature/view/unseen.h"
 
 namespace irsig {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/base/sobol.h"
-#include "core/environment/sea_glint.h"
+#include "core/environment/sea/sea_glint.h"
 #include "core/sources/source_weights.h"
 #include "core/sources/view_sources.h"
 

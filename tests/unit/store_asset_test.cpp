@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "schema/store/examine.h"
-#include "schema/store/merge.h"
-#include "schema/store/sha256.h"
-#include "schema/store/slice.h"
+#include "schema/store/tables/sha256.h"
+#include "schema/store/whole/examine.h"
+#include "schema/store/whole/merge.h"
+#include "schema/store/whole/slice.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "schema/store/examine.h"
+#include "schema/store/whole/examine.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "schema/store/sha256.h"
+#include "schema/store/tables/sha256.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "schema/store/check_heat_result.h"
+#include "schema/store/check/check_heat_result.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

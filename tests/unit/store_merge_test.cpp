@@ -6,9 +6,9 @@
 
 #include "absl/strings/str_split.h"
 #include "schema/shard.h"
-#include "schema/store/examine.h"
-#include "schema/store/merge.h"
-#include "schema/store/slice.h"
+#include "schema/store/whole/examine.h"
+#include "schema/store/whole/merge.h"
+#include "schema/store/whole/slice.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "schema/store/open_database.h"
-#include "schema/store/statements.h"
+#include "schema/store/tables/statements.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "schema/store/check_picture.h"
-#include "schema/store/content.h"
+#include "schema/store/check/check_picture.h"
 #include "schema/store/ingest.h"
 #include "schema/store/open_database.h"
 #include "schema/store/queue.h"
+#include "schema/store/tables/content.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

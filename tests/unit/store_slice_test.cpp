@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "schema/store/examine.h"
-#include "schema/store/slice.h"
+#include "schema/store/whole/examine.h"
+#include "schema/store/whole/slice.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

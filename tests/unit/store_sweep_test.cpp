@@ -1,7 +1,7 @@
 // A sweep that is submitted again: what is done stays, what is stale is replaced in one
 // transaction.
 
-#include "schema/store/sha256.h"
+#include "schema/store/tables/sha256.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

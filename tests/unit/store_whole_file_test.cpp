@@ -11,9 +11,9 @@
 #include <functional>
 #include <sstream>
 
-#include "schema/store/examine.h"
-#include "schema/store/merge.h"
-#include "schema/store/slice.h"
+#include "schema/store/whole/examine.h"
+#include "schema/store/whole/merge.h"
+#include "schema/store/whole/slice.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

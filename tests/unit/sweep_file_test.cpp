@@ -1,10 +1,10 @@
 // The TOML reader: every kind of value, the place of every key, and what it refuses.
-#include "jobs/sweep_file.h"
+#include "jobs/text/sweep_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "jobs/nearest_name.h"
+#include "jobs/text/nearest_name.h"
 
 namespace irsig {
 namespace {

@@ -15,6 +15,7 @@
 #include "core/land/objects/land_objects.h"
 #include "jobs/keys/expand.h"
 #include "jobs/resolve_land.h"
+#include "jobs/resolve_sweep.h"
 #include "runner/job_runner.h"
 #include "runner/spec_to_request.h"
 #include "tests/unit/sweep_text.h"

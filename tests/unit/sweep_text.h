@@ -7,9 +7,10 @@
 #include <iterator>
 #include <string>
 
-#include "jobs/material_files.h"
-#include "jobs/sweep_file.h"
-#include "jobs/weather_files.h"
+#include "jobs/files/material_files.h"
+#include "jobs/files/weather_files.h"
+#include "jobs/resolve_sweep.h"
+#include "jobs/text/sweep_file.h"
 
 namespace irsig {
 

@@ -1,11 +1,11 @@
-#include "jobs/toml_nesting.h"
+#include "jobs/text/toml_nesting.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "jobs/sweep_file.h"
+#include "jobs/text/sweep_file.h"
 
 namespace irsig {
 namespace {

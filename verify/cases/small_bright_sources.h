@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/signature/prepared_scene.h"
-#include "core/signature/request.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/request.h"
 
 namespace irsig {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/signature/request.h"
+#include "core/signature/view/request.h"
 #include "core/spectral/band.h"
 
 namespace irsig {

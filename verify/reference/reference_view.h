@@ -6,8 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
-#include "core/signature/prepared_scene.h"
-#include "core/signature/request.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/request.h"
 
 namespace irsig {
 
@@ -22,10 +22,10 @@ namespace irsig {
 // (reference_brdf.h), reflections are not limited, the sun's disk and hot facets are aimed at and
 // drawn (balance heuristic [veach1995]). In-band integrals: grey scenes by 4000 midpoints a band
 // between the response's corners; others at wavelengths drawn for each path. Rays: exact arithmetic
-// (core/scene/trace/reference_tracer.h). Sampler: Halton points, shifted at random for each batch, for
-// the first vertex; pseudo-random numbers after it. The air (vacuum or homogeneous) is that of each
-// point's own distance. The background of a primary ray is the sea where the ray meets the sphere
-// of the Earth.
+// (core/scene/trace/reference_tracer.h). Sampler: Halton points, shifted at random for each batch,
+// for the first vertex; pseudo-random numbers after it. The air (vacuum or homogeneous) is that of
+// each point's own distance. The background of a primary ray is the sea where the ray meets the
+// sphere of the Earth.
 //
 // Sunlight that mirrors (lobes of slopes below 0.15) send on to matt surfaces is followed from the
 // sun, and joined to the sensor wherever it arrives; no path from the sensor counts it.

@@ -227,7 +227,7 @@ void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
   using C = schema::Condition;
   using Value = std::optional<double>;
   const auto said = [](bool is_said, double value) { return is_said ? Value(value) : Value(); };
-  // Of numbers that cannot be 0 (jobs/number_bounds.cpp): 0 stands for none.
+  // Of numbers that cannot be 0 (jobs/text/number_bounds.cpp): 0 stands for none.
   const auto nonzero = [&](double value) { return said(value != 0, value); };
   stated("air_temperature_k", [&](const C& c) {
     return nonzero(c.weather().surface_stated() ? c.weather().air_temperature_k()

@@ -2,7 +2,7 @@
 
 #include "absl/status/statusor.h"
 #include "schema/result.pb.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 #include "view/moved/arriving_reflected.h"
 #include "view/moved/shape_change.h"
 #include "view/moved/sight_line.h"

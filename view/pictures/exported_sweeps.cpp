@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/base/status_macros.h"
-#include "schema/store/check_picture.h"
+#include "schema/store/check/check_picture.h"
 #include "view/pictures/thumbnail.h"
 
 namespace irsig {

@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "core/image/image.h"
 #include "schema/store/reader.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

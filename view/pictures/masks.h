@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/image/image.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

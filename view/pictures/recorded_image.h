@@ -6,7 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/image/image.h"
 #include "core/imager/imager.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

@@ -9,7 +9,7 @@
 
 #include "core/accuracy/image_layers.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_picture.h"
+#include "schema/store/check/check_picture.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/masks.h"
@@ -160,16 +160,19 @@ absl::StatusOr<RegionHours> region_hours(StoreReader& reader, const Query& query
         const auto pixels,
         layer_pixels(reader, row, layer, row.superseded ? kMostPixels : most_px_of(sweep), read));
     ASSIGN_OR_RETURN(const auto silhouette, silhouette_of(reader, row));
-    for (const RadianceImage* image : {&pixels.value, &pixels.stderr_, &pixels.temperature, &pixels.land_temperature})
+    for (const RadianceImage* image :
+         {&pixels.value, &pixels.stderr_, &pixels.temperature, &pixels.land_temperature})
       if (!fits(*image, silhouette))
         return damaged_image(row, "the silhouette is of another size than the image");
     auto regions = rectangle_regions(rectangles, silhouette.width_px, silhouette.height_px);
     if (!regions.ok()) return regions.status();
     if (rectangles.empty()) *regions = part_regions(silhouette);
     const std::vector<float> filled = filled_fractions(silhouette);
-    const ImageNumbers numbers{pixels.value.radiance_w_m2_sr, pixels.stderr_.radiance_w_m2_sr,
+    const ImageNumbers numbers{pixels.value.radiance_w_m2_sr,
+                               pixels.stderr_.radiance_w_m2_sr,
                                pixels.temperature.radiance_w_m2_sr,
-                               pixels.land_temperature.radiance_w_m2_sr, filled,
+                               pixels.land_temperature.radiance_w_m2_sr,
+                               filled,
                                sweep.has_land() && !sweep.has_heat()};
     for (const ImageRegion& region : *regions)
       out.value.push_back(

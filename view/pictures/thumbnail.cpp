@@ -8,7 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
 #include "core/base/status_macros.h"
-#include "schema/store/check_picture.h"
+#include "schema/store/check/check_picture.h"
 #include "view/base/atomic_file.h"
 #include "view/base/progress.h"
 #include "view/draw/png.h"

@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 #include "view/query/query.h"
 #include "view/rows/signature_quantity.h"
 

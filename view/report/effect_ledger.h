@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 #include "view/rows/signature_quantity.h"
 
 namespace irsig {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/accuracy/measured.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

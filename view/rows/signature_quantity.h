@@ -8,8 +8,8 @@
 #include "absl/status/statusor.h"
 #include "core/accuracy/measured.h"
 #include "schema/result.pb.h"
-#include "schema/store/filters.h"
-#include "schema/store/rows.h"
+#include "schema/store/tables/filters.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "core/signature/row.h"
-#include "core/signature/seen_places.h"
-#include "core/signature/view_setup.h"
+#include "core/signature/view/row.h"
+#include "core/signature/view/seen_places.h"
+#include "core/signature/view/view_setup.h"
 
 namespace irsig {
 

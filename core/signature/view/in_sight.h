@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+
+#include "absl/status/status.h"
+#include "core/environment/environment.h"
+#include "core/geo/viewpoint.h"
+#include "core/land/land_scene.h"
+#include "core/scene/trace/target.h"
+#include "core/sources/condition.h"
+
+namespace irsig {
+
+// OK if a sensor sees something of the target above sea or ground, under conditions of one kind of
+// surroundings (the kind and above_surface_m are used). Vertices stand for facets.
+//   environment  null: no embedded atmosphere
+//   land         null: none; else it takes the place of the ground
+// INVALID_ARGUMENT: land, surface or Earth hide all vertices; a sensor below the land or inside an
+// object on it. Conditions that differ in above_surface_m
+// share paths, so that none of them may hide a vertex.
+[[nodiscard]] absl::Status check_in_sight(const Target& target,
+                                          std::span<const ConditionSpec> condition,
+                                          const Environment* environment, const LandScene* land,
+                                          const Viewpoint& viewpoint);
+
+// OK if no vertex of the target lies inside an object of the land. INVALID_ARGUMENT with the
+// object's key.
+//   above_m  height of the target's reference point above the land below it
+[[nodiscard]] absl::Status check_outside_objects(const Target& target, const LandScene& land,
+                                                 double above_m);
+
+}  // namespace irsig

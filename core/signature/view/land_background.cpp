@@ -1,0 +1,193 @@
+#include "core/signature/view/land_background.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/check.h"
+#include "core/base/status_macros.h"
+#include "core/signature/view/prepared_view.h"
+#include "core/sources/background_land.h"
+#include "core/transport/target_shadow.h"
+
+namespace irsig {
+namespace {
+
+constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+
+}  // namespace
+
+absl::StatusOr<LandBackground> LandBackground::make(
+    const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
+    const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays, bool shadow) {
+  LandBackground out;
+  out.condition_ = request.selected_condition;
+  const PlaneRectangle& r = pictures.rectangle;
+  const double pixel_m = r.width_m / pictures.width_px;
+  std::vector<Vec<Body>> direction;  // of all rays, a pixel's side by side
+  double least_z = 1, most_z = -1;
+  for (std::uint32_t row = 0; row < pictures.height_px; ++row)
+    for (std::uint32_t column = 0; column < pictures.width_px; ++column)
+      for (std::uint32_t k = 0; k < rays * rays; ++k) {
+        const double x_m = r.x0_m + (column + (k % rays + 0.5) / rays) * pixel_m,
+                     y_m = r.y0_m + (pictures.height_px - row - (k / rays + 0.5) / rays) * pixel_m;
+        const Vec<Body>& d = direction.emplace_back(
+            normalized(pictures.plane_m * frame.forward + x_m * frame.right + y_m * frame.up));
+        least_z = std::min(least_z, d.z);
+        most_z = std::max(most_z, d.z);
+      }
+  const Viewpoint& v = request.viewpoint;
+  const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+  std::optional<BackgroundDirections> directions;  // without an atmosphere: one above, one below
+  if (request.environment != nullptr)
+    directions = BackgroundDirections::spanning(
+        least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
+        std::atan2(-towards.y, -towards.x));
+  const std::vector<double> range_m =
+      land_ranges_m(land_of(request, scene.target, v.range_m), frame.sensor, direction);
+  ASSIGN_OR_RETURN(auto surroundings,
+                   ViewSurroundings::make(request, scene.target, v.range_m, scene.axis.node_um(),
+                                          directions ? &*directions : nullptr, &range_m));
+  EffectSet without_reflections = effects;
+  without_reflections.max_reflections = 0;
+  ASSIGN_OR_RETURN(auto environments,
+                   surroundings.evaluate(request.selected_condition, without_reflections));
+  out.environments_ = std::make_shared<const ViewEnvironments>(std::move(environments));
+  out.light_ = std::make_unique<const ViewSources>(
+      source_request(scene, request, request.selected_condition), without_reflections,
+      out.environments_, scene.axis.node_um());
+
+  const SourceGeometry& geometry = out.light_->geometry();
+  const SourceLayout& layout = out.paths_ = SourceLayout(scene.target.part.size(), geometry);
+  const Land& land = std::get<Land>(geometry.boundary);
+  const SourceRange behind = layout.behind();
+  std::vector<std::uint32_t> place(behind.size(), kUnused);
+  LandMix mix;
+  TargetShadow of_target(scene.target);
+  const float share = 1.0f / static_cast<float>(rays * rays / 2);
+  for (std::size_t i = 0; i < direction.size(); ++i) {
+    const std::uint32_t ray = static_cast<std::uint32_t>(i) % (rays * rays);
+    if (ray == 0) out.first_.push_back(out.weight_.size());
+    const auto half = static_cast<std::uint8_t>((ray % rays + ray / rays) % 2);
+    const auto add = [&](SourceId source, float weight) {
+      std::uint32_t& at = place[index_of(source) - behind.first];
+      if (at == kUnused) {
+        at = static_cast<std::uint32_t>(out.source_.size());
+        out.source_.push_back(source);
+      }
+      for (std::size_t w = out.first_.back(); w < out.weight_.size(); ++w)
+        if (out.weight_[w].source == at && out.weight_[w].half == half) {
+          out.weight_[w].value += share * weight;
+          return;
+        }
+      out.weight_.push_back({at, half, share * weight});
+    };
+    if (const auto hit = land.meet_in_sight(frame.sensor, frame.sensor, direction[i], mix)) {
+      const Vec<Body> lift{0, 0, static_cast<double>(scene.target.offset_m())};
+      const auto shaded = [&](std::uint32_t j) {
+        return shadow && of_target.falls_on(frame.sensor + hit->distance * direction[i] - lift,
+                                            geometry.sun[j].direction);
+      };
+      for_each_behind(land, layout, geometry.sun, *hit, hit->distance, mix, shaded, add);
+      continue;
+    }
+    BackgroundDirections::Share shares[2];
+    const int count = geometry.behind->shares(static_cast<float>(direction[i].z), shares);
+    for (int k = 0; k < count; ++k) add(layout.behind(shares[k].node), shares[k].weight);
+  }
+  out.first_.push_back(out.weight_.size());
+  return out;
+}
+
+const ConditionSources& LandBackground::light(std::uint32_t condition) const {
+  const auto at = std::find(condition_.begin(), condition_.end(), condition);
+  IRSIG_CHECK(at != condition_.end());
+  return light_->wanted(static_cast<std::size_t>(at - condition_.begin()));
+}
+
+LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandOnAxis& band) const {
+  const ConditionSources& from = light(condition);
+  std::vector<double> radiance, error;
+  for (const SourceId id : source_) {
+    const auto of = from.light_of_path(id);
+    radiance.push_back(of ? in_band(from.apparent(*of), band) : 0);
+    error.push_back(of ? from.land_error_w_m2_sr(*of, band).apparent : 0);
+  }
+  Radiance out;
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+    double half[2] = {0, 0}, temperature = 0;
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
+      const auto weight = static_cast<double>(weight_[w].value);
+      half[weight_[w].half] += weight * radiance[weight_[w].source];
+      temperature += 0.5 * weight * error[weight_[w].source];
+    }
+    out.w_m2_sr.push_back(0.5 * (half[0] + half[1]));
+    out.error_w_m2_sr.push_back(std::abs(half[0] - half[1]) + temperature);
+  }
+  return out;
+}
+
+LandBackground::Parts LandBackground::parts_of(std::uint32_t condition,
+                                               const BandOnAxis& band) const {
+  const ConditionSources& from = light(condition);
+  std::vector<ConditionSources::LandParts> part(source_.size());
+  std::vector<double> beyond(source_.size(), 0.0);
+  for (std::size_t k = 0; k < source_.size(); ++k) {
+    const auto of = from.light_of_path(source_[k]);
+    if (!of) continue;
+    part[k] = from.land_parts_w_m2_sr(*of, band);
+    if (paths_.place_of(source_[k]).kind != SourceLayout::Kind::kBehind) continue;
+    beyond[k] = 1;
+    part[k].without_air = in_band(from.apparent(*of), band);
+  }
+  const std::size_t pixels = first_.size() - 1;
+  Parts out;
+  for (auto* column : {&out.without_air, &out.emitted, &out.sky, &out.sun, &out.beyond})
+    column->assign(pixels, 0.0);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
+      const double weight = 0.5 * static_cast<double>(weight_[w].value);
+      const ConditionSources::LandParts& of = part[weight_[w].source];
+      out.without_air[pixel] += weight * of.without_air;
+      out.emitted[pixel] += weight * of.emitted;
+      out.sky[pixel] += weight * of.sky;
+      out.sun[pixel] += weight * of.sun;
+      out.beyond[pixel] += weight * beyond[weight_[w].source];
+    }
+  return out;
+}
+
+std::vector<double> LandBackground::temperature_k(std::span<const double> kelvin) const {
+  // 0: no land, or land that faces land: its place counts as what faces the sky.
+  std::vector<double> source_k(source_.size(), 0.0);
+  for (std::size_t k = 0; k < source_.size(); ++k) {
+    const SourceLayout::Place at = paths_.place_of(source_[k]);
+    if (at.kind != SourceLayout::Kind::kBehindLand) continue;
+    const std::uint32_t kind = at.index / paths_.behind_ranges();
+    if (kind < paths_.land_kinds()) source_k[k] = kelvin[kind];
+  }
+  std::vector<double> out;
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+    double sum = 0, all = 0;
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
+      const double of_source_k = source_k[weight_[w].source];
+      if (!(of_source_k > 0)) continue;
+      const auto weight = static_cast<double>(weight_[w].value);
+      sum += weight * of_source_k;
+      all += weight;
+    }
+    out.push_back(all > 0 ? sum / all : 0);
+  }
+  return out;
+}
+
+std::vector<float> LandBackground::weights() const {
+  std::vector<float> out((first_.size() - 1) * source_.size(), 0.0f);
+  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel)
+    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w)
+      out[pixel * source_.size() + weight_[w].source] += 0.5f * weight_[w].value;
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/environment/environment.h"
+#include "core/signature/view/plan.h"
+#include "core/signature/view/prepared_scene.h"
+#include "core/signature/view/request.h"
+#include "core/signature/view/unseen.h"
+#include "core/sources/view_sources.h"
+#include "core/transport/primary_rays.h"
+
+namespace irsig {
+
+// All of a view that no random number decides.
+struct PreparedView {
+  std::shared_ptr<const AimedView> aimed;
+  ViewEnvironments environments;
+  EffectSet effects;  // for which the environments were made
+  std::shared_ptr<const UndersampledSources> unseen = nullptr;  // null: whoever needs it makes it
+};
+
+// Returns what the sources of a view are made from. The result refers to its arguments.
+[[nodiscard]] SourceRequest source_request(const PreparedScene& scene, const ViewRequest& request,
+                                           std::span<const std::uint32_t> wanted);
+
+// Returns Land::bend_of for a sensor in the air of an environment; 0: there is none.
+//   above_m  height of the target's reference point above the land below it
+[[nodiscard]] double land_bend_per_m(const Environment* environment, const Viewpoint& viewpoint,
+                                     double above_m);
+// Land around the target of a request that has some, for a sensor at that range.
+[[nodiscard]] Land land_of(const ViewRequest& request, const Target& target, double range_m);
+// Returns increasing ranges (SensorLine::land_range_m) for land that these rays of a sensor meet;
+// none if they meet none. Directions are unit vectors, places relative to the target's centre.
+[[nodiscard]] std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
+                                                std::span<const Vec<Body>> direction);
+
+// The surroundings and the air of a request, with an atmosphere or without, seen along one line.
+class ViewSurroundings {
+ public:
+  // behind, land_range_m: where the background is wanted; null: where these conditions need it. The
+  // request and the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
+  [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(
+      const ViewRequest& request, const Target& target, double range_m,
+      const std::vector<double>& node_um, const BackgroundDirections* behind = nullptr,
+      const std::vector<double>* land_range_m = nullptr);
+
+  // The most that light can be, before any sky is computed.
+  [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
+  // Emission and the line's air alone: what a pilot without reflections needs.
+  [[nodiscard]] ViewEnvironments without_light();
+  // Returns the environments of these conditions, as far as these effects need them.
+  [[nodiscard]] absl::StatusOr<ViewEnvironments> evaluate(std::span<const std::uint32_t> conditions,
+                                                          const EffectSet& effects);
+  // One condition, in the directions of another view's light.
+  [[nodiscard]] absl::StatusOr<ViewEnvironment> see_like(const ViewEnvironments& other,
+                                                         std::uint32_t condition,
+                                                         const EffectSet& effects);
+
+ private:
+  ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);
+  [[nodiscard]] const LightBounds& land_bounds(std::uint32_t condition);
+  [[nodiscard]] const LightBounds& surrounding_bounds(std::uint32_t condition);  // without land
+
+  const ViewRequest* request_;
+  double range_m_;
+  const std::vector<double>* node_um_;
+  std::vector<Environment::Line::End> end_;
+  BackgroundDirections behind_;
+  std::vector<double> land_range_m_;  // SensorLine::land_range_m
+  double land_bend_per_m_ = 0;        // Land::bend_of
+  std::optional<Environment::Horizon> horizon_;
+  std::optional<Environment::SightLine> look_;
+  // [condition] Without an atmosphere; with land.
+  std::vector<std::optional<LightBounds>> plain_bounds_, land_bounds_;
+};
+
+// Everything on, for these conditions.
+[[nodiscard]] absl::StatusOr<ViewEnvironments> view_environments(
+    const ViewRequest& request, const Target& target, double range_m,
+    std::span<const std::uint32_t> conditions, const std::vector<double>& node_um);
+
+// A plan with everything on, as many reflections as the request allows, no number of samples.
+[[nodiscard]] ViewPlan plan_with_everything(const ViewRequest& request);
+
+}  // namespace irsig

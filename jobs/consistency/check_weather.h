@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+#include "jobs/text/section_check.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// The consistency gate: whether what a resolved sweep says about its conditions can be true all at
+// once. A contradiction is reported to `findings` at the key that causes it, with both values
+// named; what is possible but odd is added to Condition.warning as "<path> ...", to be stored with
+// the rows and shown once. docs/reference/sweep-file.md, "What is checked", lists every rule.
+void check_weather(schema::ResolvedSweep& resolved, Findings& findings);
+
+// Its pieces. Names of seasons, dates and the sun: of every sweep that has a place.
+void check_calendar(schema::ResolvedSweep& resolved, Findings& findings);
+// Profile, surface weather, sea, ground, parts and imports: of sweeps with the embedded atmosphere
+// only. Elsewhere sky and sea are stated idealisations (a sea at 0 K), which may be as they like.
+void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings);
+
+// Temperatures that may be in Celsius, an accuracy that may be in percent, steps that are adjusted:
+// warnings.
+void check_units(schema::ResolvedSweep& resolved, Findings& findings);
+
+// Lines of sight: hidden by the Earth, or not covered by an import; and whether imports were made
+// for these conditions. Called by check_surfaces if nothing else was found.
+void check_lines(schema::ResolvedSweep& resolved, Findings& findings);
+
+// Adds a warning about a key to all conditions of a season.
+void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& key,
+                 const std::string& what, Findings& findings);
+
+// An instant of a condition, with the sun at the sweep's place.
+struct SunThere {
+  int day_of_year;  // of UTC
+  double elevation_deg;
+};
+[[nodiscard]] SunThere sun_there(const schema::Place& place, const schema::Condition& condition);
+
+}  // namespace irsig

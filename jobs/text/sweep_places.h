@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "schema/sweep.pb.h"
+
+namespace irsig {
+
+// Returns true if [place] says where on the Earth the target is. Without latitude_deg it says only
+// how high it is.
+[[nodiscard]] inline bool has_position(const schema::Sweep& sweep) {
+  return sweep.place().has_latitude_deg();
+}
+// Height of the target's reference point above sea or ground, in a season of the sweep. [m]
+[[nodiscard]] inline double above_surface_m(const schema::Sweep& sweep,
+                                            const schema::Season& season) {
+  return season.has_above_surface_m() ? season.above_surface_m() : sweep.place().above_surface_m();
+}
+
+// The key that viewpoint `index` of `all` comes from.
+[[nodiscard]] std::string viewpoint_path(const schema::Viewpoints& set, std::size_t index,
+                                         std::size_t all);
+
+}  // namespace irsig

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/result.pb.h"
+#include "schema/store/tables/database.h"
+
+namespace irsig {
+
+// The numbers under which names of effects and of reasons are stored.
+struct LedgerNames {
+  std::map<std::string, std::int64_t> effect, reason;
+  std::map<std::string, std::int64_t> bounded_with;  // effects whose bound is in that of another
+  std::map<std::string, std::int64_t> of_hot_gas;    // effects of rows that have some
+};
+[[nodiscard]] absl::StatusOr<LedgerNames> ledger_names(Database& database);
+
+// INVALID_ARGUMENT, naming the field, unless every effect that is known here is in the ledger once
+// (those of hot gas where the row has some), with a state and a reason that are known; what was
+// left out has its bounds, unless another effect has them or the user forced it. Energy is missing
+// only where nothing of the target is seen.
+[[nodiscard]] absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
+                                        const std::string& path);
+
+// Inserts the ledger of a row that was checked.
+[[nodiscard]] absl::Status insert_ledger(Database& database, const LedgerNames& names,
+                                         std::int64_t signature_id,
+                                         const schema::SignatureRow& row);
+
+}  // namespace irsig

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/store/tables/database.h"
+#include "schema/store/tables/rows.h"
+
+namespace irsig {
+
+// The only code that reads the bytes of assets (but for `examine`, which reads all of them): each
+// time they are held against the SHA-256 that is the asset's name.
+
+// NOT_FOUND: there is none. DATA_LOSS: its bytes are others; says what it is and how to replace it.
+[[nodiscard]] absl::StatusOr<std::string> read_asset(Database& database, const std::string& sha256);
+// Like read_asset(), without the bytes.
+[[nodiscard]] absl::Status check_asset(Database& database, const std::string& sha256);
+
+// Checks the output of a heat job; NOT_FOUND: it has none.
+[[nodiscard]] absl::Status check_heat_output(Database& database, std::int64_t job_id);
+// Checks each SHA-256 that a statement without parameters lists; returns the error of the first
+// that is damaged or missing.
+[[nodiscard]] absl::Status check_assets(Database& database, const char* listed);
+
+// Stores an asset whose bytes are those of its hash. What is there already stays, unless it is
+// damaged: then it is replaced.
+[[nodiscard]] absl::Status store_asset(Database& database, const Asset& asset);
+[[nodiscard]] absl::Status store_asset(Database& database, const std::string& sha256,
+                                       std::string_view bytes);
+
+// Returns a description of an asset, with the remedy if it is damaged: "SHA256 (temperatures
+// computed for the season "winter" of the sweep "ship")".
+[[nodiscard]] absl::StatusOr<std::string> describe_asset(Database& database,
+                                                         const std::string& sha256);
+[[nodiscard]] std::string how_to_replace_asset(const std::string& database_path);
+
+// Done heat jobs whose output is damaged wait again, and what needs them waits for them; how many.
+[[nodiscard]] absl::StatusOr<std::uint64_t> reopen_damaged_heat_jobs(Database& database);
+
+}  // namespace irsig
