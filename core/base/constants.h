@@ -22,6 +22,8 @@ inline constexpr double kStefanBoltzmannWM2K4 = 5.6703744191844294e-8;
 inline constexpr double kAstronomicalUnitM = 149597870700.0;  // exact       [iau2012_b2]
 inline constexpr double kSolarRadiusM = 6.957e8;              // nominal     [iau2015_b3]
 
+inline constexpr double kStandardGravityMS2 = 9.80665;         // exact       [bipm_si]
+
 // The Earth as a sphere: mean radius of GRS 80.                             [moritz2000]
 inline constexpr double kEarthRadiusM = 6371008.8;
 

@@ -346,6 +346,12 @@ std::vector<float> Environment::horizons_z(const Line& line) const {
   return out;
 }
 
+const SurfaceBoundary& Environment::surface(std::uint32_t condition) const {
+  IRSIG_CHECK(condition < conditions());
+  const Parts::Condition& c = parts_->condition[parts_->of_condition[condition].first()];
+  return parts_->weather[c.spec.weather].spec.lower;
+}
+
 const Environment::SunSeen& Environment::sun_seen(std::uint32_t condition) const {
   IRSIG_CHECK(condition < conditions());
   return parts_->condition[parts_->of_condition[condition].first()].seen;

@@ -38,6 +38,9 @@ class Environment {
   // The rings of nodes(), with one azimuth if `with_azimuths` is false.
   [[nodiscard]] const DirectionNodes& nodes(bool with_azimuths) const;
 
+  // The surface below the horizon under a condition.
+  [[nodiscard]] const SurfaceBoundary& surface(std::uint32_t condition) const;
+
   using SunSeen = irsig::SunSeen;
   [[nodiscard]] const SunSeen& sun_seen(std::uint32_t condition) const;
 

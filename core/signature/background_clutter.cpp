@@ -1,8 +1,18 @@
 #include <utility>
 
+#include "core/signature/background_window.h"
 #include "core/signature/view/result.h"
 
 namespace irsig {
+
+std::vector<double> on_bins(std::span<const double> spectrum, const BandOnAxis& band) {
+  const BandGrid& grid = band.grid;
+  std::vector<double> out(grid.lambda_um.size(), 0.0);
+  for (std::size_t bin = 0; bin < out.size(); ++bin)
+    for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i)
+      out[bin] += grid.bin_weight[i] * spectrum[band.first_node + i];
+  return out;
+}
 
 BackgroundClutter background_clutter(const ClutterField& field, const ClutterStatistics& statistics,
                                      const ClutterModes& modes, std::size_t band,

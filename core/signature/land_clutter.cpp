@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/status_macros.h"
+#include "core/signature/background_window.h"
 #include "core/signature/view/land_background.h"
 
 namespace irsig {
@@ -15,16 +16,6 @@ std::vector<std::size_t> shining(const LandBackground& land, const ConditionSour
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < land.sources().size(); ++i)
     if (light.light_of_path(land.sources()[i])) out.push_back(i);
-  return out;
-}
-
-// Means of a spectrum on the sweep's nodes over the bins of a band.
-std::vector<double> on_bins(std::span<const double> spectrum, const BandOnAxis& band) {
-  const BandGrid& grid = band.grid;
-  std::vector<double> out(grid.lambda_um.size(), 0.0);
-  for (std::size_t bin = 0; bin < out.size(); ++bin)
-    for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i)
-      out[bin] += grid.bin_weight[i] * spectrum[band.first_node + i];
   return out;
 }
 

@@ -7,11 +7,6 @@
 
 namespace irsig {
 
-// Width of the window around a target over which land is measured, in diameters of the target, and
-// its pixels along each side.
-inline constexpr double kClutterDiameters = 8;
-inline constexpr std::uint32_t kClutterPixels = 64;
-
 // Adds SignatureResult::clutter to the rows of a view on land. INVALID_ARGUMENT as
 // Environment::view() has it.
 [[nodiscard]] absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request,

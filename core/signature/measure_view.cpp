@@ -9,6 +9,7 @@
 #include "core/signature/make_plan.h"
 #include "core/signature/measured_view.h"
 #include "core/signature/row_pictures.h"
+#include "core/signature/sea_clutter.h"
 #include "core/signature/view/view_pictures.h"
 
 namespace irsig {
@@ -273,6 +274,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
     out.rays = std::max(out.rays, rays);
   }
   if (request.land != nullptr) RETURN_IF_ERROR(add_clutter(measured, request, out));
+  RETURN_IF_ERROR(add_sea_clutter(measured, request, out));
   RETURN_IF_ERROR(add_pictures(measured, request, pictures, components, out));
   return out;
 }

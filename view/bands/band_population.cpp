@@ -130,8 +130,9 @@ absl::StatusOr<TargetClutter> stored_clutter(StoreReader& reader, const QueryRow
   ASSIGN_OR_RETURN(const auto stored, reader.clutter(s.signature_id));
   if (!stored)
     return absl::InvalidArgumentError(fmt::format(
-        "row {} has no clutter: its sweep has no land around the target, or an older irsig ran it; "
-        "add [land] to the sweep file and run it again, or ask without clutter",
+        "row {} has no clutter: neither [land] nor a sea that wind roughens lies behind its target, "
+        "or an older irsig ran it; choose other views (--aspect), add [land] to the sweep file and "
+        "run it again, or ask without --clutter",
         s.row));
   const auto& sigma = stored->patch_sigma_w_m2_sr_um();
   ASSIGN_OR_RETURN(
