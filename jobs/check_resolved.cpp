@@ -193,7 +193,8 @@ void check_heat_run(const schema::ResolvedSweep& resolved, int i, AirCheck& air,
   }
 }
 
-// What [uncertainty] asks for, and the runs of changes that follow from it: made once more.
+// What [uncertainty] asks for, and the runs of changes that follow from it: made once more. Pilots
+// may go without these runs.
 void check_uncertainty(const schema::ResolvedSweep& as_sent, Findings& findings) {
   const auto of_changes = [](const schema::HeatRun& run) { return run.input_size() > 0; };
   const bool any = std::any_of(as_sent.heat().begin(), as_sent.heat().end(), of_changes);
@@ -204,7 +205,9 @@ void check_uncertainty(const schema::ResolvedSweep& as_sent, Findings& findings)
   auto& runs = *resolved.mutable_heat();
   runs.erase(std::remove_if(runs.begin(), runs.end(), of_changes), runs.end());
   resolve_uncertainty(resolved, findings);
-  if (!findings.empty()) return;
+  const schema::Accuracy& accuracy = as_sent.sweep().accuracy();
+  const bool pilot = accuracy.has_relative_error() && accuracy.has_samples_per_replicate();
+  if (!findings.empty() || (pilot && !any)) return;
   const auto same = [](const schema::HeatRun& a, const schema::HeatRun& b) {
     return a.SerializeAsString() == b.SerializeAsString();
   };

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the packages of ops/packages.txt that are missing (Debian 12). Does nothing, and needs no
-# privileges, when none is.
+# Installs the packages of ops/packages.txt that are missing (Debian 12, on which every change is
+# tested, and 13). Does nothing, and needs no privileges, when none is.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,6 +13,10 @@ fi
 release=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${VERSION_ID:-}" || true)
 case $release in
   "debian 12") ;;
+  "debian 13")
+    echo "ops/setup.sh: /etc/os-release: irsig is tested on Debian 12; on 13 it takes Embree 4 and newer libraries" \
+         "(docs/developers/debian-13.md: what was not tried)" >&2
+    ;;
   *)
     echo "ops/setup.sh: /etc/os-release: this system is not Debian 12 (\"$release\"); packages may have other names" \
          "or versions: install what corresponds to ops/packages.txt if a step below fails" >&2

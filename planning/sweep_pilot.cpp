@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "core/accuracy/replicates.h"
 #include "core/base/status_macros.h"
 #include "jobs/keys/expand.h"
+#include "messages/environment/condition_sun.h"
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
 #include "schema/shard.h"
@@ -22,40 +24,80 @@ namespace {
 
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-// Of more than one and a half times so many conditions the pilot does these, and a few of them once
-// more: the difference is what a condition costs.
-constexpr int kConditions = 24, kFewConditions = 6;
+// Of more than one and a half times so many conditions the pilot does these; and others once more
+// with its fewest samples, from which follows what a condition costs: a few of these, or more than
+// these where many are left out. Errors of the difference count once for each that is left out: of
+// 288 conditions, 12 against 3 were off by a factor of six on a busy machine.
+constexpr int kConditions = 12, kFewConditions = 3, kMoreConditions = 36, kMany = 60;
+constexpr std::size_t kOtherViews = 2;
+// A condition with the sun above the horizon takes about so many times the time of one at night:
+// its sky has azimuths, and paths look for its sun.
+constexpr double kSunny = 2.5;
 
-// So many conditions, in their order: those with the most and the least light and the highest and
-// lowest temperatures, and others in the middles of the widest gaps between.
-std::vector<int> chosen_conditions(const schema::ResolvedSweep& sweep) {
+// Returns the sine of the sun's elevation; -1: the sweep has no sun.
+double sine_of_sun(const schema::ResolvedSweep& sweep, const schema::Condition& c) {
+  if (!sweep.sweep().transport().sun()) return -1;
+  const auto sun = condition_sun(sweep, c);
+  return sun.ok() ? std::cos(sun->zenith_deg * std::numbers::pi / 180) : -1;
+}
+
+// Returns the costs of all conditions in the unit of one at night, in their order.
+std::vector<double> relative_costs(const schema::ResolvedSweep& sweep) {
+  std::vector<double> out;
+  for (const schema::Condition& c : sweep.condition())
+    out.push_back(sine_of_sun(sweep, c) > 0 ? kSunny : 1);
+  return out;
+}
+
+// Returns `count` conditions, in their order: those with the highest, the lowest visible and the
+// deepest sun, the most and the least light and the highest and lowest temperatures, and others in
+// the middles of the widest gaps between.
+std::vector<int> chosen_conditions(const schema::ResolvedSweep& sweep, std::size_t count) {
   const int all = sweep.condition_size();
   std::set<int> chosen;
   const auto extremes = [&](const auto& value) {
     int least = 0, most = 0;
     for (int c = 1; c < all; ++c) {
-      if (value(sweep.condition(c)) < value(sweep.condition(least))) least = c;
-      if (value(sweep.condition(c)) > value(sweep.condition(most))) most = c;
+      if (value(c) < value(least)) least = c;
+      if (value(c) > value(most)) most = c;
     }
     chosen.insert({least, most});
   };
-  extremes([](const schema::Condition& c) { return c.sun_irradiance_w_m2(); });
-  extremes([](const schema::Condition& c) { return c.air_temperature_k(); });
-  extremes([](const schema::Condition& c) {
-    return std::accumulate(c.part_temperature_k().begin(), c.part_temperature_k().end(), 0.0);
+  std::vector<double> sine;
+  for (const schema::Condition& c : sweep.condition()) sine.push_back(sine_of_sun(sweep, c));
+  const auto at = [&](int c) -> const schema::Condition& { return sweep.condition(c); };
+  extremes([&](int c) { return sine[static_cast<std::size_t>(c)]; });
+  extremes([&](int c) {  // just above the horizon, and highest again
+    const double s = sine[static_cast<std::size_t>(c)];
+    return s > 0 ? s : 2;
   });
-  while (chosen.size() < kConditions) {
+  extremes([&](int c) { return at(c).sun_irradiance_w_m2(); });
+  extremes([&](int c) { return at(c).air_temperature_k(); });
+  extremes([&](int c) {
+    return std::accumulate(at(c).part_temperature_k().begin(), at(c).part_temperature_k().end(),
+                           0.0);
+  });
+  while (chosen.size() < count) {
     int widest = 0, begin = 0;
-    for (auto at = chosen.begin(); at != chosen.end(); ++at) {
-      const auto next = std::next(at);  // after the last comes the first
-      const int gap = (next == chosen.end() ? all + *chosen.begin() : *next) - *at;
+    for (auto it = chosen.begin(); it != chosen.end(); ++it) {
+      const auto next = std::next(it);  // after the last comes the first
+      const int gap = (next == chosen.end() ? all + *chosen.begin() : *next) - *it;
       if (gap <= widest) continue;
       widest = gap;
-      begin = *at;
+      begin = *it;
     }
     chosen.insert((begin + widest / 2) % all);
   }
   return {chosen.begin(), chosen.end()};
+}
+
+// Takes out what inputs change of temperatures: it is no part of what a view costs, and takes more
+// time than the temperatures themselves. Such runs are the last.
+void drop_changes(schema::ResolvedSweep& sweep) {
+  auto& runs = *sweep.mutable_heat();
+  runs.erase(std::remove_if(runs.begin(), runs.end(),
+                            [](const schema::HeatRun& run) { return run.input_size() > 0; }),
+             runs.end());
 }
 
 // These alone, each a season of its own: conditions are seasons x times.
@@ -109,7 +151,17 @@ class Planner {
     pilot_.jobs_per_view = jobs_per_view(loaded.resolved);
     int conditions = loaded.resolved.condition_size();
     if (2 * conditions > 3 * kConditions) {
-      condition_ = chosen_conditions(loaded.resolved);
+      condition_ = chosen_conditions(loaded.resolved, kConditions);
+      if (conditions > kMany) {
+        other_ = chosen_conditions(loaded.resolved, kMoreConditions);
+      } else {
+        for (int i = 0; i < kFewConditions; ++i)
+          other_.push_back(condition_[static_cast<std::size_t>(i * kConditions / kFewConditions)]);
+      }
+      const std::vector<double> cost = relative_costs(loaded.resolved);
+      for (const int c : condition_) cost_chosen_ += cost[static_cast<std::size_t>(c)];
+      for (const int c : other_) cost_other_ += cost[static_cast<std::size_t>(c)];
+      cost_left_out_ = std::accumulate(cost.begin(), cost.end(), 0.0) - cost_chosen_;
       left_out_ = std::exchange(conditions, kConditions) - kConditions;
     }
     rows_ = static_cast<std::size_t>(conditions) *
@@ -128,7 +180,7 @@ class Planner {
              relative_scatter(view_costs(pilot_, pilot_.rule), pilot_.views) > kScatter);
     ASSIGN_OR_RETURN(const auto after, farm_.bytes());
     pilot_.database_bytes_per_view = (1 + static_cast<double>(left_out_) / kConditions) *
-                                     (after - before - model - sweep_bytes_ - few_bytes_) /
+                                     (after - before - model - sweep_bytes_ - other_bytes_) /
                                      static_cast<double>(computed_views_);
     add_left_out();
     if (loaded_.resolved.sweep().profile_size() > 0) {
@@ -145,6 +197,11 @@ class Planner {
 
   // The sweep with these views, so many samples and no profiles.
   schema::ResolvedSweep with_count(const std::vector<std::uint64_t>& views, std::uint64_t samples) {
+    return with_count(views, samples, condition_);
+  }
+  //   conditions  of the sweep; none: all
+  schema::ResolvedSweep with_count(const std::vector<std::uint64_t>& views, std::uint64_t samples,
+                                   const std::vector<int>& conditions) {
     schema::ResolvedSweep sweep = loaded_.resolved;
     sweep.clear_viewpoint();
     for (const std::uint64_t view : views)
@@ -158,13 +215,14 @@ class Planner {
       auto* accuracy = sweep.mutable_sweep()->mutable_accuracy();
       accuracy->set_samples_per_replicate(samples);
       accuracy->set_max_samples_per_replicate(samples);
+      drop_changes(sweep);
     } else {
       sweep = with_samples(std::move(sweep), samples);
     }
-    if (condition_.empty()) {
+    if (conditions.empty()) {
       cut_into(sweep, pilot_.jobs_per_view);
     } else {
-      keep_conditions(sweep, condition_);
+      keep_conditions(sweep, conditions);
       cut_into(sweep, 1);
     }
     sweep_bytes_ += stored_sweep_bytes(sweep);
@@ -172,39 +230,38 @@ class Planner {
     return sweep;
   }
 
-  // The same views and samples with a few of the chosen conditions.
-  absl::Status run_few(const std::vector<std::uint64_t>& views, std::uint64_t samples,
-                       bool warm_up) {
+  // The first of the views with the other conditions, at the first count of samples.
+  //   at  of the first of them, in the pilot's order
+  absl::Status run_other(std::vector<std::uint64_t> views, std::uint64_t samples, bool warm_up,
+                         std::size_t at) {
+    if (warm_up) views.resize(std::min(views.size(), 1 + kOtherViews));
     ASSIGN_OR_RETURN(const auto before, farm_.bytes());
     const double sweep_bytes = sweep_bytes_;
     const std::uint64_t computed = computed_views_;
-    schema::ResolvedSweep few = with_count(views, samples);
+    schema::ResolvedSweep other = with_count(views, samples, other_);
     sweep_bytes_ = sweep_bytes;
     computed_views_ = computed;
-    std::vector<int> kept;
-    for (int i = 0; i < kFewConditions; ++i) kept.push_back(i * kConditions / kFewConditions);
-    keep_conditions(few, kept);
-    cut_into(few, 1);
-    ASSIGN_OR_RETURN(auto done, farm_.run({std::move(few)}));
-    for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at)
-      few_cpu_s_.push_back(done.front().cpu_s(at));
+    ASSIGN_OR_RETURN(auto done, farm_.run({std::move(other)}));
+    for (std::size_t k = warm_up ? 1 : 0; k < views.size(); ++k, ++at) {
+      cost_more_s_ += done.front().cpu_s(k) - pilot_.view[at].cpu_s[0];
+      ++other_views_;
+    }
     ASSIGN_OR_RETURN(const auto after, farm_.bytes());
-    few_bytes_ += after - before;
+    other_bytes_ += after - before;
     return absl::OkStatus();
   }
 
   // What the conditions cost that were left out; and each of the jobs that a view is cut into
   // traces all paths.
   void add_left_out() {
-    for (std::size_t v = 0; v < few_cpu_s_.size(); ++v) {
-      ViewPilot& view = pilot_.view[v];
-      const double each =
-          std::max(0.0, view.cpu_s[1] - few_cpu_s_[v]) / (kConditions - kFewConditions);
+    if (other_views_ == 0) return;
+    // Of a condition at night.
+    const double each = std::max(
+        0.0, cost_more_s_ / static_cast<double>(other_views_) / (cost_other_ - cost_chosen_));
+    for (ViewPilot& view : pilot_.view)
       for (double& cpu_s : view.cpu_s)
-        cpu_s += left_out_ * each + static_cast<double>(pilot_.jobs_per_view - 1) *
-                                        std::max(0.0, cpu_s - kConditions * each);
-    }
-    if (few_cpu_s_.empty()) return;
+        cpu_s += cost_left_out_ * each + static_cast<double>(pilot_.jobs_per_view - 1) *
+                                             std::max(0.0, cpu_s - cost_chosen_ * each);
     const double exponent = time_exponent(pilot_.view);
     for (ViewPilot& view : pilot_.view) view.time_exponent = exponent;
   }
@@ -224,7 +281,7 @@ class Planner {
     for (std::uint64_t& n : counts) n = std::min(n, pilot_.rule.max_samples_per_replicate);
     if (further_ > 0) counts.push_back(further_);
     RETURN_IF_ERROR(run_stages(views, counts, first, warm_up));
-    if (!condition_.empty()) RETURN_IF_ERROR(run_few(views, counts[1], warm_up));
+    if (!condition_.empty()) RETURN_IF_ERROR(run_other(views, counts[0], warm_up, first));
     if (first > 0) return absl::OkStatus();
     // Far beyond the second pilot, another stage: where the job's own third pilot will be, or a
     // quarter of what is needed.
@@ -243,8 +300,10 @@ class Planner {
     // Without a view to warm up with, each stage has a worker of its own: all are equally cold, as
     // the run's own first job is.
     std::vector<std::vector<schema::ResolvedSweep>> runs(warm_up ? 1 : counts.size());
+    // A worker has the scene of a stage for the next one, too: the first alone pays for it.
+    const std::vector<std::uint64_t> warm(views.begin() + (warm_up ? 1 : 0), views.end());
     for (std::size_t s = 0; s < counts.size(); ++s)
-      runs[warm_up ? 0 : s].push_back(with_count(views, counts[s]));
+      runs[warm_up ? 0 : s].push_back(with_count(s == 0 ? views : warm, counts[s]));
     std::vector<PilotStage> stages;
     for (auto& sweeps : runs) {
       const double cpu_before = farm_.cpu_s();
@@ -256,16 +315,17 @@ class Planner {
     }
     for (std::size_t s = 0; s < counts.size(); ++s) {
       const PilotStage& stage = stages[s];
-      for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at) {
-        ViewPilot& view = pilot_.view[first + at - (warm_up ? 1 : 0)];
+      const std::size_t skipped = warm_up && s == 0 ? 1 : 0;
+      for (std::size_t at = skipped; at < skipped + warm.size(); ++at) {
+        ViewPilot& view = pilot_.view[first + at - skipped];
         view.samples.push_back(counts[s]);
         view.cpu_s.push_back(stage.cpu_s(at));
         view.row.resize(rows_);
       }
       for (const StoredSignature& row : stage.rows) {
         const std::size_t at = (row.row - 1) / rows_;
-        if (warm_up && at == 0) continue;
-        RowPilot& out = pilot_.view[first + at - (warm_up ? 1 : 0)].row[(row.row - 1) % rows_];
+        if (at < skipped) continue;
+        RowPilot& out = pilot_.view[first + at - skipped].row[(row.row - 1) % rows_];
         out.stderr_w_sr.push_back(row.intensity_stderr_w_sr);
         out.value_w_sr = std::abs(row.intensity_w_sr);
         // Samples mend what was not seen, and none of the other bounds.
@@ -275,7 +335,7 @@ class Planner {
         out.bias_w_sr = lasting.bias_bound();
         out.floor_w_sr = row.absolute_floor_w_sr;
       }
-      if (s + 1 == counts.size()) keep_ledgers(stage, warm_up);
+      if (s + 1 == counts.size()) keep_ledgers(stage, skipped);
       double paths = 0, jobs = 0;
       for (const StoredJobCost& job : stage.jobs) {
         paths += static_cast<double>(job.target_paths);
@@ -288,10 +348,10 @@ class Planner {
     return absl::OkStatus();
   }
 
-  void keep_ledgers(const PilotStage& stage, bool warm_up) {
+  void keep_ledgers(const PilotStage& stage, std::size_t skipped) {
     for (std::size_t i = 0; i < stage.rows.size(); ++i) {
       const StoredSignature& row = stage.rows[i];
-      if (warm_up && (row.row - 1) / rows_ == 0) continue;
+      if ((row.row - 1) / rows_ < skipped) continue;
       // A later stage of the same views takes their place.
       const auto same =
           std::find_if(pilot_.ledger.begin(), pilot_.ledger.end(), [&](const LedgerRow& known) {
@@ -406,10 +466,14 @@ class Planner {
   PilotFarm& farm_;
   SweepPilot pilot_;
   std::size_t rows_ = 0;
-  std::vector<int> condition_;     // that the pilot does; empty: all
-  int left_out_ = 0;               // conditions
-  std::vector<double> few_cpu_s_;  // [view] with a few conditions and the second count of samples
-  double few_bytes_ = 0;           // that the database keeps of these
+  std::vector<int> condition_;  // that the pilot does; empty: all
+  int left_out_ = 0;            // conditions
+  std::vector<int> other_;      // to be done once more
+  // Of all chosen conditions, of the others and of those left out, in the unit of relative_costs.
+  double cost_chosen_ = 0, cost_other_ = 0, cost_left_out_ = 0;
+  double cost_more_s_ = 0;         // of the others, over that of the chosen: all views together
+  std::uint64_t other_views_ = 0;  // of that sum
+  double other_bytes_ = 0;         // that the database keeps of the others
   std::uint64_t further_ = 0;      // a third stage; 0: none
   double sweep_bytes_ = 0;         // what the database keeps of the pilot's sweeps themselves
   std::uint64_t computed_views_ = 0;

@@ -27,8 +27,9 @@ struct SweepPilot {
 
 // Runs a few viewpoints of the sweep with few samples on a farm of one worker, into a database that
 // is thrown away: 5 viewpoints spread over the set, more (up to 15) while their predicted times
-// scatter by more than a tenth of the mean's. Of more than 36 conditions it does 24, the extremes
-// of light and temperature first, and 6 once more, from which the others' time follows.
+// scatter by more than a tenth of the mean's. Of more than 18 conditions it does 12, the extremes
+// of light and temperature first, and 3 or 36 once more, from which the others' time follows. What
+// uncertain inputs change of computed temperatures is not computed.
 // FAILED_PRECONDITION: the sweep has a time budget that no pilot has turned into samples yet.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded);
 // Like pilot_sweep(loaded), on another farm.

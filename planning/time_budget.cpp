@@ -26,11 +26,12 @@ struct Timing {
 
 // All conditions and bands of some viewpoints.
 absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t samples,
-                                  const std::set<int>& views) {
+                                  const std::set<int>& views, KeptScene& kept) {
   auto sweep = with_samples(loaded.resolved, samples);
   // Only workers encode thumbnails; 0.25 ms a row is nothing that a budget would notice.
   sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
-  ASSIGN_OR_RETURN(const auto runner, JobRunner::create(sweep, loaded.assets, loaded.heat));
+  ASSIGN_OR_RETURN(const auto runner,
+                   JobRunner::create(sweep, loaded.assets, loaded.heat, {}, &kept));
   Timing timing;
   for (const int view : views) {
     schema::JobSpec job;
@@ -72,14 +73,16 @@ absl::StatusOr<std::string> spend_time_budget(LoadedSweep& loaded, std::uint32_t
   const int count = loaded.resolved.viewpoint_size();
   const std::set<int> views = {0, count / 2, count - 1};
   RETURN_IF_ERROR(have_temperatures(loaded));
+  KeptScene kept;
   // The first run also pays for what is built once (tables, caches): it is not counted.
-  if (const auto warm = time_views(loaded, kFewSamples, views); !warm.ok()) return warm.status();
-  ASSIGN_OR_RETURN(const auto few, time_views(loaded, kFewSamples, views));
+  if (const auto warm = time_views(loaded, kFewSamples, views, kept); !warm.ok())
+    return warm.status();
+  ASSIGN_OR_RETURN(const auto few, time_views(loaded, kFewSamples, views, kept));
   Timing many;
   std::uint64_t samples = kFewSamples;
   do {
     samples *= 4;
-    ASSIGN_OR_RETURN(many, time_views(loaded, samples, views));
+    ASSIGN_OR_RETURN(many, time_views(loaded, samples, views, kept));
   } while (many.seconds - few.seconds < kEnough_s &&
            samples < accuracy.max_samples_per_replicate());
   const double per_sample_s =

@@ -192,6 +192,18 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
   return out;
 }
 
+void InputViews::look_as(const schema::ResolvedSweep& sweep) {
+  for (Move& m : move_) {
+    *m.sweep.mutable_viewpoint() = sweep.viewpoint();
+    schema::Sweep& asked = *m.sweep.mutable_sweep();
+    asked.set_name(sweep.sweep().name());
+    *asked.mutable_accuracy() = sweep.sweep().accuracy();
+    *asked.mutable_viewpoints() = sweep.sweep().viewpoints();
+    *asked.mutable_profile() = sweep.sweep().profile();
+    asked.mutable_transport()->set_job_size_vertices(sweep.sweep().transport().job_size_vertices());
+  }
+}
+
 absl::StatusOr<std::vector<MovedView>> InputViews::views(const schema::ViewJob& job) const {
   std::vector<MovedView> out;
   for (const Move& m : move_) {

@@ -27,6 +27,10 @@ class InputViews {
                                          std::shared_ptr<const LandScene> land,
                                          const HeatOutputs& heat);
 
+  // Asks for the views of another sweep, which differs in name, accuracy, viewpoints, profiles and
+  // size of jobs alone.
+  void look_as(const schema::ResolvedSweep& sweep);
+
   // Returns the moved views of one job, in the order of the moves.
   [[nodiscard]] absl::StatusOr<std::vector<MovedView>> views(const schema::ViewJob& job) const;
 

@@ -3,7 +3,10 @@
 #include <gnu/libc-version.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -24,6 +27,38 @@
 #include "schema/heat_run.h"
 
 namespace irsig {
+
+// Everything that jobs of a sweep share but its name, accuracy, viewpoints and profiles.
+struct RunnerScene {
+  std::unique_ptr<Simulator> simulator;
+  std::shared_ptr<const Environment> environment;  // null: the air is not the atmosphere
+  SweepTemperatures temperatures;
+  std::shared_ptr<const LandScene> land;  // null: none
+  SweepPlumes plumes;
+  std::optional<InputViews> inputs;          // of a sweep with uncertain ones
+  std::vector<Problem> warnings;             // of the sweep that built it
+  mutable std::atomic<bool> failed = false;  // a job did: whatever it was, it is built anew
+};
+
+std::shared_ptr<const RunnerScene> KeptScene::of(const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  if (scene_ != nullptr && key_ == key && !scene_->failed) return scene_;
+  scene_.reset();
+  return nullptr;
+}
+
+void KeptScene::keep(const std::string& key, std::shared_ptr<const RunnerScene> scene) {
+  const std::lock_guard lock(mutex_);
+  key_ = key;
+  scene_ = std::move(scene);
+  ++scenes_;
+}
+
+int KeptScene::scenes() {
+  const std::lock_guard lock(mutex_);
+  return scenes_;
+}
+
 namespace {
 
 double cpu_seconds() {
@@ -44,26 +79,22 @@ std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t f
 
 class CoreJobRunner final : public JobRunner {
  public:
-  CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
-                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
-                std::shared_ptr<const LandScene> land, SweepPlumes plumes, Assets assets,
-                std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
-                std::vector<Problem> warnings, std::optional<InputViews> inputs)
+  CoreJobRunner(schema::ResolvedSweep sweep, std::shared_ptr<const RunnerScene> scene,
+                Assets assets, std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
+                std::optional<InputViews> inputs)
       : sweep_(std::move(sweep)),
-        simulator_(std::move(simulator)),
-        environment_(std::move(environment)),
-        temperatures_(std::move(temperatures)),
-        land_(std::move(land)),
-        plumes_(std::move(plumes)),
+        scene_(std::move(scene)),
+        simulator_(scene_->simulator.get()),
         assets_(std::move(assets)),
         field_bytes_(field_bytes),
         encoder_(std::move(encoder)),
-        warnings_(std::move(warnings)),
         inputs_(std::move(inputs)) {}
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
     const double start_s = cpu_seconds();
-    ASSIGN_OR_RETURN(auto result, compute(job));
+    auto computed = compute_or_mark(job);
+    if (!computed.ok()) return computed.status();
+    schema::JobResult result = *std::move(computed);
     result.set_job_key(job.job_key());
     result.set_seconds(cpu_seconds() - start_s);
     result.set_physics_version(static_cast<std::uint32_t>(physics_version()));
@@ -72,13 +103,14 @@ class CoreJobRunner final : public JobRunner {
     return result;
   }
 
-  [[nodiscard]] std::vector<Problem> warnings() const override { return warnings_; }
+  [[nodiscard]] std::vector<Problem> warnings() const override { return scene_->warnings; }
 
   [[nodiscard]] JobMemory memory() const override {
-    return job_memory(sweep_, *simulator_, environment_.get(),
-                      temperatures_.emitters ? temperatures_.emitters->part.size()
-                                             : temperatures_.awaited_emitters,
-                      field_bytes_, bytes_of(plumes_), bytes_of(land_.get()));
+    const SweepTemperatures& temperatures = scene_->temperatures;
+    return job_memory(
+        sweep_, *simulator_, scene_->environment.get(),
+        temperatures.emitters ? temperatures.emitters->part.size() : temperatures.awaited_emitters,
+        field_bytes_, bytes_of(scene_->plumes), bytes_of(scene_->land.get()));
   }
 
   [[nodiscard]] std::size_t heat_bytes() const override {
@@ -86,6 +118,17 @@ class CoreJobRunner final : public JobRunner {
   }
 
  private:
+  absl::StatusOr<schema::JobResult> compute_or_mark(const schema::JobSpec& job) const {
+    try {
+      auto result = compute(job);
+      if (!result.ok()) scene_->failed = true;
+      return result;
+    } catch (...) {
+      scene_->failed = true;
+      throw;
+    }
+  }
+
   absl::StatusOr<schema::JobResult> compute(const schema::JobSpec& job) const {
     switch (job.kind_case()) {
       case schema::JobSpec::kView:
@@ -102,7 +145,7 @@ class CoreJobRunner final : public JobRunner {
     if (job.heat() >= static_cast<std::uint32_t>(sweep_.heat_size()))
       return absl::InvalidArgumentError(
           absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
-    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep_, assets_, job.heat(), land_.get()));
+    ASSIGN_OR_RETURN(auto computed, compute_heat(sweep_, assets_, job.heat(), scene_->land.get()));
     schema::JobResult result;
     *result.mutable_heat() = std::move(computed);
     result.set_seed_hex(absl::StrFormat("%016x", sweep_.sweep().seed()));
@@ -111,7 +154,8 @@ class CoreJobRunner final : public JobRunner {
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) const {
     ASSIGN_OR_RETURN(auto request,
-                     request_from_job(sweep_, job, environment_, temperatures_, land_, plumes_));
+                     request_from_job(sweep_, job, scene_->environment, scene_->temperatures,
+                                      scene_->land, scene_->plumes));
     for (const auto& [what, asked] :
          {std::pair{"condition", &request.selected_condition}, {"band", &request.selected_band}})
       if (asked->empty())
@@ -144,12 +188,12 @@ class CoreJobRunner final : public JobRunner {
   // A facet without a temperature matters to views that see it, and to no other.
   [[nodiscard]] absl::Status check_temperatures_seen(const ViewResult& view) const {
     if (!view.unknown_seen) return absl::OkStatus();
-    const std::vector<std::uint32_t>& emitter = temperatures_.emitters->of_facet;
+    const std::vector<std::uint32_t>& emitter = scene_->temperatures.emitters->of_facet;
     const std::size_t facet = static_cast<std::size_t>(
         std::find(emitter.begin(), emitter.end(), view.unknown_seen->emitter) - emitter.begin());
     return unknown_temperature(sweep_, simulator_->target(), facet,
                                sweep_.condition(static_cast<int>(view.unknown_seen->condition)),
-                               temperatures_.unknown);
+                               scene_->temperatures.unknown);
   }
 
   [[nodiscard]] double accepted_backface_fraction() const {
@@ -175,15 +219,11 @@ class CoreJobRunner final : public JobRunner {
   }
 
   schema::ResolvedSweep sweep_;
-  std::unique_ptr<Simulator> simulator_;
-  std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
-  SweepTemperatures temperatures_;
-  std::shared_ptr<const LandScene> land_;  // null: none
-  SweepPlumes plumes_;
-  Assets assets_;            // of a sweep with heat runs
-  std::size_t field_bytes_;  // of the files of temperatures
+  std::shared_ptr<const RunnerScene> scene_;
+  const Simulator* simulator_;  // of the scene
+  Assets assets_;               // of a sweep with heat runs
+  std::size_t field_bytes_;     // of the files of temperatures
   std::optional<ThumbnailEncoder> encoder_;
-  std::vector<Problem> warnings_;
   std::optional<InputViews> inputs_;  // of a sweep with uncertain ones
 };
 
@@ -215,26 +255,59 @@ absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& ta
   return absl::OkStatus();
 }
 
-std::string cpu_vendor() {
-  if (__builtin_cpu_is("amd")) return "amd";
-  if (__builtin_cpu_is("intel")) return "intel";
-  return "other";
+// Returns all that a scene is made from. What jobs alone are asked is left out, but the shortest
+// range, by which the place of a model is judged; and what conditions and heat runs have written
+// out: with it, every map, whose order in a message is open.
+std::string scene_key(const schema::ResolvedSweep& resolved, const HeatOutputs& heat) {
+  schema::ResolvedSweep sweep = resolved;
+  double least_m = INFINITY;
+  for (const schema::Viewpoint& v : sweep.viewpoint()) least_m = std::min(least_m, v.range_m());
+  sweep.clear_viewpoint();
+  sweep.clear_shard();
+  schema::Sweep& asked = *sweep.mutable_sweep();
+  asked.clear_name();
+  asked.clear_accuracy();
+  asked.clear_viewpoints();
+  asked.clear_profile();
+  asked.clear_published();
+  asked.clear_precompute();
+  asked.clear_season();
+  asked.mutable_transport()->clear_job_size_vertices();
+  std::string out = absl::StrCat(least_m, "\n", sweep.SerializeAsString());
+  for (const std::string& field : heat) absl::StrAppend(&out, "\n", field.size(), "\n", field);
+  return out;
 }
 
-}  // namespace
-
-absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
-    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
-    std::optional<ThumbnailEncoder> encoder) {
-  if (!heat.empty() && awaits_temperatures(sweep, heat))
-    return absl::InternalError(absl::StrCat("the results of ", heat.size(), " heat jobs for the ",
-                                            sweep.heat_size(), " that the sweep has"));
+// With the checks that do not depend on viewpoints but for the shortest range.
+absl::StatusOr<std::shared_ptr<const RunnerScene>> build_scene(const schema::ResolvedSweep& sweep,
+                                                               const Assets& assets,
+                                                               const HeatOutputs& heat) {
+  auto out = std::make_shared<RunnerScene>();
   ASSIGN_OR_RETURN(auto scene, scene_from_sweep(sweep, assets, heat));
   RETURN_IF_ERROR(check_above_surface(sweep, scene.mesh));
   RETURN_IF_ERROR(check_offset(sweep, scene.mesh));
-  ASSIGN_OR_RETURN(auto simulator, Simulator::create(scene));
-  RETURN_IF_ERROR(check_energy(sweep.sweep(), simulator->materials()));
-  const Target& target = simulator->target();
+  ASSIGN_OR_RETURN(out->simulator, Simulator::create(scene));
+  RETURN_IF_ERROR(check_energy(sweep.sweep(), out->simulator->materials()));
+  auto environment = environment_from_sweep(sweep, out->simulator->band_grids());
+  if (absl::IsOutOfRange(environment.status()))
+    return problem_status(problems_of(environment.status()));
+  if (!environment.ok()) return environment.status();
+  out->environment = *std::move(environment);
+  ASSIGN_OR_RETURN(out->plumes, plumes_from_sweep(sweep, assets));
+  if (sweep.sweep().has_uncertainty() && !scene.temperatures.awaited) {
+    ASSIGN_OR_RETURN(out->inputs, InputViews::make(sweep, scene, *out->simulator, out->environment,
+                                                   scene.temperatures, scene.land, heat));
+  }
+  out->warnings = model_warnings(sweep, scene);
+  for (Problem& warning : land_warnings(sweep, scene.land.get()))
+    out->warnings.push_back(std::move(warning));
+  out->temperatures = std::move(scene.temperatures);
+  out->land = std::move(scene.land);
+  return out;
+}
+
+absl::Status check_viewpoints(const schema::ResolvedSweep& sweep, const RunnerScene& scene) {
+  const Target& target = scene.simulator->target();
   for (const schema::Viewpoint& v : sweep.viewpoint()) {
     RETURN_IF_ERROR(check_outside(target, {.aspect_azimuth_deg = v.aspect_azimuth_deg(),
                                            .aspect_elevation_deg = v.aspect_elevation_deg(),
@@ -246,26 +319,41 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
                        " times as far away as the target's radius, ", target.radius_m,
                        " m: double precision no longer tells its sides apart"));
   }
-  auto environment = environment_from_sweep(sweep, simulator->band_grids());
-  if (absl::IsOutOfRange(environment.status()))
-    return problem_status(problems_of(environment.status()));
-  if (!environment.ok()) return environment.status();
-  RETURN_IF_ERROR(check_in_sight(sweep, target, environment->get(), scene.land.get()));
-  ASSIGN_OR_RETURN(auto plumes, plumes_from_sweep(sweep, assets));
-  std::optional<InputViews> inputs;
-  if (sweep.sweep().has_uncertainty() && !scene.temperatures.awaited) {
-    ASSIGN_OR_RETURN(inputs, InputViews::make(sweep, scene, *simulator, *environment,
-                                              scene.temperatures, scene.land, heat));
+  return check_in_sight(sweep, target, scene.environment.get(), scene.land.get());
+}
+
+std::string cpu_vendor() {
+  if (__builtin_cpu_is("amd")) return "amd";
+  if (__builtin_cpu_is("intel")) return "intel";
+  return "other";
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    std::optional<ThumbnailEncoder> encoder, KeptScene* kept) {
+  if (!heat.empty() && awaits_temperatures(sweep, heat))
+    return absl::InternalError(absl::StrCat("the results of ", heat.size(), " heat jobs for the ",
+                                            sweep.heat_size(), " that the sweep has"));
+  std::string key;
+  std::shared_ptr<const RunnerScene> scene;
+  if (kept != nullptr) {
+    key = scene_key(sweep, heat);
+    scene = kept->of(key);
   }
-  std::vector<Problem> warnings = model_warnings(sweep, scene);
-  for (Problem& warning : land_warnings(sweep, scene.land.get()))
-    warnings.push_back(std::move(warning));
+  if (scene == nullptr) {
+    ASSIGN_OR_RETURN(scene, build_scene(sweep, assets, heat));
+    if (kept != nullptr) kept->keep(key, scene);
+  }
+  RETURN_IF_ERROR(check_viewpoints(sweep, *scene));
+  std::optional<InputViews> inputs = scene->inputs;
+  if (inputs) inputs->look_as(sweep);
   return std::make_unique<CoreJobRunner>(
-      sweep, std::move(simulator), *std::move(environment), scene.temperatures, scene.land,
-      std::move(plumes), sweep.heat_size() > 0 ? assets : Assets(),
+      sweep, scene, sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
-          bytes_left_by_heat(sweep, scene.mesh.triangle.size()),
-      std::move(encoder), std::move(warnings), std::move(inputs));
+          bytes_left_by_heat(sweep, scene->simulator->target().facet.size()),
+      std::move(encoder), std::move(inputs));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

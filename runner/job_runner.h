@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,27 @@ namespace irsig {
 // more (model.accepted_backface_fraction). 1 %: the accuracy that is the default for an intensity.
 inline constexpr double kAcceptedBackfaceShare = 0.01;
 
+struct RunnerScene;
+
+// Keeps the scene of the sweep that a process computed last: mesh, ray tracer, air, sky and
+// sunlight, temperatures. Sweeps that differ in their name, accuracy, viewpoints, profiles and size
+// of jobs alone have the same one, and runners after the first do not build it again. A scene under
+// which a job failed is not used again. Thread-safe.
+class KeptScene {
+ public:
+  // Returns the scene with this key; null: another one was kept, and is dropped.
+  [[nodiscard]] std::shared_ptr<const RunnerScene> of(const std::string& key);
+  void keep(const std::string& key, std::shared_ptr<const RunnerScene> scene);
+  // Returns the number of scenes that were built so far.
+  [[nodiscard]] int scenes();
+
+ private:
+  std::mutex mutex_;
+  std::string key_;
+  std::shared_ptr<const RunnerScene> scene_;
+  int scenes_ = 0;
+};
+
 // Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. Immutable but for
 // caches of what does not depend on the job: run() may be called from several threads.
 class JobRunner {
@@ -30,15 +52,16 @@ class JobRunner {
   // and the heat jobs of a sweep can be run; run() refuses its views with FAILED_PRECONDITION.
   // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
   // run() refuses the others with FAILED_PRECONDITION.
+  // kept: where the scene is taken from, if it is there, and left. Results are the same with and
+  // without it.
   static absl::StatusOr<std::unique_ptr<JobRunner>> create(
       const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
-      std::optional<ThumbnailEncoder> encoder = {});
+      std::optional<ThumbnailEncoder> encoder = {}, KeptScene* kept = nullptr);
   virtual ~JobRunner() = default;
 
   // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
-  [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(
-      const schema::JobSpec& job) const = 0;
+  [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const = 0;
   // Warnings for people (model_warnings.h).
   [[nodiscard]] virtual std::vector<Problem> warnings() const { return {}; }
   // Memory of a worker with this runner; nothing for runners that compute nothing.

@@ -54,7 +54,7 @@ int report(const absl::Status& status) {
 
 absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
     const irsig::schema::ResolvedSweep& sweep, const irsig::Assets& assets,
-    const irsig::HeatOutputs& heat) {
+    const irsig::HeatOutputs& heat, irsig::KeptScene& kept) {
   const irsig::ThumbnailEncoder encoder{
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_png({width_px, height_px, pixels});
@@ -65,7 +65,7 @@ absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_error_exr({width_px, height_px, pixels});
       }};
-  return irsig::JobRunner::create(sweep, assets, heat, encoder);
+  return irsig::JobRunner::create(sweep, assets, heat, encoder, &kept);
 }
 
 }  // namespace
@@ -125,6 +125,12 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit (ulimit -f) is a full disk
-  const auto status = irsig::run_lease_loop(plan, make_runner, stop_asked);
+  irsig::KeptScene kept;
+  const auto status = irsig::run_lease_loop(
+      plan,
+      [&](const auto& sweep, const auto& assets, const auto& heat) {
+        return make_runner(sweep, assets, heat, kept);
+      },
+      stop_asked);
   return status.ok() ? 0 : report(status);
 }

@@ -25,7 +25,7 @@ GOOD = {
     "core/base/base.h": "#pragma once\n",
     "core/base/base.cpp": '#include "core/base/base.h"\n#include <vector>\n#include "absl/status/status.h"\n',
     "core/scene/scene.h": "",
-    "core/scene/trace/tracer.cpp": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
+    "core/scene/trace/embree.h": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
     "worker/job.cpp": '#include "core/base/base.h"\n#include "schema/job.pb.h"\n#include "schema/farm.grpc.pb.h"\n',
     "cli/main.cpp": "#include <CLI/CLI.hpp>\n",
     "tests/unit/base_test.cpp": '#include "core/base/base.h"\n#include <sqlite3.h>\n',

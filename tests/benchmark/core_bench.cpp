@@ -2,7 +2,6 @@
 // the same rays:
 //   core_bench [triangles] [samples]
 // Prints one CSV line a figure; docs/evidence/performance.md quotes them.
-#include <embree3/rtcore.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -14,6 +13,7 @@
 
 #include "core/base/constants.h"
 #include "core/scene/generate/generate_mesh.h"
+#include "core/scene/trace/embree.h"
 #include "core/signature/simulator.h"
 #include "core/transport/path_tracer.h"
 
@@ -66,7 +66,7 @@ struct Replay {
     device = rtcNewDevice(("threads=1,set_affinity=0,isa=" + isa_name(widest_isa())).c_str());
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry g = new_unmasked_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
                                         target.vertex.size() / 3),
                 target.vertex.data(), target.vertex.size() * 4);
@@ -77,27 +77,21 @@ struct Replay {
     rtcAttachGeometry(scene, g);
     rtcCommitScene(scene);
   }
-  static RTCIntersectContext context(bool coherent) {
-    RTCIntersectContext c;
-    rtcInitIntersectContext(&c);
-    c.flags =
-        coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    return c;
-  }
   double packets(std::vector<Recorder::Call> calls) const {  // by value: tracing overwrites
     alignas(64) int valid[16];
     const double start = cpu_s();
     for (Recorder::Call& call : calls) {
-      auto c = context(call.coherent);
+      EmbreeQuery query(call.coherent);
       for (int i = 0; i < 16; ++i) valid[i] = i < call.count ? -1 : 0;
       if (call.shadow)
-        rtcOccluded16(valid, scene, &c, reinterpret_cast<RTCRay16*>(&call.packet));
+        query.occluded(valid, scene, call.packet);
       else
-        rtcIntersect16(valid, scene, &c, reinterpret_cast<RTCRayHit16*>(&call.packet));
+        query.intersect(valid, scene, call.packet);
     }
     return cpu_s() - start;
   }
-  double single(const std::vector<Recorder::Call>& calls, bool stream) const {
+  // stream: by the stream interface, which Embree 4 does not have: there as without it.
+  double single(const std::vector<Recorder::Call>& calls, [[maybe_unused]] bool stream) const {
     std::vector<RTCRayHit> rays[3];
     for (const Recorder::Call& call : calls)
       for (int i = 0; i < call.count; ++i) {
@@ -110,8 +104,13 @@ struct Replay {
       }
     const double start = cpu_s();
     for (int kind = 0; kind < 3; ++kind) {
-      auto c = context(kind != 1);
+      EmbreeQuery query(kind != 1);
+#ifndef IRSIG_EMBREE_4
       if (stream) {
+        RTCIntersectContext c;
+        rtcInitIntersectContext(&c);
+        c.flags =
+            kind != 1 ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
         for (std::size_t first = 0; first < rays[kind].size(); first += 1024) {
           const auto n =
               static_cast<unsigned>(std::min<std::size_t>(1024, rays[kind].size() - first));
@@ -120,13 +119,14 @@ struct Replay {
           else
             rtcIntersect1M(scene, &c, &rays[kind][first], n, sizeof(RTCRayHit));
         }
-      } else {
-        for (RTCRayHit& r : rays[kind])
-          if (kind == 2)
-            rtcOccluded1(scene, &c, &r.ray);
-          else
-            rtcIntersect1(scene, &c, &r);
+        continue;
       }
+#endif
+      for (RTCRayHit& r : rays[kind])
+        if (kind == 2)
+          query.occluded(scene, r.ray);
+        else
+          query.intersect(scene, r);
     }
     return cpu_s() - start;
   }

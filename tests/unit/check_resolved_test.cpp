@@ -216,6 +216,17 @@ TEST(CheckResolved, JobsAreCountedBeforeTheyAreMade) {
   }
 }
 
+// Pilots go without the changes of temperatures, and nothing else does.
+TEST(CheckResolved, PilotsMayLackRunsOfChanges) {
+  schema::ResolvedSweep sweep = resolved_example("frigate_day.toml");
+  const int all = sweep.heat_size();
+  while (sweep.heat(sweep.heat_size() - 1).input_size() > 0) sweep.mutable_heat()->RemoveLast();
+  ASSERT_LT(sweep.heat_size(), all);
+  EXPECT_FALSE(check_resolved(sweep).ok());
+  sweep.mutable_sweep()->mutable_accuracy()->set_samples_per_replicate(64);
+  EXPECT_TRUE(check_resolved(sweep).ok()) << check_resolved(sweep);
+}
+
 // As planning/sweep_pilot.cpp and planning/time_budget.cpp make them.
 TEST(CheckResolved, SweepsOfPilotsAndBudgetsAreTaken) {
   schema::ResolvedSweep pilot = resolved_example("frigate.toml");

@@ -193,6 +193,49 @@ TEST(JobRunner, APilotHasItsOwnNumberOfSamples) {
   }
 }
 
+std::string bytes_without_time(schema::JobResult result) {
+  result.clear_seconds();
+  return result.SerializeAsString();
+}
+
+// Of sweeps that differ in accuracy and viewpoints alone the scene is built once, and no bit of a
+// result shows that; another material, or a job that failed, and it is built anew.
+TEST(JobRunner, KeepsTheSceneForSweepsThatShareIt) {
+  auto first = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");
+  ASSERT_TRUE(first.ok()) << first.status();
+  first->mutable_sweep()->mutable_model()->set_triangles(2000);
+  first->mutable_sweep()->mutable_accuracy()->set_relative_error(0.05);
+  first->mutable_sweep()->mutable_output()->set_thumbnail_px(0);
+  first->mutable_sweep()->mutable_uncertainty()->set_emissivity(0.02);
+  schema::ResolvedSweep second = *first;
+  second.mutable_sweep()->set_name("second");
+  second.mutable_sweep()->mutable_accuracy()->set_relative_error(0.02);
+  second.mutable_viewpoint()->SwapElements(0, 7);
+  schema::ResolvedSweep other = second;
+  other.mutable_condition(0)->mutable_weather()->set_wind_speed_m_s(9);
+  KeptScene kept;
+  const auto run = [&](const schema::ResolvedSweep& sweep, KeptScene* scene) {
+    const auto runner = JobRunner::create(sweep, {}, {}, {}, scene);
+    EXPECT_TRUE(runner.ok()) << runner.status();
+    auto result = (*runner)->run(expand_jobs(sweep, physics_version()).front());
+    EXPECT_TRUE(result.ok()) << result.status();
+    return bytes_without_time(*std::move(result));
+  };
+  EXPECT_EQ(run(*first, &kept), run(*first, nullptr));
+  EXPECT_EQ(run(second, &kept), run(second, nullptr));
+  EXPECT_EQ(kept.scenes(), 1);
+  EXPECT_EQ(run(other, &kept), run(other, nullptr));
+  EXPECT_EQ(kept.scenes(), 2);
+  const auto runner = JobRunner::create(other, {}, {}, {}, &kept);
+  ASSERT_TRUE(runner.ok()) << runner.status();
+  EXPECT_EQ(kept.scenes(), 2);
+  schema::JobSpec wrong = expand_jobs(other, physics_version()).front();
+  wrong.mutable_view()->set_viewpoint_index(100000);
+  EXPECT_FALSE((*runner)->run(wrong).ok());
+  EXPECT_EQ(run(other, &kept), run(other, nullptr));
+  EXPECT_EQ(kept.scenes(), 3);
+}
+
 // The whole way of the embedded atmosphere: sweep file, weather, environment, signature.
 TEST(JobRunner, ComputesThroughTheEmbeddedAtmosphere) {
   auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");

@@ -19,11 +19,12 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A job takes fixed_s + sample_s x samples + condition_s x conditions, a row's standard error is
-// 100 W/sr x error (128 / samples)^0.6; both times what the view says.
+// A job takes fixed_s + sample_s x samples and the time of its conditions, a row's standard error
+// is 100 W/sr x error (128 / samples)^0.6; both times what the view says.
 class StatedFarm final : public PilotFarm {
  public:
-  double fixed_s = 0.02, sample_s = 1e-4, error = 0.02, row_bytes = 5000, condition_s = 0;
+  double fixed_s = 0.02, sample_s = 1e-4, error = 0.02, row_bytes = 5000;
+  std::function<double(const schema::Condition&)> of_condition = [](const auto&) { return 0.0; };
   std::function<double(double azimuth_deg)> of_view = [](double) { return 1.0; };
   absl::Status failure;
   std::set<double> azimuths;  // of all views that were computed
@@ -51,8 +52,9 @@ class StatedFarm final : public PilotFarm {
         azimuths.insert(azimuth);
         StoredJobCost job;
         job.viewpoint_index = static_cast<std::uint64_t>(v);
-        job.cpu_s =
-            (fixed_s + sample_s * n + condition_s * sweep.condition_size()) * of_view(azimuth);
+        double conditions_s = 0;
+        for (const schema::Condition& c : sweep.condition()) conditions_s += of_condition(c);
+        job.cpu_s = (fixed_s + sample_s * n + conditions_s) * of_view(azimuth);
         job.samples = 32 * samples;
         job.target_paths = 20 * samples;
         cpu_s_ += job.cpu_s;
@@ -126,7 +128,7 @@ TEST(SweepPilot, LooksAtMoreViewsWhereTheyDiffer) {
 TEST(SweepPilot, OfManyConditionsAFewTell) {
   for (const int conditions : {48, 300}) {
     StatedFarm farm;
-    farm.condition_s = 2e-3;
+    farm.of_condition = [](const auto&) { return 2e-3; };
     LoadedSweep loaded = quickstart(0.01);
     schema::ResolvedSweep& sweep = loaded.resolved;
     const schema::Condition first = sweep.condition(0);
@@ -144,13 +146,47 @@ TEST(SweepPilot, OfManyConditionsAFewTell) {
     }
     const auto pilot = pilot_sweep(loaded, farm);
     ASSERT_TRUE(pilot.ok()) << pilot.status();
-    EXPECT_EQ(farm.conditions, 24);
+    EXPECT_EQ(farm.conditions, conditions > 60 ? 36 : 12);
     EXPECT_EQ(farm.brightest_w_m2, 1200);
     EXPECT_EQ(farm.hottest_k, 350);
     const StoredPrediction p = prediction_of(*pilot, sweep, 1);
     const double samples = 128 * std::pow(0.02 / (0.8 * 0.01), 1 / 0.6);
     EXPECT_NEAR(p.job_cpu_median_s, 0.02 + 1e-4 * samples + 2e-3 * conditions, 0.03);
     EXPECT_NEAR(pilot->database_bytes_per_view, 2 * conditions * 5000, 1);
+  }
+}
+
+// The sun makes a condition dearer; which conditions the pilot takes has its own share of suns.
+TEST(SweepPilot, CountsConditionsByTheirSuns) {
+  constexpr double kNight_s = 4e-3, kSun_s = 2.5 * kNight_s;
+  for (const int lit : {0, 30, 270, 300}) {
+    StatedFarm farm;
+    LoadedSweep loaded = quickstart(0.01);
+    schema::ResolvedSweep& sweep = loaded.resolved;
+    ASSERT_TRUE(sweep.sweep().transport().sun());
+    const schema::Condition first = sweep.condition(0);
+    const schema::Season season = sweep.sweep().season(0);
+    const std::string noon = first.time_utc();
+    const std::string night = noon.substr(0, 11) + "15:30:00Z";  // half past midnight there
+    farm.of_condition = [&](const schema::Condition& c) {
+      return c.time_utc() == night ? kNight_s : kSun_s;
+    };
+    sweep.clear_condition();
+    sweep.mutable_sweep()->clear_season();
+    sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e18);
+    for (int i = 0; i < 300; ++i) {
+      *sweep.mutable_sweep()->add_season() = season;
+      schema::Condition& c = *sweep.add_condition();
+      c = first;
+      c.set_season_index(static_cast<std::uint32_t>(i));
+      c.set_time_utc(i < lit ? noon : night);
+    }
+    const auto pilot = pilot_sweep(loaded, farm);
+    ASSERT_TRUE(pilot.ok()) << pilot.status();
+    const double samples = 128 * std::pow(0.02 / (0.8 * 0.01), 1 / 0.6);
+    EXPECT_NEAR(prediction_of(*pilot, sweep, 1).job_cpu_median_s,
+                0.02 + 1e-4 * samples + lit * kSun_s + (300 - lit) * kNight_s, 0.03)
+        << lit;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "core/signature/view/unseen.h"
@@ -53,6 +54,25 @@ TEST(SmallBrightSources, GrowsWithoutACliff) {
     EXPECT_LE(error, 1e3 * seen_m2 / std::numbers::sqrt3 * (1 + 1e-12));
     last = error;
   }
+}
+
+// From bright to dark, in whatever order they come; numbers without a leading bit are the darkest.
+TEST(SmallBrightSources, TheOrderOfPlacesDoesNotMatter) {
+  const double radiance[] = {1e-310, 4e-308, 1e-3, 0.7, 0.9, 1, 1.24, 1.26, 5, 1e200};
+  SmallBrightSources up, down;
+  for (const double r : radiance) up.add(r, 1e-4 / r);
+  for (auto r = std::rbegin(radiance); r != std::rend(radiance); ++r) down.add(*r, 1e-4 / *r);
+  EXPECT_EQ(up.brightest(), 1e200);
+  EXPECT_EQ(down.brightest(), 1e200);
+  EXPECT_DOUBLE_EQ(up.sum(), 10e-4);
+  EXPECT_DOUBLE_EQ(down.sum(), 10e-4);
+  for (const double sample_m2 : {1e-6, 3e-5, 1e-3}) {
+    EXPECT_DOUBLE_EQ(up.allowance(sample_m2).bound, down.allowance(sample_m2).bound);
+    EXPECT_DOUBLE_EQ(up.allowance(sample_m2).stderr_, down.allowance(sample_m2).stderr_);
+  }
+  // With samples this dense all but the one far brighter place is allowed for by them.
+  EXPECT_DOUBLE_EQ(up.allowance(1e-6).bound, 1e-4);
+  EXPECT_DOUBLE_EQ(up.allowance(1e-6).stderr_, 2 * 1e-6 * 5);
 }
 
 TEST(SmallBrightSources, WhatIsDarkOrHasNoAreaIsNothing) {

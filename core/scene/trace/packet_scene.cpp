@@ -1,13 +1,12 @@
 #include "core/scene/trace/packet_scene.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cstring>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/scene/trace/embree.h"
 
 namespace irsig {
 namespace {
@@ -47,11 +46,10 @@ class EmbreePackets final : public PacketScene {
   }
 
   void intersect(RayPacket& packet, int count) const override {
-    RTCIntersectContext context = packets();
     alignas(64) int valid[16];
     std::memcpy(valid, kPacketValid + 16 - count, sizeof(valid));
     switch_off(packet, count);
-    rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&packet));
+    packets().intersect(valid, scene_, packet);
     for (int i = 0; i < count; ++i) {
       if (packet.geometry[i] == RTC_INVALID_GEOMETRY_ID) {
         packet.triangle[i] = RayPacket::kMiss;
@@ -71,11 +69,10 @@ class EmbreePackets final : public PacketScene {
   }
 
   void occluded(RayPacket& packet, int count) const override {
-    RTCIntersectContext context = packets();
     alignas(64) int valid[16];
     std::memcpy(valid, kPacketValid + 16 - count, sizeof(valid));
     switch_off(packet, count);
-    rtcOccluded16(valid, scene_, &context, reinterpret_cast<RTCRay16*>(&packet));
+    packets().occluded(valid, scene_, packet);
   }
 
  private:
@@ -86,12 +83,7 @@ class EmbreePackets final : public PacketScene {
   }
   // Not COHERENT: with it, packets of 16 and AVX-512, Embree 3.13.5 loops for ever in compressed
   // boxes, which grids have.
-  static RTCIntersectContext packets() {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    return context;
-  }
+  static EmbreeQuery packets() { return EmbreeQuery(false); }
   // Below AVX-512 Embree cuts packets of 16 up and goes by tnear and tfar alone, not by `valid`.
   static void switch_off(RayPacket& p, int count) {
     for (int i = count; i < RayPacket::kSize; ++i) {
@@ -124,7 +116,7 @@ class EmbreePackets final : public PacketScene {
       add(0, grid.hole_low, grid.hole_left, grid.hole_rows);
       add(right, grid.hole_low, grid.columns - right, grid.hole_rows);
     }
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_GRID);
+    RTCGeometry geometry = new_unmasked_geometry(device_, RTC_GEOMETRY_TYPE_GRID);
     void* to = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID,
                                        sizeof(RTCGrid), piece.size());
     if (to != nullptr) std::memcpy(to, piece.data(), piece.size() * sizeof(RTCGrid));
@@ -139,7 +131,7 @@ class EmbreePackets final : public PacketScene {
   void add_mesh(const PacketMesh& mesh) {
     RTCScene scene = robust_scene();
     meshes_.push_back(scene);
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = new_unmasked_geometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     const auto put = [&](RTCBufferType type, RTCFormat format, const void* from,
                          std::size_t count) {
       void* to = rtcSetNewGeometryBuffer(geometry, type, 0, format, 12, count);
@@ -154,7 +146,7 @@ class EmbreePackets final : public PacketScene {
   }
 
   void add_instance(const PacketInstance& i) {
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+    RTCGeometry geometry = new_unmasked_geometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, meshes_[i.mesh]);
     rtcSetGeometryTimeStepCount(geometry, 1);
     float matrix[12];

@@ -30,7 +30,7 @@ struct PacketInstance {
   std::array<float, 3> shift{};
 };
 
-// Grids and instances of meshes for packets of coherent rays, in float32, by Embree 3 with ROBUST
+// Grids and instances of meshes for packets of coherent rays, in float32, by Embree with ROBUST
 // traversal. For pictures whose errors are measured: unlike Tracer, no answer near an edge or a
 // vertex is decided by exact arithmetic. Immutable; any number of threads may trace.
 class PacketScene {

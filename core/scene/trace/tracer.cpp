@@ -1,12 +1,9 @@
 #include "core/scene/trace/tracer.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <mutex>
@@ -16,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/check.h"
 #include "core/base/clones.h"
+#include "core/scene/trace/embree.h"
 #include "core/scene/trace/facet_pairs.h"
 #include "core/scene/trace/reference_tracer.h"
 #include "core/scene/trace/same_corners.h"
@@ -23,11 +21,6 @@
 
 namespace irsig {
 namespace {
-
-static_assert(sizeof(RayPacket) == sizeof(RTCRayHit16));
-static_assert(offsetof(RayPacket, tfar) == offsetof(RTCRayHit16, ray.tfar));
-static_assert(offsetof(RayPacket, normal_x) == offsetof(RTCRayHit16, hit.Ng_x));
-static_assert(offsetof(RayPacket, triangle) == offsetof(RTCRayHit16, hit.primID));
 
 // Lanes beyond `count` are switched off.
 alignas(64) constexpr int kValid[32] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1,
@@ -150,14 +143,14 @@ class EmbreeTracer final : public Tracer {
   }
 
   void intersect(RayPacket& packet, int count, bool coherent) const override {
-    RTCIntersectContext context = context_for(coherent);
+    EmbreeQuery query(coherent);
     alignas(64) int valid[16];
     std::memcpy(valid, kValid + 16 - count, sizeof(valid));
     switch_off_from(packet, count);
     float end[16];
     std::memcpy(end, packet.tfar, sizeof(end));
-    rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&packet));
-    if (is_large_) look_again(packet, count, end, context);
+    query.intersect(valid, scene_, packet);
+    if (is_large_) look_again(packet, count, end, query);
     if (guard_ == nullptr || all_miss(packet)) return;
     Sides sides;
     find_sides(packet, sides);
@@ -189,11 +182,11 @@ class EmbreeTracer final : public Tracer {
   }
 
   void occluded(RayPacket& packet, int count, bool coherent) const override {
-    RTCIntersectContext context = context_for(coherent);
+    EmbreeQuery query(coherent);
     alignas(64) int valid[16];
     std::memcpy(valid, kValid + 16 - count, sizeof(valid));
     switch_off_from(packet, count);
-    rtcOccluded16(valid, scene_, &context, reinterpret_cast<RTCRay16*>(&packet));
+    query.occluded(valid, scene_, packet);
   }
 
   VertexCounts vertex_counts() const override {
@@ -203,14 +196,6 @@ class EmbreeTracer final : public Tracer {
   }
 
  private:
-  static RTCIntersectContext context_for(bool coherent) {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags =
-        coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    return context;
-  }
-
   // Below AVX-512 Embree cuts packets of 16 up and goes by tnear and tfar alone, not by `valid`.
   void switch_off_from(RayPacket& p, int count) const {
     if (takes_sixteen_) return;
@@ -222,7 +207,7 @@ class EmbreeTracer final : public Tracer {
 
   // Of surfaces that are closer to each other than a distance from afar is known, the nearer one:
   // by rays that begin shortly before what was met.
-  void look_again(RayPacket& p, int count, const float* end, RTCIntersectContext& context) const {
+  void look_again(RayPacket& p, int count, const float* end, EmbreeQuery& query) const {
     constexpr double kBefore = 0x1p-14;  // of the distance: hundreds of its roundings
     alignas(64) int valid[16] = {};
     RayPacket near{};
@@ -250,7 +235,7 @@ class EmbreeTracer final : public Tracer {
       near.triangle[i] = near.geometry[i] = near.instance[i] = RayPacket::kMiss;
     }
     if (!any) return;
-    rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&near));
+    query.intersect(valid, scene_, near);
     for (int i = 0; i < count; ++i) {
       if (valid[i] == 0 || near.geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
       p.tfar[i] = static_cast<float>(before[i] + static_cast<double>(near.tfar[i]));
@@ -338,8 +323,7 @@ class EmbreeTracer final : public Tracer {
     one.ray.tnear = std::nextafter(one.ray.tfar, std::numeric_limits<float>::infinity());
     one.ray.tfar = end;
     one.hit.geomID = one.hit.primID = one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context = context_for(false);
-    rtcIntersect1(scene_, &context, &one);
+    EmbreeQuery(false).intersect(scene_, one);
   }
 
   const ReferenceTracer& exact() const {
@@ -421,8 +405,8 @@ template <std::size_t kCorners>
 void attach(RTCDevice device, RTCScene scene, const std::vector<float>& vertex,
             const std::uint32_t* index, std::size_t count) {
   static_assert(kCorners == 3 || kCorners == 4);
-  RTCGeometry geometry =
-      rtcNewGeometry(device, kCorners == 3 ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+  RTCGeometry geometry = new_unmasked_geometry(
+      device, kCorners == 3 ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                            3 * sizeof(float), vertex.size() / 3);
   constexpr std::size_t kBytes = kCorners * sizeof(std::uint32_t);

@@ -21,6 +21,9 @@ struct alignas(64) RayPacket {
   float normal_x[16], normal_y[16], normal_z[16];  // not normalised
   float u[16], v[16];                              // the ray tracer's own
   std::uint32_t triangle[16], geometry[16], instance[16];
+#ifdef IRSIG_EMBREE_4
+  std::uint32_t instance_part[16];  // written where Embree was built with arrays of instances
+#endif
 };
 
 // The instruction sets that the ray tracer may be pinned to; results can differ in the last bit
@@ -54,7 +57,7 @@ struct VertexCounts {
   std::uint64_t decided = 0;      // of these: met a facet around it by exact arithmetic
 };
 
-// Ray-triangle intersection by Embree 3 (this class is its only user): float32 coordinates, which
+// Ray-triangle intersection by Embree 3.13 or 4 (embree.h): float32 coordinates, which
 // the caller keeps near the origin, rays that start within a few radii of it. Immutable after
 // construction: any number of threads may trace. What a ray meets depends on the ray alone.
 //

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <unordered_map>
 
@@ -160,24 +161,47 @@ struct UndersampledSources::Lit {
   }
 };
 
+namespace {
+
+// Returns the quarter octave of a radiance, > 0: its exponent and the two bits behind it.
+int quarter_octave(double radiance) {
+  if (radiance < std::numeric_limits<double>::min()) {
+    int octave = 0;
+    const double mantissa = std::frexp(radiance, &octave);
+    return 4 * octave + static_cast<int>(8 * mantissa);
+  }
+  // The exponent counts from -1022, and the mantissa's two bits from 4, as frexp has both.
+  return static_cast<int>(std::bit_cast<std::uint64_t>(radiance) >> 50) - 4 * 1022 + 4;
+}
+
+}  // namespace
+
+SmallBrightSources::Places& SmallBrightSources::places_of(int key) {
+  if (places_.empty()) lowest_ = key;
+  if (key < lowest_) {
+    places_.insert(places_.begin(), static_cast<std::size_t>(lowest_ - key), Places{});
+    lowest_ = key;
+  }
+  const auto at = static_cast<std::size_t>(key - lowest_);
+  if (at >= places_.size()) places_.resize(at + 1);
+  return places_[at];
+}
+
 void SmallBrightSources::add(double radiance, double seen_m2) {
   if (!(radiance > 0 && seen_m2 > 0)) return;
-  int octave = 0;
-  const double mantissa =
-      std::frexp(std::min(radiance, std::numeric_limits<double>::max()), &octave);
-  Places& here = places_[4 * octave + static_cast<int>(8 * mantissa)];
+  Places& here = places_of(quarter_octave(std::min(radiance, std::numeric_limits<double>::max())));
   here.brightest = std::max(here.brightest, radiance);
   here.sum += radiance * seen_m2;
 }
 
 double SmallBrightSources::sum() const {
   double sum = 0;
-  for (const auto& [key, here] : places_) sum += here.sum;
+  for (auto here = places_.rbegin(); here != places_.rend(); ++here) sum += here->sum;
   return sum;
 }
 
 double SmallBrightSources::brightest() const {
-  return places_.empty() ? 0 : places_.begin()->second.brightest;
+  return places_.empty() ? 0 : places_.back().brightest;
 }
 
 SmallBrightSources::Allowance SmallBrightSources::allowance(double sample_m2) const {
@@ -189,9 +213,10 @@ SmallBrightSources::Allowance SmallBrightSources::allowance(double sample_m2) co
     least = error;
     best = {bound, missed};
   };
-  for (const auto& [key, here] : places_) {
-    consider(2 * sample_m2 * here.brightest);
-    bound += here.sum;
+  for (auto here = places_.rbegin(); here != places_.rend(); ++here) {
+    if (here->brightest == 0) continue;
+    consider(2 * sample_m2 * here->brightest);
+    bound += here->sum;
     if (numerical_error(0, 0, bound) >= least) return best;
   }
   consider(0);
