@@ -13,6 +13,7 @@
 #include "core/gas/lines/absorption.h"
 #include "core/gas/lines/co2_lines.h"
 #include "core/gas/lines/co_lines.h"
+#include "core/gas/lines/polyad.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {
@@ -199,6 +200,17 @@ TEST(GasLines, TableBetweenItsKnots) {
       EXPECT_NEAR(table / exact, 1, 0.02);
     }
   }
+}
+
+// The pairs of levels that the Fermi resonance mixes, without and with a quantum of the stretch.
+TEST(GasLines, CarbonDioxideHasItsObservedLevels) {  // [rothman1981]
+  const Co2Isotopologue& of = kCo2Isotopologues[0];
+  const Polyad ground = co2_polyad(of, 2, 0, 0, 0, false),
+               excited = co2_polyad(of, 2, 0, 1, 0, false);
+  EXPECT_NEAR(ground.energy_cm1.at(0), 1285.41, 0.03);
+  EXPECT_NEAR(ground.energy_cm1.at(1), 1388.18, 0.03);
+  EXPECT_NEAR(excited.energy_cm1.at(0), 3612.84, 0.03);
+  EXPECT_NEAR(excited.energy_cm1.at(1), 3714.78, 0.03);
 }
 
 // Sum of the strengths of lines from one wavenumber to another, in m2/mol cm-1.

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/gas/lines/joint_terms.h"
@@ -172,6 +173,25 @@ TEST(NestedTerms, HoldEveryPointOnce) {
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], i < kFirst ? 0 : 1);
   for (const auto low : terms.point[0])
     for (const auto high : terms.point[1]) EXPECT_LT(hot[low], hot[high]);
+}
+
+// One wavenumber that absorbs a hundred times as much as all others is a term of its own.
+TEST(Terms, HoldALonePoint) {
+  const std::vector<double> cold = {1, 1.01, 1.02, 1.03, 100};
+  const ColdTerms terms = terms_by_ratio(cold.data(), 0, cold.size(), 4);
+  ASSERT_EQ(terms.point.size(), 2U);
+  EXPECT_EQ(terms.point[0].size(), 4U);
+  EXPECT_EQ(terms.point[1], std::vector<std::uint32_t>{4});
+  EXPECT_NEAR(terms.weight[0] + terms.weight[1], 1, 1e-12);
+}
+
+// Whatever the shares add up to, the last one takes the rest.
+TEST(Terms, LeaveNoPointOut) {
+  const std::vector<double> cold = {5, 4, 3, 2, 1, 6, 7, 8, 9, 10};
+  const ColdTerms terms = terms_by_share(cold.data(), 0, cold.size(), {0.3, 0.3});
+  ASSERT_EQ(terms.point.size(), 2U);
+  EXPECT_EQ(terms.point[0], (std::vector<std::uint32_t>{4, 3, 2}));
+  EXPECT_EQ(terms.point[1].size(), 7U);
 }
 
 }  // namespace
