@@ -99,6 +99,11 @@ TEST_F(WaterMolecule, HasTheObservedLevels) {
   EXPECT_NEAR(water_levels(b, 1, 1, 1, 9000).energy_cm1.at(0), 42.372, 0.01);
   EXPECT_NEAR(water_levels(b, 3, 0, 0, 9000).energy_cm1.at(1), 212.156, 0.02);
   EXPECT_NEAR(water_levels(b, 3, 1, 1, 9000).energy_cm1.at(1), 285.418, 0.03);
+  // Spins of the two protons: 000 and 111 are para, 101 and 110 ortho.
+  EXPECT_EQ(water_levels(b, 0, 0, 0, 9000).nuclear_weight, 1);
+  EXPECT_EQ(water_levels(b, 1, 0, 0, 9000).nuclear_weight, 3);
+  EXPECT_EQ(water_levels(b, 1, 0, 1, 9000).nuclear_weight, 1);
+  EXPECT_EQ(water_levels(b, 1, 1, 1, 9000).nuclear_weight, 3);
   // 12 0 12, of its nuclear weight 1.
   double least = 1e9;
   for (const std::size_t p : {0, 1})
