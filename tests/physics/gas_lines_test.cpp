@@ -13,6 +13,7 @@
 #include "core/gas/lines/absorption.h"
 #include "core/gas/lines/co2_lines.h"
 #include "core/gas/lines/co_lines.h"
+#include "core/gas/lines/polyad.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {
@@ -199,6 +200,49 @@ TEST(GasLines, TableBetweenItsKnots) {
       EXPECT_NEAR(table / exact, 1, 0.02);
     }
   }
+}
+
+// The pairs of levels that the Fermi resonance mixes, without and with a quantum of the stretch.
+TEST(GasLines, CarbonDioxideHasItsObservedLevels) {  // [rothman1981]
+  const Co2Isotopologue& of = kCo2Isotopologues[0];
+  const Polyad ground = co2_polyad(of, 2, 0, 0, 0, false),
+               excited = co2_polyad(of, 2, 0, 1, 0, false);
+  EXPECT_NEAR(ground.energy_cm1.at(0), 1285.41, 0.03);
+  EXPECT_NEAR(ground.energy_cm1.at(1), 1388.18, 0.03);
+  EXPECT_NEAR(excited.energy_cm1.at(0), 3612.84, 0.03);
+  EXPECT_NEAR(excited.energy_cm1.at(1), 3714.78, 0.03);
+}
+
+// Sum of the strengths of lines from one wavenumber to another, in m2/mol cm-1.
+double strength(const std::vector<SpectralLine>& lines, double from_cm1, double to_cm1) {
+  double sum = 0;
+  for (const SpectralLine& line : lines)
+    if (line.centre_cm1 >= from_cm1 && line.centre_cm1 < to_cm1) sum += line.strength;
+  return sum * 6.02214076e19;
+}
+
+// The weak bands at 4.8 to 5.2 um as the cold air's table has them, which other people's lines are
+// behind: means of 10 cm-1 at 250 K, added up.
+TEST(GasLines, WeakBandsOfCarbonDioxideAreTheColdAirs) {
+  const std::vector<SpectralLine> lines = co2_lines(Co2Region::k4um, 250, 1e-28);
+  EXPECT_NEAR(strength(lines, 1900, 1940) / 0.0398, 1, 0.12);   // 11102-00001
+  EXPECT_NEAR(strength(lines, 2040, 2100) / 0.4061, 1, 0.08);   // 11101-00001 and hot ones
+  EXPECT_NEAR(strength(lines, 2100, 2130) / 0.01222, 1, 0.15);  // 20001-01101
+  // The P branch is several times the R branch.
+  EXPECT_GT(strength(lines, 2040, 2073), 5 * strength(lines, 2083, 2110));
+}
+
+// Hot bands grow faster than the levels that they begin at are filled, since bending quanta make
+// their moments larger. Narrow bands of a list of hot lines [riviere2012] have 1.39 and 2.4 where
+// the harmonic moments have 1.32 and 1.94, and that of v1 + 1, v2 + 1 alone 1.3 at 800 K; if quanta
+// against the turn counted like those along it, 1.42 and 2.35.
+TEST(GasLines, WeakBandsOfCarbonDioxideGrowWithTemperature) {
+  const auto per_molecule = [](double kelvin) {
+    return strength(co2_lines(Co2Region::k4um, kelvin, kelvin < 400 ? 1e-27 : 1e-26), 2020, 2110);
+  };
+  const double cool = per_molecule(300);
+  EXPECT_NEAR(per_molecule(500) / cool, 1.32, 0.05);
+  EXPECT_NEAR(per_molecule(800) / cool, 1.94, 0.2);
 }
 
 }  // namespace

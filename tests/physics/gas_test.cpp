@@ -1,7 +1,7 @@
 // Rationale: what a plume sends is the absorption of its gas times blackbody radiance; the table's
 // totals can be checked against line lists and charts, whatever the table is made of.
 // Expected: total emissivities of CO2 within 5 % of HITEMP2010 from 300 to 1500 K, 0.01 to 1 atm m;
-// of H2O within 12 % of Leckner's charts, 500 to 1500 K; nothing depends on how a column is cut.
+// of H2O within 11 % of Leckner's charts, 500 to 1500 K; nothing depends on how a column is cut.
 // Source: values/gas_total_emissivity.csv.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,8 +61,8 @@ TEST(Gas, TotalEmissivities) {
   }
   std::printf("worst: H2O against Leckner %.3f; CO2 %.3f, CO %.3f of HITEMP2010\n", worst_leckner,
               worst_co2, worst_co);
-  EXPECT_LT(worst_leckner, 0.12);
-  EXPECT_LT(worst_co2, 0.07);  // asked for: 0.05; at 1500 K and 0.1 atm m 0.067
+  EXPECT_LT(worst_leckner, 0.11);
+  EXPECT_LT(worst_co2, 0.07);  // asked for: 0.05; at 1500 K and 0.1 atm m 0.069
   EXPECT_LT(worst_co, 0.08);
 }
 
@@ -147,20 +147,21 @@ TEST(Gas, Layers) {
   EXPECT_GT(darker, 40);
 }
 
+// Gauss and Legendre's cosines from 0 to 1, with weights.
+constexpr double kFluxCosine[] = {0.04691008, 0.23076534, 0.5, 0.76923466, 0.95308992};
+constexpr double kFluxWeight[] = {0.11846344, 0.23931434, 0.28444444, 0.23931434, 0.11846344};
+
 // A wall that sees hot gas through cold gas, whose lines are among the hot ones.
 TEST(Gas, HotBehindCold) {
   const ReferenceTable table("gas_solovjov_s1.csv");
-  // Gauss-Legendre in the cosine.
-  constexpr double kCosine[] = {0.04691008, 0.23076534, 0.5, 0.76923466, 0.95308992};
-  constexpr double kWeight[] = {0.11846344, 0.23931434, 0.28444444, 0.23931434, 0.11846344};
   double at_no_depth = 0;
   for (std::size_t row = 0; row < table.size(); ++row) {
     const double cold_m = table.number(row, "cold_m");
     double flux = 0;
-    for (std::size_t i = 0; i < std::size(kCosine); ++i) {
-      const std::vector<GasLayer> path = {{gas(300, 0.2, 0.1, 0), cold_m / kCosine[i]},
-                                          {gas(2000, 0.2, 0.1, 0), 0.5 / kCosine[i]}};
-      flux += 2 * kWeight[i] * kCosine[i] * total_emissivity(path, 2000);
+    for (std::size_t i = 0; i < std::size(kFluxCosine); ++i) {
+      const std::vector<GasLayer> path = {{gas(300, 0.2, 0.1, 0), cold_m / kFluxCosine[i]},
+                                          {gas(2000, 0.2, 0.1, 0), 0.5 / kFluxCosine[i]}};
+      flux += 2 * kFluxWeight[i] * kFluxCosine[i] * total_emissivity(path, 2000);
     }
     if (row == 0) at_no_depth = flux;
     const double reference = table.number(row, "flux"), first = table.number(0, "flux");
@@ -170,9 +171,78 @@ TEST(Gas, HotBehindCold) {
         cold_m, flux, reference, 100 * (flux / reference - 1), flux / at_no_depth,
         reference / first);
     // Asked for: 15 %, and 3 % of the ratio.
-    EXPECT_NEAR(flux / reference, 1, 0.05);
-    EXPECT_NEAR(flux / at_no_depth, reference / first, 0.02);
+    EXPECT_NEAR(flux / reference, 1, 0.02);
+    EXPECT_NEAR(flux / at_no_depth, reference / first, 0.015);
   }
+}
+
+// Much carbon dioxide behind little, at one temperature.
+TEST(Gas, MuchBehindLittle) {
+  const ReferenceTable table("gas_solovjov_s2.csv");
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    const double thin_m = table.number(row, "thin_m"), reference = table.number(row, "flux");
+    double flux = 0;
+    for (std::size_t i = 0; i < std::size(kFluxCosine); ++i)
+      flux += 2 * kFluxWeight[i] * kFluxCosine[i] *
+              total_emissivity({{gas(1000, 0, 0.1, 0), thin_m / kFluxCosine[i]},
+                                {gas(1000, 0, 0.4, 0), 0.5 / kFluxCosine[i]}},
+                               1000);
+    std::printf("S2, %.3f m of thin gas: %.4f, line by line %.4f (%+.1f %%)\n", thin_m, flux,
+                reference, 100 * (flux / reference - 1));
+    EXPECT_NEAR(flux / reference, 1, 0.04);
+  }
+}
+
+// Power per area and steradian that arrives at the path's near end, with a black wall behind it.
+double arriving_w_m2_sr(const std::vector<GasLayer>& path, double wall_k) {
+  const auto spectrum = gas_spectrum(path);
+  EXPECT_TRUE(spectrum.ok()) << spectrum.status();
+  double sum = 0;
+  for (std::size_t b = 0; b < kGasBandCount; ++b) {
+    const double nu = gas_band_centre_cm1(b), per_cm1 = 1e4 / (nu * nu);
+    sum += (spectrum->radiance_w_m2_sr_um[b] +
+            (spectrum->transmittance[b] - 1) * planck_radiance_w_m2_sr_um(1e4 / nu, wall_k)) *
+           per_cm1 * kGasBandWidthCm1;
+  }
+  return sum;  // less the wall's own, which is the same from all sides
+}
+
+// Water that is hot in the middle heats what is cooler beside it.
+TEST(Gas, HeatsItsOwnRims) {
+  const ReferenceTable table("gas_solovjov_s3.csv");
+  constexpr std::size_t kLayers = 20;
+  constexpr double kWallK = 800, kLayerM = 1.0 / kLayers;
+  std::vector<GasState> layer;
+  for (std::size_t i = 0; i < kLayers; ++i) {
+    const double x = (static_cast<double>(i) + 0.5) * kLayerM, bow = x * (1 - x);
+    layer.push_back(gas(kWallK + 4000 * bow, 0.12 + 0.8 * bow, 0, 0));
+  }
+  std::vector<double> flux(kLayers + 1);  // to larger x
+  for (std::size_t edge = 0; edge <= kLayers; ++edge) {
+    for (std::size_t c = 0; c < std::size(kFluxCosine); ++c) {
+      std::vector<GasLayer> below, above;
+      for (std::size_t i = edge; i-- > 0;) below.push_back({layer[i], kLayerM / kFluxCosine[c]});
+      for (std::size_t i = edge; i < kLayers; ++i)
+        above.push_back({layer[i], kLayerM / kFluxCosine[c]});
+      const double net = (below.empty() ? 0 : arriving_w_m2_sr(below, kWallK)) -
+                         (above.empty() ? 0 : arriving_w_m2_sr(above, kWallK));
+      flux[edge] += 2 * std::numbers::pi * kFluxWeight[c] * kFluxCosine[c] * net;
+    }
+  }
+  double most = 0, squares = 0;
+  for (std::size_t row = 0; row < table.size(); ++row)
+    most = std::max(most, std::abs(table.number(row, "heat_kw_m3")));
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    const double reference = table.number(row, "heat_kw_m3");
+    // Each place is the middle of a layer.
+    const auto edge = static_cast<std::size_t>(table.number(row, "x_m") * kLayers);
+    const double heat = (flux[edge] - flux[edge + 1]) / kLayerM / 1000;
+    std::printf("S3, x %.3f m: %.1f kW/m3, line by line %.1f\n", table.number(row, "x_m"), heat,
+                reference);
+    squares += std::pow((heat - reference) / most, 2);
+    EXPECT_NEAR(heat / most, reference / most, 0.07);
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(table.size())), 0.05);
 }
 
 TEST(Gas, SootIsGreyPerWavelength) {

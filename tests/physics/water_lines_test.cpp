@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/gas/lines/joint_terms.h"
@@ -36,7 +37,7 @@ TEST(WaterLines, SurfaceHasItsMinimumAndItsBarrier) {
 
 TEST(WaterLines, EigenvectorsOfARandomMatrix) {
   constexpr std::size_t kSize = 120;
-  std::vector<double> a(kSize * kSize), copy;
+  std::vector<double> a(kSize * kSize);
   double x = 0.3;
   for (std::size_t i = 0; i < kSize; ++i)
     for (std::size_t j = 0; j <= i; ++j) {
@@ -44,8 +45,7 @@ TEST(WaterLines, EigenvectorsOfARandomMatrix) {
       a[i * kSize + j] = a[j * kSize + i] =
           100 * (x - 0.5) + (i == j ? 20.0 * static_cast<double>(i % 7) : 0);
     }
-  copy = a;
-  const LowestEigenstates all = lowest_eigenstates(copy, kSize, 1e9);
+  const LowestEigenstates all = lowest_eigenstates(a, kSize, 1e9);
   ASSERT_EQ(all.value.size(), kSize);
   double trace = 0, sum = 0;
   for (std::size_t i = 0; i < kSize; ++i) trace += a[i * (kSize + 1)], sum += all.value[i];
@@ -63,14 +63,14 @@ TEST(WaterLines, EigenvectorsOfARandomMatrix) {
       EXPECT_NEAR(along, m == n ? 1 : 0, 1e-9);
     }
   }
-  copy = a;
-  const double limit = all.value[40] + 1e-6;
-  EXPECT_EQ(lowest_eigenstates(copy, kSize, limit).value.size(), 41U);
+  const LowestEigenstates lowest = lowest_eigenstates(a, kSize, all.value[40] + 1e-6);
+  EXPECT_EQ(lowest.value.size(), 41U);
+  EXPECT_EQ(lowest.vector.size(), 41U * kSize);
 }
 
 // Two levels of the same matrix elements, and a matrix that is diagonal already.
 TEST(WaterLines, EigenvectorsOfADiagonal) {
-  std::vector<double> a = {3, 0, 0, 0, 1, 0, 0, 0, 2};
+  const std::vector<double> a = {3, 0, 0, 0, 1, 0, 0, 0, 2};
   const LowestEigenstates of = lowest_eigenstates(a, 3, 10);
   EXPECT_EQ(of.value, (std::vector<double>{1, 2, 3}));
   for (std::size_t n = 0; n < 3; ++n)
@@ -99,6 +99,11 @@ TEST_F(WaterMolecule, HasTheObservedLevels) {
   EXPECT_NEAR(water_levels(b, 1, 1, 1, 9000).energy_cm1.at(0), 42.372, 0.01);
   EXPECT_NEAR(water_levels(b, 3, 0, 0, 9000).energy_cm1.at(1), 212.156, 0.02);
   EXPECT_NEAR(water_levels(b, 3, 1, 1, 9000).energy_cm1.at(1), 285.418, 0.03);
+  // Spins of the two protons: 000 and 111 are para, 101 and 110 ortho.
+  EXPECT_EQ(water_levels(b, 0, 0, 0, 9000).nuclear_weight, 1);
+  EXPECT_EQ(water_levels(b, 1, 0, 0, 9000).nuclear_weight, 3);
+  EXPECT_EQ(water_levels(b, 1, 0, 1, 9000).nuclear_weight, 1);
+  EXPECT_EQ(water_levels(b, 1, 1, 1, 9000).nuclear_weight, 3);
   // 12 0 12, of its nuclear weight 1.
   double least = 1e9;
   for (const std::size_t p : {0, 1})
@@ -173,6 +178,25 @@ TEST(NestedTerms, HoldEveryPointOnce) {
   for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], i < kFirst ? 0 : 1);
   for (const auto low : terms.point[0])
     for (const auto high : terms.point[1]) EXPECT_LT(hot[low], hot[high]);
+}
+
+// One wavenumber that absorbs a hundred times as much as all others is a term of its own.
+TEST(Terms, HoldALonePoint) {
+  const std::vector<double> cold = {1, 1.01, 1.02, 1.03, 100};
+  const ColdTerms terms = terms_by_ratio(cold.data(), 0, cold.size(), 4);
+  ASSERT_EQ(terms.point.size(), 2U);
+  EXPECT_EQ(terms.point[0].size(), 4U);
+  EXPECT_EQ(terms.point[1], std::vector<std::uint32_t>{4});
+  EXPECT_NEAR(terms.weight[0] + terms.weight[1], 1, 1e-12);
+}
+
+// Whatever the shares add up to, the last one takes the rest.
+TEST(Terms, LeaveNoPointOut) {
+  const std::vector<double> cold = {5, 4, 3, 2, 1, 6, 7, 8, 9, 10};
+  const ColdTerms terms = terms_by_share(cold.data(), 0, cold.size(), {0.3, 0.3});
+  ASSERT_EQ(terms.point.size(), 2U);
+  EXPECT_EQ(terms.point[0], (std::vector<std::uint32_t>{4, 3, 2}));
+  EXPECT_EQ(terms.point[1].size(), 7U);
 }
 
 }  // namespace

@@ -16,10 +16,11 @@ constexpr double kFundamentalStrength = 9.13e-17, kCo2ReferenceK = 296;
 // Square of the moment of the bending band over that of the fundamental: what makes the Planck mean
 // at 300 K HITEMP2010's.
 constexpr double kBend = 0.16;
-// Square of the moment of the weak bands over that of the fundamental, and by how much it changes
-// with m (their P branches are several times their R branches): MODTRAN's column of carbon dioxide
-// at 2030-2110 cm-1 over 5 km of tropical air, met within 0.03 of transmittance but for 2080-2090.
-constexpr double kWeakBands = 9e-5, kHermanWallis = -0.025;
+// Moments of the weak bands at 1900-2150 cm-1 over that of the fundamental: v1 + 1 with v2 + 1, and
+// v2 + 3; and by how much both change with m (the P branches are several times the R branches).
+// Those that meet the band means of carbon dioxide at 1900-2140 cm-1, 250 and 296 K, of the cold
+// air's table best.
+constexpr double kMoreV1V2 = 4.78e-3, kThreeV2 = 1.89e-3, kHermanWallis = -0.0464;
 // Moments of v3 + 1 with v1 - 1 and with v2 - 2 over that of the fundamental: those that give
 // (00011)-(10001) 7.1e-22 and (00011)-(10002) 1.00e-21 cm per molecule at 296 K, as the cold air's
 // table has them. (A second solution has them the other way round; the first is what the cubic
@@ -114,7 +115,13 @@ class Lister {
     if (low.energy_cm1.empty()) return;
     const double ll = l;
     if (region_ == Co2Region::k15um) {
-      bend(out, scale * kBend, 1, quanta, l, v3, j, upper, low);
+      bend(out, scale * kBend, 1, quanta, l, v3, j, upper, low,
+           [](const Bend& of, const Amplitudes& a, const Amplitudes& b) {
+             double sum = 0;
+             for (std::size_t v1 = 0; v1 < a.size(); ++v1)
+               sum += a[v1] * b[v1] * std::sqrt(of.along(v1) + 1);
+             return sum;
+           });
       return;
     }
     if (region_ == Co2Region::k10um) {
@@ -138,7 +145,17 @@ class Lister {
               for (std::size_t v1 = 0; v1 < a.size(); ++v1) sum += a[v1] * b[v1];
               return sum * sum;
             });
-    bend(out, scale * kWeakBands, 3, quanta, l, v3, j, upper, low);
+    bend(out, scale, 3, quanta, l, v3, j, upper, low,
+         [](const Bend& of, const Amplitudes& a, const Amplitudes& b) {
+           double sum = 0;
+           for (std::size_t v1 = 0; v1 < a.size(); ++v1) {
+             const double up = of.along(v1) + 1;
+             sum += kThreeV2 * a[v1] * b[v1] * std::sqrt(up * (up + 1) * (of.against(v1) + 1));
+             if (v1 + 1 < b.size())
+               sum += kMoreV1V2 * a[v1] * b[v1 + 1] * std::sqrt(static_cast<double>(v1 + 1) * up);
+           }
+           return sum * (1 + kHermanWallis * of.m);
+         });
   }
 
   // v3 to v3 + 1 and the polyad of `to`: P and R keep the symmetry; Q is weak and changes it.
@@ -156,9 +173,20 @@ class Lister {
     }
   }
 
-  // v2, l to v2 + 1, l +- 1, with v1 (more = 1) or to v1 + 1 (more = 3).
+  // A change of l by one: the quanta of the bend that turn with it and against it, in the lower
+  // state with that v1.
+  struct Bend {
+    double quanta, k, m;  // 2 v1 + v2; l, or -l where l falls; J + 1, 0, -J
+    [[nodiscard]] double along(std::size_t v1) const { return 0.5 * (v2(v1) + k); }
+    [[nodiscard]] double against(std::size_t v1) const { return 0.5 * (v2(v1) - k); }
+    [[nodiscard]] double v2(std::size_t v1) const { return quanta - 2 * static_cast<double>(v1); }
+  };
+  using Amplitudes = std::vector<double>;
+
+  // l to l +- 1, to the polyad with `more` quanta; `moment` is not yet squared.
+  template <typename Moment>
   void bend(std::vector<SpectralLine>& out, double scale, int more, int quanta, int l, int v3,
-            int j, bool upper, const Polyad& low) {
+            int j, bool upper, const Polyad& low, const Moment& moment) {
     const double jj = j;
     for (const int dl : {-1, 1}) {
       if (l + dl < 0) continue;
@@ -174,17 +202,10 @@ class Lister {
         const bool to_upper = dj == 0 ? !upper : upper;
         if (l + dl == 0 && to_upper) continue;
         const Polyad& high = levels(quanta + more, l + dl, v3, j + dj, to_upper);
-        const double m = dj == 1 ? jj + 1 : dj == 0 ? 0 : -jj;
-        const double herman_wallis = more == 3 ? std::pow(1 + kHermanWallis * m, 2) : 1;
-        const std::size_t shift = more == 3 ? 1 : 0;
-        add(out, scale * factor * ways * herman_wallis, low, high, dj, j,
-            [&](const std::vector<double>& a, const std::vector<double>& b) {
-              double sum = 0;
-              for (std::size_t v1 = 0; v1 < a.size() && v1 + shift < b.size(); ++v1) {
-                const double v2 = quanta - 2.0 * static_cast<double>(v1);
-                sum += a[v1] * b[v1 + shift] *
-                       std::sqrt((shift == 1 ? static_cast<double>(v1) + 1 : 1) * (v2 + 2 + k) / 2);
-              }
+        const Bend of{static_cast<double>(quanta), k, dj == 1 ? jj + 1 : dj == 0 ? 0 : -jj};
+        add(out, scale * factor * ways, low, high, dj, j,
+            [&](const Amplitudes& a, const Amplitudes& b) {
+              const double sum = moment(of, a, b);
               return sum * sum;
             });
       }

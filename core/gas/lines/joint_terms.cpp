@@ -35,6 +35,19 @@ std::vector<std::size_t> ends(const std::vector<double>& share, std::size_t n) {
   return out;
 }
 
+// Points in an order, cut into terms of given shares.
+void add_shares(ColdTerms& out, const std::vector<std::uint32_t>& point,
+                const std::vector<double>& share, std::size_t count) {
+  std::size_t begin = 0;
+  for (const std::size_t end : ends(share, point.size())) {
+    add_term(out,
+             {point.begin() + static_cast<std::ptrdiff_t>(begin),
+              point.begin() + static_cast<std::ptrdiff_t>(end)},
+             count);
+    begin = end;
+  }
+}
+
 }  // namespace
 
 ColdTerms terms_by_ratio(const double* cold, std::size_t first, std::size_t count, int terms) {
@@ -58,16 +71,8 @@ ColdTerms terms_by_ratio(const double* cold, std::size_t first, std::size_t coun
 
 ColdTerms terms_by_share(const double* cold, std::size_t first, std::size_t count,
                          const std::vector<double>& share) {
-  const std::vector<std::uint32_t> point = sorted(cold, first, count);
   ColdTerms out;
-  std::size_t begin = 0;
-  for (const std::size_t end : ends(share, count)) {
-    add_term(out,
-             {point.begin() + static_cast<std::ptrdiff_t>(begin),
-              point.begin() + static_cast<std::ptrdiff_t>(end)},
-             count);
-    begin = end;
-  }
+  add_shares(out, sorted(cold, first, count), share, count);
   return out;
 }
 
@@ -79,14 +84,7 @@ ColdTerms nested_terms(const double* cold, const std::vector<double>& hot, std::
     std::ranges::sort(point, [&](std::uint32_t a, std::uint32_t b) {
       return hot[a] != hot[b] ? hot[a] < hot[b] : a < b;
     });
-    std::size_t begin = 0;
-    for (const std::size_t end : ends(within, point.size())) {
-      add_term(out,
-               {point.begin() + static_cast<std::ptrdiff_t>(begin),
-                point.begin() + static_cast<std::ptrdiff_t>(end)},
-               count);
-      begin = end;
-    }
+    add_shares(out, point, within, count);
   }
   return out;
 }

@@ -11,10 +11,9 @@ struct LowestEigenstates {
   std::vector<double> vector;  // [n * size + i], orthonormal rows
 };
 
-// Householder reduction, implicit QL for the values, inverse iteration for the vectors.
-//   a         [i * size + j], symmetric; overwritten
+//   a         [i * size + j], symmetric
 //   at_most   values above it are left out
-[[nodiscard]] LowestEigenstates lowest_eigenstates(std::vector<double>& a, std::size_t size,
+[[nodiscard]] LowestEigenstates lowest_eigenstates(const std::vector<double>& a, std::size_t size,
                                                    double at_most);
 
 }  // namespace irsig

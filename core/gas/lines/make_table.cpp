@@ -1,7 +1,8 @@
-// irsig-gas-table HOT AIR: makes core/gas/data/hot_lines.txt (HOT) line by line, and replaces the
-// entries of carbon dioxide at 2140-2430 cm-1 in core/atmosphere/data/gas_table.txt (AIR) by terms
-// of the same lines, so that what is hot and what is cold share their wavenumbers. A quarter of an
-// hour; with "-" for HOT the air alone, seconds.
+// irsig-gas-table HOT AIR [GAS ...]: makes core/gas/data/hot_lines.txt (HOT) line by line, and
+// replaces the entries of carbon dioxide at 2140-2430 cm-1 in core/atmosphere/data/gas_table.txt
+// (AIR) by terms of the same lines, so that what is hot and what is cold share their wavenumbers.
+// Half an hour, nearly all of it for H2O. Where gases are named, HOT's others stay as they are;
+// with "-" for HOT the air alone, seconds.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -10,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -190,17 +192,31 @@ ColdTerms alone(std::size_t first) {
   return out;
 }
 
-// Water's terms: wavenumbers sorted by what gas of 600 K absorbs and cut into shares, each sorted
+// Water's terms: wavenumbers sorted by what gas of 400 K absorbs and cut into shares, each sorted
 // by gas of 1500 K and cut again; the same at all temperatures, so that what a cool rim absorbs of
 // hotter gas behind it is met. Sorted at each temperature anew, bins of hot and cool gas have more
-// in common than their lines: 500-700 K absorbed 1.2 to 1.8 times too much of 1500 K.
+// in common than their lines: 500-700 K absorbed 1.2 to 1.8 times too much of 1500 K. Cool gas has
+// few lines, hence the small shares at its end.
 std::map<int, ColdTerms> water_terms(const Plan& plan) {
-  const std::vector<double> cool = absorption(plan, 600, 1), hot = absorption(plan, 1500, 1);
+  const std::vector<double> cool = absorption(plan, 400, 1), hot = absorption(plan, 1500, 1);
   std::map<int, ColdTerms> out;
   for (double low = plan.first_cm1; low < plan.last_cm1; low += kBandCm1) {
     const auto first = static_cast<std::size_t>((low - plan.first_cm1) / kBandCm1) * kPoints;
-    out[static_cast<int>(low)] = nested_terms(&cool[first], hot, first, kPoints,
-                                              {0.5, 0.27, 0.15, 0.08}, {0.4, 0.3, 0.2, 0.1});
+    out[static_cast<int>(low)] =
+        nested_terms(&cool[first], hot, first, kPoints, {0.45, 0.25, 0.15, 0.09, 0.04, 0.02},
+                     {0.4, 0.3, 0.2, 0.1});
+  }
+  return out;
+}
+
+// What a file of hot lines says of each gas.
+std::map<std::string, std::string> sections(const std::string& name) {
+  std::ifstream in(name);
+  std::map<std::string, std::string> out;
+  std::string gas;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("gas ")) gas = line.substr(4);
+    if (!gas.empty()) out[gas] += line + '\n';
   }
   return out;
 }
@@ -242,7 +258,7 @@ void print(std::ostream& out, const Plan& plan, const std::map<int, ColdTerms>& 
   }
 }
 
-int run(const std::string& hot, const std::string& air) {
+int run(const std::string& hot, const std::string& air, const std::set<std::string>& asked) {
   const Plan co2{"CO2",
                  kCo2Shape,
                  [](double t, double weakest) { return co2_lines(Co2Region::k4um, t, weakest); },
@@ -295,6 +311,8 @@ int run(const std::string& hot, const std::string& air) {
       break;
     }
   }
+  const std::map<std::string, std::string> old =
+      asked.empty() ? std::map<std::string, std::string>() : sections(hot);
   std::ofstream out(hot);
   out << "# irsig hot lines 1: absorption of hot gas in 10 cm-1 bands by the cold air's terms; "
          "made by irsig-gas-table,\n"
@@ -305,11 +323,20 @@ int run(const std::string& hot, const std::string& air) {
   out << "\npressures";
   for (const double p : kPressureAtm) out << ' ' << p;
   out << '\n';
-  print(out, co2_long, {});
-  print(out, co2_window, {});
-  print(out, co2, co2_terms);
-  print(out, co, co_terms);
-  print(out, water, water_terms(water));
+  const auto remade = [&](const Plan& plan) {
+    if (asked.empty() || asked.contains(plan.name)) return true;
+    const auto kept = old.find(plan.name);
+    IRSIG_CHECK(kept != old.end());
+    out << kept->second;
+    return false;
+  };
+  if (remade(co2)) {
+    print(out, co2_long, {});
+    print(out, co2_window, {});
+    print(out, co2, co2_terms);
+  }
+  if (remade(co)) print(out, co, co_terms);
+  if (remade(water)) print(out, water, water_terms(water));
   return out.good() ? 0 : 1;
 }
 
@@ -317,9 +344,9 @@ int run(const std::string& hot, const std::string& air) {
 }  // namespace irsig
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fprintf(stderr, "usage: irsig-gas-table HOT_LINES.txt GAS_TABLE.txt\n");
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: irsig-gas-table HOT_LINES.txt GAS_TABLE.txt [CO2] [CO] [H2O]\n");
     return 2;
   }
-  return irsig::run(argv[1], argv[2]);
+  return irsig::run(argv[1], argv[2], {argv + 3, argv + argc});
 }

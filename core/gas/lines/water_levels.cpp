@@ -119,8 +119,7 @@ Stretch stretch(double mass, std::size_t n) {
         h[i * m + j] +=
             std::min(1e5, water_potential_cm1(shape_of(water, fine.point[i], 0.95, kMeanAngle)));
     }
-  std::vector<double> work = h;
-  LowestEigenstates states = lowest_eigenstates(work, m, 1e9);
+  const LowestEigenstates states = lowest_eigenstates(h, m, 1e9);
   std::vector<double> r(n * n);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < n; ++b)
