@@ -294,6 +294,8 @@ schema::Weather resolve_weather(const SweepFile& file, int season_index,
   }
   weather.set_wind_speed_m_s(season.wind_speed_m_s());
   weather.set_above_surface_m(above_surface_m(file.sweep, season));
+  weather.set_place_height_m(
+      std::max(0.0, file.sweep.place().height_m() - file.sweep.land().geoid_m()));
   // LOWTRAN's rule: the season of what lies above 2 km is the profile's.
   weather.set_summer_troposphere(weather.profile().find("winter") == std::string::npos);
   weather.set_co2_ppmv(air.has_co2_ppmv() ? air.co2_ppmv() : kDefaultCo2Ppmv);

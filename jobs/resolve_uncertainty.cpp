@@ -116,6 +116,14 @@ void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
   for (const UncertainInput& input : inputs) check_input(resolved, input, findings);
   if (!findings.empty()) return;
   if (!stated.has_sides()) stated.set_sides("one");
+  // What is not known of a cloud is one error: of the inputs where [uncertainty] states it, else of
+  // the model.
+  for (schema::Condition& c : *resolved.mutable_condition()) {
+    if (!c.weather().has_cloud()) continue;
+    schema::CloudLayer& layer = *c.mutable_weather()->mutable_cloud();
+    layer.set_base_is_input(stated.has_cloud_base_m());
+    layer.set_water_path_is_input(stated.has_cloud_water_path_relative());
+  }
 
   const schema::ResolvedSweep nominal = resolved;
   std::vector<schema::HeatRun> runs(nominal.heat().begin(), nominal.heat().end());

@@ -128,6 +128,25 @@ AfglProfile default_afgl_profile(double latitude_deg, int month) {
   return summer ? AfglProfile::kSubarcticSummer : AfglProfile::kSubarcticWinter;
 }
 
+absl::StatusOr<AirProfile> profile_above(const AirProfile& profile, double place_m) {
+  constexpr double kLeastAirM = 1000, kSameLevelM = 1e-3;
+  if (!(place_m > 0)) return profile;
+  if (!(place_m <= profile.level.back().height_m - kLeastAirM)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("a place at %g m: the profile ends at %g m, and a place needs 1 km of air "
+                        "above it",
+                        place_m, profile.level.back().height_m));
+  }
+  AirProfile above;
+  above.level.push_back(air_at(profile, place_m));
+  above.level.back().height_m = 0;
+  for (AirLevel level : profile.level) {
+    level.height_m -= place_m;
+    if (level.height_m > kSameLevelM) above.level.push_back(level);
+  }
+  return above;
+}
+
 absl::StatusOr<AirProfile> bend_to_surface(const AirProfile& profile,
                                            const SurfaceWeather& weather) {
   const auto in = [](double x, double low, double high) { return x >= low && x <= high; };

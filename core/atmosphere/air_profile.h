@@ -56,6 +56,13 @@ enum class AfglProfile {
 // north, from October to March in the south.
 [[nodiscard]] AfglProfile default_afgl_profile(double latitude_deg, int month);
 
+// Returns the profile above a place: the air of the heights above mean sea level, from the place
+// up, with heights counted from the place. Its first level is interpolated. A place at or below sea
+// level has the whole profile. INVALID_ARGUMENT: the place is less than 1 km below the last level.
+//
+// The standard atmospheres of LOWTRAN's GNDALT and of 6S are cut at the ground in the same way.
+[[nodiscard]] absl::StatusOr<AirProfile> profile_above(const AirProfile& profile, double place_m);
+
 // A radiosonde or other profile in CSV. Lines that start with # are comments; the first other line
 // names the columns with their units:
 //   height_m | height_km
@@ -65,11 +72,14 @@ enum class AfglProfile {
 //   dew_point_k
 //     | dew_point_c
 // and one line follows per level. The heights are above mean sea level; the lowest may be up to
-// 100 m. The other gases, and all above the last level, are `base`'s, whose pressures are scaled to
-// join. INVALID_ARGUMENT lists every error as file:line:column: ...
+// 100 m above the place. The other gases, and all above the last level, are `base`'s, whose
+// pressures are scaled to join. INVALID_ARGUMENT lists every error as file:line:column: ...
+//   base     heights above mean sea level, as those of the result
+//   place_m  height of the place; of one below sea level, 0
 [[nodiscard]] absl::StatusOr<AirProfile> parse_profile_csv(std::string_view text,
                                                            std::string_view file,
-                                                           const AirProfile& base);
+                                                           const AirProfile& base,
+                                                           double place_m = 0);
 
 // The weather at the surface, as a condition of a sweep states it.
 struct SurfaceWeather {

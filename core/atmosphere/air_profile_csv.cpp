@@ -57,8 +57,9 @@ struct LevelField {
 
 class ProfileReader {
  public:
-  ProfileReader(std::string_view text, std::string_view file, const AirProfile& base)
-      : text_(text), file_(file), base_(base) {}
+  ProfileReader(std::string_view text, std::string_view file, const AirProfile& base,
+                double place_m)
+      : text_(text), file_(file), base_(base), place_m_(place_m) {}
 
   absl::StatusOr<AirProfile> read() {
     bool header = true;
@@ -84,6 +85,12 @@ class ProfileReader {
     }
     if (errors_.empty() && profile_.level.size() < 2) {
       error(line_number + 1, 1, "expected at least two levels");
+    }
+    if (errors_.empty() && place_m_ > 0 && profile_.level.back().height_m <= place_m_) {
+      error(line_number, 1,
+            absl::StrFormat("the highest level, %g m, is not above the place at %g m: heights are "
+                            "above mean sea level",
+                            profile_.level.back().height_m, place_m_));
     }
     if (!errors_.empty()) return problem_status(errors_);
     return join_base();
@@ -188,8 +195,10 @@ class ProfileReader {
     const double height_m = value[0], pressure_pa = value[1], temperature_k = value[2];
     const AirLevel* below = profile_.level.empty() ? nullptr : &profile_.level.back();
     expect(height_m >= 0 && height_m <= 1.2e5, Quantity::kHeight, "expected 0 to 120 km");
-    expect(below != nullptr || height_m <= 100, Quantity::kHeight,
-           "the lowest level is above 100 m: the air below it is not stated");
+    constexpr double kMostAboveM = 100;
+    expect(below != nullptr || height_m <= place_m_ + kMostAboveM, Quantity::kHeight,
+           absl::StrFormat("the lowest level is above %g m: the air below it is not stated",
+                           place_m_ + kMostAboveM));
     expect(below == nullptr || height_m > below->height_m, Quantity::kHeight,
            "expected heights that increase");
     expect(pressure_pa > 0 && pressure_pa <= 1.1e5, Quantity::kPressure,
@@ -232,11 +241,11 @@ class ProfileReader {
   }
 
   AirProfile join_base() {
-    if (profile_.level.front().height_m > 0) {
+    if (profile_.level.front().height_m > place_m_) {
       AirLevel surface = profile_.level.front();
-      surface.pressure_pa *= std::exp(9.80665 * 28.9647e-3 * surface.height_m /
+      surface.pressure_pa *= std::exp(9.80665 * 28.9647e-3 * (surface.height_m - place_m_) /
                                       (8.31446261815324 * surface.temperature_k));
-      surface.height_m = 0;
+      surface.height_m = place_m_;
       profile_.level.insert(profile_.level.begin(), surface);
     }
     const AirLevel top = profile_.level.back();
@@ -251,6 +260,7 @@ class ProfileReader {
 
   std::string_view text_, file_;
   const AirProfile& base_;
+  double place_m_;
   std::vector<LevelColumn> header_;
   std::vector<Problem> errors_;
   AirProfile profile_;
@@ -259,8 +269,8 @@ class ProfileReader {
 }  // namespace
 
 absl::StatusOr<AirProfile> parse_profile_csv(std::string_view text, std::string_view file,
-                                             const AirProfile& base) {
-  return ProfileReader(text, file, base).read();
+                                             const AirProfile& base, double place_m) {
+  return ProfileReader(text, file, base, place_m).read();
 }
 
 }  // namespace irsig

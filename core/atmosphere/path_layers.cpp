@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/atmosphere/cloud_light.h"
@@ -100,8 +102,25 @@ SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zen
     std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(at_m, zenith_deg, bands_);
     const bool lit = amounts.has_value();
     if (at_m == height_m) lit_ = lit;
+    if (lit && !point_.empty() && !point_.back().lit)
+      point_.push_back(edge_of_shadow(atmosphere, point_.back().height_m, at_m, zenith_deg));
     point_.push_back({at_m, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
   }
+}
+
+SunAmounts::Point SunAmounts::edge_of_shadow(const Atmosphere& atmosphere, double dark_m,
+                                             double lit_m, double zenith_deg) const {
+  constexpr double kEdgeM = 1;
+  while (lit_m - dark_m > kEdgeM) {
+    const double middle_m = 0.5 * (dark_m + lit_m);
+    const bool lit =
+        look(atmosphere.profile(), middle_m, zenith_deg, std::numeric_limits<double>::infinity())
+            .end != PathEnd::kSurface;
+    (lit ? lit_m : dark_m) = middle_m;
+  }
+  std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(lit_m, zenith_deg, bands_);
+  IRSIG_CHECK(amounts.has_value());
+  return {lit_m, true, *std::move(amounts)};
 }
 
 bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
@@ -109,9 +128,10 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
   while (above + 1 < point_.size() && point_[above].height_m < height_m) ++above;
   const Point& a = point_[std::min(above, point_.size()) - 1];
   const Point& b = point_[std::min(above, point_.size() - 1)];
-  if (!a.lit && !b.lit) return false;
-  if (!a.lit || !b.lit || b.height_m <= a.height_m) {
-    set_sum(sum, sum, a.lit ? a.amounts : b.amounts, bands_);
+  // The lowest point that is lit is the edge of the Earth's shadow.
+  if (!b.lit || (!a.lit && height_m < b.height_m)) return false;
+  if (!a.lit || b.height_m <= a.height_m) {
+    set_sum(sum, sum, b.amounts, bands_);
     return true;
   }
   // As if all thinned out over 3 km: water does over 2, dry air over 8, and over the short way

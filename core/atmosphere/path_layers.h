@@ -55,6 +55,10 @@ class SunAmounts {
     bool lit;
     AbsorberAmounts amounts;
   };
+  // Returns the lowest point that the sun lights between two heights, to 1 m.
+  [[nodiscard]] Point edge_of_shadow(const Atmosphere& atmosphere, double dark_m, double lit_m,
+                                     double zenith_deg) const;
+
   BandChoice bands_;
   double turbid_base_m_ = 0, turbid_top_m_ = 0;  // equal in clear air
   bool lit_ = false;

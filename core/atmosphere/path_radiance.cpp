@@ -6,6 +6,7 @@
 
 #include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/path_sums.h"
+#include "core/atmosphere/scattered_again.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
 #include "core/spectral/planck.h"
@@ -204,7 +205,27 @@ void PathSums::prepare_sun() {
     std::optional<AbsorberAmounts> amounts =
         atmosphere_.sun_amounts(path_.node[node].height_m, sun_zenith_deg(node));
     const bool lit = amounts.has_value();
-    sun_node_.push_back({node, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
+    if (!sun_node_.empty() && sun_node_.back().lit != lit)
+      add_edge_of_shadow(sun_node_.back().node, node, lit);
+    if (sun_node_.empty() || sun_node_.back().node != node)
+      sun_node_.push_back({node, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
+  }
+}
+
+void PathSums::add_edge_of_shadow(std::size_t first, std::size_t last, bool last_is_lit) {
+  std::optional<AbsorberAmounts> of_lit;
+  const auto is_lit = [&](std::size_t node) {
+    of_lit = atmosphere_.sun_amounts(path_.node[node].height_m, sun_zenith_deg(node));
+    return of_lit.has_value();
+  };
+  while (last - first > 1) {
+    const std::size_t middle = (first + last) / 2;
+    (is_lit(middle) == last_is_lit ? last : first) = middle;
+  }
+  for (const std::size_t node : {first, last}) {
+    const bool lit = is_lit(node);
+    if (node != sun_node_.back().node)
+      sun_node_.push_back({node, lit, lit ? *std::move(of_lit) : AbsorberAmounts()});
   }
 }
 
@@ -377,6 +398,11 @@ void PathSums::add_model_error() {
   ModelError error = model_error(sum_, out_.transmittance, out_.scattered_w_m2_sr_um, warmest_k);
   out_.model_error_transmittance = std::move(error.transmittance);
   out_.model_error_w_m2_sr_um = std::move(error.radiance_w_m2_sr_um);
+  if (sun_node_.empty()) return;
+  const AirSpectrum again =
+      scattered_again_relative(atmosphere_, path_.node.front().height_m, light_.sun->zenith_deg);
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    out_.model_error_w_m2_sr_um[b] += again[b] * out_.scattered_w_m2_sr_um[b];
 }
 
 AirSpectrum downward_irradiance_w_m2_um(const Atmosphere& atmosphere, double height_m,

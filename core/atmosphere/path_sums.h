@@ -60,6 +60,8 @@ class PathSums {
   // Irradiance that arrives at the observer after a turn at the node, per band; 0 in shadow.
   [[nodiscard]] AirSpectrum sunlight_by(std::size_t node, const AbsorberAmounts& to_node) const;
   void prepare_sun();
+  // Adds the two neighbouring nodes between which the Earth's shadow ends.
+  void add_edge_of_shadow(std::size_t first, std::size_t last, bool last_is_lit);
   [[nodiscard]] double sun_zenith_deg(std::size_t node) const;
   [[nodiscard]] double cos_scattering(std::size_t step) const;
   void add_model_error();

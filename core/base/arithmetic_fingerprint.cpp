@@ -28,17 +28,31 @@ class Hash {
 // nothing else: the test architecture.libm compares with what the libraries call. x in (0, 1).
 void add_library(Hash& hash, double x) {
   const double y = 1 - x, wide = 40 * x - 20;
-  for (const double value : {std::exp(wide),      std::exp2(wide),
-                             std::expm1(-x),      std::log(x),
-                             std::log2(x),        std::log1p(-x),
-                             std::pow(x, 7 * y),  std::sin(wide),
-                             std::cos(wide),      std::tan(x),
-                             std::asin(x),        std::acos(x),
-                             std::atan(wide),     std::atan2(wide, x),
-                             std::hypot(wide, x), std::cbrt(wide),
-                             std::erf(x),         std::erfc(3 * x),
-                             std::lgamma(20 * x), std::sinh(x),
-                             std::asinh(wide),    std::sqrt(std::complex<double>(wide, x)).real()})
+  for (const double value : {std::exp(wide),
+                             std::exp2(wide),
+                             std::expm1(-x),
+                             std::log(x),
+                             std::log2(x),
+                             std::log1p(-x),
+                             std::log10(x),
+                             ::j0(wide),
+                             ::j1(wide),
+                             std::pow(x, 7 * y),
+                             std::sin(wide),
+                             std::cos(wide),
+                             std::tan(x),
+                             std::asin(x),
+                             std::acos(x),
+                             std::atan(wide),
+                             std::atan2(wide, x),
+                             std::hypot(wide, x),
+                             std::cbrt(wide),
+                             std::erf(x),
+                             std::erfc(3 * x),
+                             std::lgamma(20 * x),
+                             std::sinh(x),
+                             std::asinh(wide),
+                             std::sqrt(std::complex<double>(wide, x)).real()})
     hash.add(value);
 }
 void add_library(Hash& hash, float x) {

@@ -73,8 +73,7 @@ std::vector<LandAir> mixed(const CloudMixer& mix, const std::vector<LandAir>& cl
 
 }  // namespace
 
-ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvironment& overcast,
-                                   double cover, double sky_relative) {
+ViewEnvironment under_broken_cloud(ViewEnvironment clear, ViewEnvironment overcast, double cover) {
   const CloudMixer mix{cover};
   ViewEnvironment out;
   out.transmittance = mix(clear.transmittance, overcast.transmittance);
@@ -100,8 +99,7 @@ ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvir
       mix(clear.background_interpolation, overcast.background_interpolation);
   for (std::size_t k = 0; k < clear.background_model_error.size(); ++k) {
     out.background_model_error.push_back(
-        mix.error(clear.background_model_error[k], overcast.background_model_error[k],
-                  clear.background_apparent[k], overcast.background_apparent[k]));
+        mix(clear.background_model_error[k], overcast.background_model_error[k]));
   }
   out.land = {mixed(mix, clear.land.at_target, overcast.land.at_target),
               mixed(mix, clear.land.apparent, overcast.land.apparent),
@@ -110,20 +108,21 @@ ViewEnvironment under_broken_cloud(const ViewEnvironment& clear, const ViewEnvir
   out.lower_interpolation = std::max(clear.lower_interpolation, overcast.lower_interpolation);
   out.joined_lines_bound = std::max(clear.joined_lines_bound, overcast.joined_lines_bound);
   out.model_error_transmittance =
-      mix.error(clear.model_error_transmittance, overcast.model_error_transmittance,
-                clear.transmittance, overcast.transmittance);
+      mix(clear.model_error_transmittance, overcast.model_error_transmittance);
   out.model_error_path_radiance =
-      mix.error(clear.model_error_path_radiance, overcast.model_error_path_radiance,
-                clear.path_radiance, overcast.path_radiance);
-  out.sky_model_relative =
-      std::hypot(mix(clear.sky_model_relative, overcast.sky_model_relative), sky_relative);
+      mix(clear.model_error_path_radiance, overcast.model_error_path_radiance);
+  out.sky_model_relative = mix(clear.sky_model_relative, overcast.sky_model_relative);
   out.lower_model_relative = std::max(clear.lower_model_relative, overcast.lower_model_relative);
   const double a = sum_of(clear.sun), b = sum_of(overcast.sun), mean = mix(a, b);
   out.sun_model_relative =
-      mean > 0 ? std::hypot(mix(a * clear.sun_model_relative, b * overcast.sun_model_relative),
-                            mix.spread(a, b)) /
-                     mean
+      mean > 0 ? mix(a * clear.sun_model_relative, b * overcast.sun_model_relative) / mean
                : std::max(clear.sun_model_relative, overcast.sun_model_relative);
+  // The farther of both from the mean: no digits are lost in the difference.
+  const bool rarely_cloudy = cover < 0.5;
+  out.one_sky_sigma =
+      rarely_cloudy ? std::sqrt(cover / (1 - cover)) : std::sqrt((1 - cover) / cover);
+  out.one_sky = std::make_shared<const ViewEnvironment>(rarely_cloudy ? std::move(overcast)
+                                                                      : std::move(clear));
   return out;
 }
 
@@ -138,18 +137,6 @@ LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& over
         &LightBounds::background_sun})
     out.*of = mix(clear.*of, overcast.*of);
   return out;
-}
-
-double broken_cloud_relative(const AirSpectrum& clear, const AirSpectrum& overcast, double cover) {
-  const CloudMixer mix{cover};
-  double sum = 0, count = 0;
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    const double mean = mix(clear[b], overcast[b]);
-    if (mean <= 0) continue;
-    sum += mix.spread(clear[b], overcast[b]) / mean;
-    ++count;
-  }
-  return count > 0 ? sum / count : 0;
 }
 
 }  // namespace irsig

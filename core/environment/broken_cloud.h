@@ -12,7 +12,7 @@ namespace irsig {
 
 // Light under a sky of which clouds cover a part: the mean of that under a clear and under an
 // overcast sky. Under any one of them a target has the one or the other; the standard deviation of
-// this choice, sqrt(cover (1 - cover)) times their difference, is added to the models' errors.
+// this choice is sqrt(cover (1 - cover)) times their difference (ViewEnvironment::one_sky).
 // Private to core/environment, as all of this header.
 
 // Means of light under both skies, and their errors.
@@ -27,7 +27,7 @@ struct CloudMixer {
   [[nodiscard]] std::vector<std::vector<double>> operator()(
       const std::vector<std::vector<double>>& clear,
       const std::vector<std::vector<double>>& overcast) const;
-  // Returns the model error of a mean whose parts have errors of their own.
+  // Returns the model error of a mean whose parts have errors of their own, with the choice.
   [[nodiscard]] std::vector<double> error(const std::vector<double>& clear_error,
                                           const std::vector<double>& overcast_error,
                                           const std::vector<double>& clear,
@@ -41,16 +41,11 @@ struct CloudMixer {
 [[nodiscard]] absl::StatusOr<Atmosphere> turbid_atmosphere(const WeatherSpec& weather,
                                                            ForwardPeak peak, bool overcast);
 
-//   sky_relative  spread of the sky's mean radiance, relative: broken_cloud_relative
-[[nodiscard]] ViewEnvironment under_broken_cloud(const ViewEnvironment& clear,
-                                                 const ViewEnvironment& overcast, double cover,
-                                                 double sky_relative);
+// Returns the mean, with one of both as its one_sky.
+[[nodiscard]] ViewEnvironment under_broken_cloud(ViewEnvironment clear, ViewEnvironment overcast,
+                                                 double cover);
 // Mean of the bounds.
 [[nodiscard]] LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& overcast,
                                              double cover);
-
-// Standard deviation of the mixture of two spectra over their mean, averaged over the bands.
-[[nodiscard]] double broken_cloud_relative(const AirSpectrum& clear, const AirSpectrum& overcast,
-                                           double cover);
 
 }  // namespace irsig

@@ -542,15 +542,9 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::evaluate(std::uint32_t c
   ASSIGN_OR_RETURN(ViewEnvironment out,
                    parts_->evaluate(mix.first(), condition, effects, with_azimuths));
   if (mix.part.size() == 1) return out;
-  ASSIGN_OR_RETURN(const ViewEnvironment overcast,
+  ASSIGN_OR_RETURN(ViewEnvironment overcast,
                    parts_->evaluate(mix.part[1].index, condition, effects, with_azimuths));
-  const auto sky_mean = [&](const Environment::Parts::Mix::Part& part) -> const AirSpectrum& {
-    return of.light_of(of.weather[of.condition[part.index].spec.weather]).sky_mean;
-  };
-  const double cover = mix.part[1].fraction;
-  return under_broken_cloud(
-      out, overcast, cover,
-      broken_cloud_relative(sky_mean(mix.part[0]), sky_mean(mix.part[1]), cover));
+  return under_broken_cloud(std::move(out), std::move(overcast), mix.part[1].fraction);
 }
 
 absl::StatusOr<ViewEnvironment> Environment::SightLine::Parts::evaluate(std::uint32_t index,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/atmosphere/scattered_again.h"
 #include "core/base/constants.h"
 #include "core/environment/fit/interpolation_error.h"
 #include "core/environment/fit/linear_basis_fit.h"
@@ -103,6 +104,7 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       far_(weather.lower.size()) {
   outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
   scattered_relative_.assign(kAirBandCount, kAerosolRelativeError);
+  air_relative_ = scattered_relative_;
   if (!(seen.visible > 0)) return;
   const double zenith_deg = this->zenith_deg();
   sun_.emplace(atmosphere, height_m, zenith_deg, bands_);
@@ -114,6 +116,10 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
     beam_.emplace(beam, height_m, zenith_deg, bands_);
     cloud_.emplace(*weather_.cloud(), *sun_, zenith_deg);
   }
+  const AirSpectrum again = scattered_again_relative(atmosphere, height_m, zenith_deg, bands_);
+  for (std::size_t b = 0; b < kAirBandCount; ++b)
+    air_relative_[b] = std::hypot(kAerosolRelativeError, again[b]);
+  scattered_relative_ = air_relative_;
   if (const UnknownCloud* unknown = weather_.unknown_cloud()) {
     const AirSpectrum by_cloud = unknown->diffuse_sun_relative(zenith_deg);
     for (std::size_t b = 0; b < kAirBandCount; ++b)

@@ -77,6 +77,8 @@ class SunLight {
   // bands, and of what air and cloud scatter, by which that of aerosol is increased.
   [[nodiscard]] double beam_cloud_relative() const;
   [[nodiscard]] const AirSpectrum& scattered_model_relative() const { return scattered_relative_; }
+  // Returns that error without what is not known of a cloud.
+  [[nodiscard]] const AirSpectrum& air_model_relative() const { return air_relative_; }
   // Sunlight of one ring of ThermalSurroundings::limb(): radiance at the target, not averaged, and
   // its ratio behind near air.
   [[nodiscard]] AirSpectrum limb_towards(Vec<Body> direction, std::size_t ring) const;
@@ -125,6 +127,7 @@ class SunLight {
   std::optional<SunAmounts> sun_, beam_;
   std::optional<CloudSunlight> cloud_;
   AirSpectrum scattered_relative_;             // scattered_model_relative()
+  AirSpectrum air_relative_;                   // air_model_relative()
   AirSpectrum near_;                           // transmittance from the sun to the target
   std::deque<Lazy<ScatteredSun>> sky_source_;  // [ring]
   std::deque<Lazy<ScatteredSun>> limb_source_;

@@ -102,6 +102,13 @@ struct ViewEnvironment {
   // One sigma of the models, without the numerics.
   Spectrum model_error_transmittance, model_error_path_radiance;
   double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
+  // Light and air under one of the two skies of which a broken one is the mean: the overcast one
+  // where the cover is below a half, else the clear one. Null: there is one sky. A target has one
+  // sky or the other; one sigma of that choice in any sum of light is one_sky_sigma times the
+  // difference between its values under one_sky and under the mean. The models' errors above are
+  // without it.
+  std::shared_ptr<const ViewEnvironment> one_sky;
+  double one_sky_sigma = 0;
 };
 
 // The most that light can be, known before any sky is computed. On the sweep's wavelengths.

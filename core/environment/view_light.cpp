@@ -254,7 +254,7 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   }
   AirSpectrum error = error_.radiance_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    error[b] += kAerosolRelativeError * scattered[b];
+    error[b] += (sun ? sun->air_model_relative()[b] : kAerosolRelativeError) * scattered[b];
   }
   out.transmittance = leg_.per_wavelength(leg_.transmittance);
   out.model_error_transmittance = leg_.per_wavelength(error_.transmittance);
@@ -569,7 +569,7 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
       const double air = between(from.air.row(above + here), from.air.row(above + beside), j);
       const double surface = between(from.surface.row(here), from.surface.row(beside), j);
       light[b] += w * (air * ratio.air[b] + surface * ratio.surface[b]);
-      error[b] += w * (kAerosolRelativeError * air * ratio.air[b] +
+      error[b] += w * (sun->air_model_relative()[b] * air * ratio.air[b] +
                        surface_relative * surface * ratio.surface[b]);
     }
   }

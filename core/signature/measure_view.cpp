@@ -16,10 +16,10 @@ namespace irsig {
 namespace {
 
 // What is stored of the air between target and sensor, and the models' errors.
-void add_path(const ViewEnvironment& e, const BandOnAxis& band, double background_model_w_sr,
-              SignatureResult& r) {
-  const BandGrid& grid = band.grid;
-  const std::size_t offset = band.first_node;
+void add_path(const Row& row, SignatureResult& r) {
+  const ViewEnvironment& e = row.light->environment();
+  const BandGrid& grid = row.on_axis.grid;
+  const std::size_t offset = row.on_axis.first_node;
   double width_um = 0;
   r.path_transmittance = r.path_radiance_w_m2_sr = 0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
@@ -70,7 +70,11 @@ void add_path(const ViewEnvironment& e, const BandOnAxis& band, double backgroun
   r.apparent_model_error_w_sr =
       std::hypot(std::min(seen, 1.0) * r.model_error_w_sr, emission_lost_w_sr - path_w_sr);
   r.contrast_model_error_w_sr = std::hypot(std::min(seen, 1.0) * r.model_error_w_sr,
-                                           difference_lost_w_sr, background_model_w_sr);
+                                           difference_lost_w_sr, row.background_model_w_sr);
+  const ThreeBounds& choice = row.choice_of_sky;
+  r.model_error_w_sr = std::hypot(r.model_error_w_sr, choice.source);
+  r.apparent_model_error_w_sr = std::hypot(r.apparent_model_error_w_sr, choice.apparent);
+  r.contrast_model_error_w_sr = std::hypot(r.contrast_model_error_w_sr, choice.contrast);
 }
 
 // What of the intensity each effect was measured to be, where the causes tell.
@@ -168,7 +172,7 @@ SignatureResult row_of(const MeasuredView& view, std::size_t index, const Prepar
   r.apparent_spectral = spectral(e.apparent_spectrum, row.modes_of(Intensity::kApparent));
   r.contrast_spectral = spectral(e.contrast_spectrum, row.modes_of(Intensity::kContrast));
   r.background_spectral = spectral(e.background_spectrum, {});
-  add_path(row.light->environment(), row.on_axis, row.background_model_w_sr, r);
+  add_path(row, r);
 
   MeasuredIntensities intensities = measured(view, row);
   for (const auto& component : components) component->add_to(index, intensities);

@@ -96,8 +96,19 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
   }
   layout_ = SourceLayout::of_light(emitters, geometry_);
   condition_.reserve(request.wanted.size());
+  one_sky_.reserve(request.wanted.size());
   for (std::size_t i = 0; i < request.wanted.size(); ++i) {
     const std::uint32_t c = request.wanted[i];
+    std::optional<ConditionSources>& one_sky = one_sky_.emplace_back();
+    if (const ViewEnvironment* sky = environments_->condition[c].one_sky.get(); sky != nullptr) {
+      std::vector<LitSun> suns = lit[i];
+      for (LitSun& sun : suns) {
+        sun.irradiance = sky->sun;
+        sun.apparent = sky->sun_apparent;
+      }
+      one_sky.emplace(request.condition[c], *sky, geometry_, LightLayout{paths, layout_, nodes},
+                      std::move(suns), node_um, effects, request.land_emissivity);
+    }
     condition_.emplace_back(request.condition[c], environments_->condition[c], geometry_,
                             LightLayout{paths, layout_, nodes}, std::move(lit[i]), node_um, effects,
                             request.land_emissivity);

@@ -53,12 +53,17 @@ class ViewSources {
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   // The i-th of those wanted.
   [[nodiscard]] const ConditionSources& wanted(std::size_t i) const { return condition_[i]; }
+  // Returns its light under ViewEnvironment::one_sky; null: the condition has one sky.
+  [[nodiscard]] const ConditionSources* wanted_under_one_sky(std::size_t i) const {
+    return one_sky_[i] ? &*one_sky_[i] : nullptr;
+  }
 
  private:
   std::shared_ptr<const ViewEnvironments> environments_;
   SourceGeometry geometry_;
   SourceLayout layout_;
   std::vector<ConditionSources> condition_;
+  std::vector<std::optional<ConditionSources>> one_sky_;
 };
 
 // Sea or ground of a condition, or none.

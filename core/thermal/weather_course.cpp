@@ -231,7 +231,8 @@ double base_height_m(const CloudAbove& cloud, const WeatherRecord& now) {
 double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now) {
   constexpr double kBentM = 2000;  // core/atmosphere/air_profile.h, bend_to_surface
   const double base_m = base_height_m(cloud, now);
-  if (!cloud.base_m) return risen_air_k(now.air_k, humidity_percent(now), now.pressure_pa, base_m);
+  if (!cloud.base_m || cloud.base_of_risen_air)
+    return risen_air_k(now.air_k, humidity_percent(now), now.pressure_pa, base_m);
   const double there_k = interpolate(
       cloud.air_k, locate(cloud.height_m, std::clamp(base_m, 0.0, cloud.height_m.back())));
   return there_k + (now.air_k - cloud.air_k.front()) * std::max(0.0, 1 - base_m / kBentM);
@@ -303,9 +304,15 @@ Radiation CourseRadiation::at(double unix_s, Side side) const {
     const double emissivity =
         std::min(1.0, sky_emissivity_prata(now.air_k, vapour_pressure_pa(now.dew_point_k)));
     out.sky_w_m2 = emissivity * kStefanBoltzmannWM2K4 * std::pow(now.air_k, 4);
+    double passed = 1 - emissivity;
+    if (sky_.fog_emissivity > 0) {
+      out.sky_w_m2 += passed * sky_.fog_emissivity * kStefanBoltzmannWM2K4 *
+                      std::pow(now.air_k - sky_.fog_colder_k, 4);
+      passed *= 1 - sky_.fog_emissivity;
+    }
     if (now.cloud_cover > 0 && sky_.cloud) {
-      out.sky_w_m2 += now.cloud_cover * (1 - emissivity) * sky_.cloud->emissivity *
-                      kStefanBoltzmannWM2K4 * std::pow(base_temperature_k(*sky_.cloud, now), 4);
+      out.sky_w_m2 += now.cloud_cover * passed * sky_.cloud->emissivity * kStefanBoltzmannWM2K4 *
+                      std::pow(base_temperature_k(*sky_.cloud, now), 4);
     }
   }
   return out;

@@ -80,6 +80,7 @@ struct CloudAbove {
   std::optional<double> base_m;         // absent: the level of condensation, 300 to 2500 m
   double emissivity = 1;                // of the layer, long-wave
   std::optional<double> solar_depth;    // optical, straight up; absent: [kasten1980]
+  bool base_of_risen_air = false;       // of a stated base; else it has the air's temperature
 };
 
 // Inputs of the clear-sky model that weather does not state (clear_sky.h).
@@ -89,6 +90,9 @@ struct SkyAerosol {
   double albedo;  // of sea or ground, to sunlight: [0, 1]
   // Layer of the cover that a course has; required if any record has one.
   std::optional<CloudAbove> cloud = {};
+  // Fog: what it does not let pass of the sky's long-wave radiation, [0, 1], and by how much it is
+  // colder than the air at the ground. 0: there is none.
+  double fog_emissivity = 0, fog_colder_k = 0;
 };
 
 struct Radiation {
@@ -110,7 +114,9 @@ struct Radiation {
 // [kasten1980] under clouds of cover N, with the diffuse share k + (1 - k) N^2, k that of the clear
 // sky (0.3 in the paper's): direct = direct_clear (1 - 0.75 N^3.4) (1 - N^2). Without long-wave
 // radiation: [prata1996], and what it lets pass of a cloud's emission:
-//   sky = e sigma T_air^4 + N (1 - e) e_cloud sigma T_base^4.
+//   sky = e sigma T_air^4 + N (1 - e) e_cloud sigma T_base^4,
+// in fog
+//   sky = e sigma T_air^4 + (1 - e) (e_fog sigma T_fog^4 + (1 - e_fog) N e_cloud sigma T_base^4).
 // A cloud of known water lets pass 1 / (1 + 0.75 (1 - 0.85) depth) of global sunlight, and
 // exp(-depth / sine) of the beam.
 class CourseRadiation {

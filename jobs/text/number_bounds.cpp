@@ -357,6 +357,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Weather.wind_speed_m_s", 0, 150, "more than any storm"},
     {"Weather.wind_speed_24h_m_s", 0, 150, "more than any storm"},
     {"Weather.above_surface_m", 0, 100e3, kAbove},
+    {"Weather.place_height_m", 0, 100.2e3, "the sea to the end of the air, and the geoid"},
     {"Weather.cloud_cover", 0, 1, kFraction},
     {"CloudLayer.base_m", 0, 25e3, kCloud},
     {"CloudLayer.top_m", 0, 28e3, kCloud},

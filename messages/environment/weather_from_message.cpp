@@ -101,9 +101,10 @@ absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather) 
   ASSIGN_OR_RETURN(const auto base, afgl_profile_named(weather.profile()));
   AirProfile profile = afgl_profile(base);
   if (!weather.profile_csv().empty()) {
-    ASSIGN_OR_RETURN(
-        profile, parse_profile_csv(weather.profile_csv(), weather.profile_file_name(), profile));
+    ASSIGN_OR_RETURN(profile, parse_profile_csv(weather.profile_csv(), weather.profile_file_name(),
+                                                profile, weather.place_height_m()));
   }
+  ASSIGN_OR_RETURN(profile, profile_above(profile, weather.place_height_m()));
   if (!weather.surface_stated()) return profile;
   return bend_to_surface(profile, {.air_temperature_k = weather.air_temperature_k(),
                                    .relative_humidity_percent = weather.relative_humidity_percent(),
@@ -140,17 +141,20 @@ absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
   spec.cloud_cover = weather.cloud_cover();
   if (weather.cloud_cover() > 0) {
     ASSIGN_OR_RETURN(spec.cloud, cloud_from_message(weather.cloud()));
-    if (weather.cloud().base_from_weather()) {
+    if (weather.cloud().base_from_weather() || weather.cloud().base_of_risen_air()) {
       const auto risen_k = [&](double height_m) {
         return risen_air_k(weather.air_temperature_k(), weather.relative_humidity_percent(),
                            weather.pressure_pa(), height_m);
       };
       spec.cloud->base_k = risen_k(spec.cloud->base_m);
-      spec.cloud_base_range_m = {kLowestCondensationM, kHighestCondensationM};
-      spec.cloud_base_range_k = {risen_k(kLowestCondensationM), risen_k(kHighestCondensationM)};
+      if (weather.cloud().base_from_weather() && !weather.cloud().base_is_input()) {
+        spec.cloud_base_range_m = {kLowestCondensationM, kHighestCondensationM};
+        spec.cloud_base_range_k = {risen_k(kLowestCondensationM), risen_k(kHighestCondensationM)};
+      }
     }
     // A type's water path is one of many.
-    if (!weather.cloud().water_path_stated()) spec.cloud_water_range = {0.5, 2};
+    if (!weather.cloud().water_path_stated() && !weather.cloud().water_path_is_input())
+      spec.cloud_water_range = {0.5, 2};
   }
   ASSIGN_OR_RETURN(auto lower, lower_from_message(surroundings, weather.wind_speed_m_s()));
   spec.lower = lower;

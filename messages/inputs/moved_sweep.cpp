@@ -88,6 +88,8 @@ void move_cloud_base(Mover& mover, schema::Weather& w) {
   const double base_m = mover.moved(layer.base_m(), 0, kHighestBaseM);
   layer.set_top_m(layer.top_m() + base_m - layer.base_m());
   layer.set_base_m(base_m);
+  // Its temperature stays that of risen air, at another height.
+  layer.set_base_of_risen_air(layer.base_from_weather() || layer.base_of_risen_air());
   layer.set_base_from_weather(false);
 }
 

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_column.h"
 #include "core/atmosphere/cloud.h"
+#include "core/atmosphere/fog_sky.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/materials/optical/material_library.h"
@@ -100,6 +101,7 @@ absl::StatusOr<CloudAbove> cloud_above(const schema::CloudLayer& layer, const Ai
     out.air_k.push_back(level.temperature_k);
   }
   if (!layer.base_from_weather()) out.base_m = spec.base_m;
+  out.base_of_risen_air = layer.base_from_weather() || layer.base_of_risen_air();
   // In the middle of the window, where the sky is clear without it.
   constexpr double kWindowUm = 10.5, kDiffusivity = 1.66;
   ASSIGN_OR_RETURN(const std::size_t window, air_band(kWindowUm));
@@ -117,9 +119,14 @@ absl::StatusOr<SkyAerosol> sky_from_message(const schema::HeatRun& heat, double 
   ASSIGN_OR_RETURN(const auto weather, weather_from_message(heat.weather(), heat.surroundings()));
   const AerosolSpec& aerosol = weather.air.aerosol;
   const double humidity_percent = relative_humidity_percent(weather.air.profile.level.front());
+  const FogSky fog = fog_sky(aerosol, weather.air.profile);
   SkyAerosol out{aerosol_depth(aerosol, humidity_percent, 380),
-                 aerosol_depth(aerosol, humidity_percent, 500), ozone_cm(weather.air.profile),
-                 solar_albedo, std::nullopt};
+                 aerosol_depth(aerosol, humidity_percent, 500),
+                 ozone_cm(weather.air.profile),
+                 solar_albedo,
+                 std::nullopt,
+                 fog.emissivity,
+                 fog.colder_k};
   if (heat.weather().has_cloud()) {
     ASSIGN_OR_RETURN(out.cloud, cloud_above(heat.weather().cloud(), weather.air.profile));
   }

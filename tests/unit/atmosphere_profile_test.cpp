@@ -64,6 +64,55 @@ TEST(AtmosphereProfile, SurfaceWeatherBendsTheLowestTwoKilometres) {
   EXPECT_FALSE(bend_to_surface(base(), {285.0, 50.0, 1005.0}).ok());
 }
 
+// A high place has the air of its own height above mean sea level.
+TEST(AtmosphereProfile, BeginsAtThePlacesHeight) {
+  const auto high = profile_above(base(), 2300);
+  ASSERT_TRUE(high.ok()) << high.status();
+  EXPECT_TRUE(check_profile(*high).ok()) << check_profile(*high);
+  EXPECT_EQ(high->level.front().height_m, 0);
+  for (const double up_m : {0.0, 100.0, 700.0, 5000.0, 30e3}) {
+    const AirLevel there = air_at(*high, up_m), same = air_at(base(), 2300 + up_m);
+    EXPECT_NEAR(there.temperature_k, same.temperature_k, 1e-9) << up_m;
+    EXPECT_NEAR(there.pressure_pa, same.pressure_pa, 1e-9 * same.pressure_pa) << up_m;
+    EXPECT_NEAR(there.gas.h2o_ppmv, same.gas.h2o_ppmv, 1e-9 * same.gas.h2o_ppmv) << up_m;
+  }
+  EXPECT_EQ(high->level.back().height_m, 120e3 - 2300);
+  // On a level, and at or below the sea: no other bits.
+  EXPECT_EQ(profile_above(base(), 3000)->level.size(), base().level.size() - 3);
+  for (const double place_m : {0.0, -430.0}) {
+    const auto sea = profile_above(base(), place_m);
+    ASSERT_TRUE(sea.ok());
+    ASSERT_EQ(sea->level.size(), base().level.size());
+    for (std::size_t i = 0; i < base().level.size(); ++i) {
+      EXPECT_EQ(sea->level[i].height_m, base().level[i].height_m);
+      EXPECT_EQ(sea->level[i].temperature_k, base().level[i].temperature_k);
+    }
+  }
+  // Weather bends the lowest 2 km above the place.
+  const auto bent = bend_to_surface(*high, {270, 60, 76500});
+  ASSERT_TRUE(bent.ok()) << bent.status();
+  EXPECT_NEAR(air_at(*bent, 2000).temperature_k, air_at(base(), 4300).temperature_k, 1e-9);
+  EXPECT_TRUE(Atmosphere::make({*bent, {}}).ok());
+  EXPECT_FALSE(profile_above(base(), 119.5e3).ok());
+}
+
+TEST(AtmosphereProfile, RadiosondeOfAHighPlaceBeginsThere) {
+  const std::string header = "height_m,pressure_hpa,temperature_c,relative_humidity_percent\n";
+  const auto read = [&](const std::string& levels) {
+    return parse_profile_csv(header + levels, "s.csv", base(), 2300);
+  };
+  const auto profile = read("2350,765,-12,60\n3000,704,-15,50\n");
+  ASSERT_TRUE(profile.ok()) << profile.status();
+  EXPECT_EQ(profile->level.front().height_m, 2300);
+  EXPECT_NEAR(profile->level.front().pressure_pa,
+              76500 * std::exp(9.80665 * 28.9647e-3 * 50 / (8.314462618 * 261.15)), 1);
+  EXPECT_TRUE(profile_above(*profile, 2300).ok());
+  EXPECT_THAT(std::string(read("2401,760,-12,60\n3000,704,-15,50\n").status().message()),
+              HasSubstr("s.csv:2:1: 2401: the lowest level is above 2400 m"));
+  EXPECT_THAT(std::string(read("0,1015,5,60\n900,910,0,50\n").status().message()),
+              HasSubstr("s.csv:3:1: the highest level, 900 m, is not above the place at 2300 m"));
+}
+
 TEST(AtmosphereProfile, RadiosondeInEveryUnit) {
   const AirLevel level = air_at(base(), 0);
   const double e_pa = 0.6 * saturation_pressure_pa(293.15);

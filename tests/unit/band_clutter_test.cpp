@@ -277,7 +277,7 @@ TEST_F(StoredClutterTest, RowsWithoutAreAnErrorWithARemedy) {
   const absl::Status status = population(true).status();
   EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("row 1 has no clutter"));
-  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("ask without clutter"));
+  EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("ask without --clutter"));
 }
 
 }  // namespace

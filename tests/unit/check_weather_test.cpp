@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "core/thermal/condensation.h"
 #include "jobs/resolve_sweep.h"
+#include "messages/environment/weather_from_message.h"
+#include "messages/inputs/moved_sweep.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {
@@ -93,6 +96,65 @@ TEST(ResolveAtmosphere, WritesTheWeatherOut) {
   EXPECT_EQ(condition.surroundings().sea_model(), "cox_munk");
   EXPECT_EQ(condition.air_temperature_k(), 290);
   EXPECT_EQ(sweep->sweep().air().co2_ppmv(), 425);
+}
+
+// Expected: the air of the standard profile at the place's height; nothing of the sea's below it.
+TEST(ResolveAtmosphere, TheProfileOfAHighPlaceBeginsThere) {
+  Pieces high{.season = "wind_speed_m_s = 5\n"};
+  high.place += "height_m = 2500\n";
+  const auto sweep = resolve(high);
+  ASSERT_TRUE(sweep.ok()) << sweep.status();
+  const schema::Weather& weather = sweep->condition(0).weather();
+  EXPECT_EQ(weather.place_height_m(), 2500);
+  const AirLevel there = air_at(afgl_profile(AfglProfile::kMidlatitudeSummer), 2500);
+  EXPECT_NEAR(weather.pressure_pa(), there.pressure_pa, 1e-6);
+  EXPECT_NEAR(weather.air_temperature_k(), there.temperature_k, 1e-9);
+  const auto spec = weather_from_message(weather, sweep->condition(0).surroundings());
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_EQ(spec->air.profile.level.front().height_m, 0);
+  EXPECT_NEAR(air_at(spec->air.profile, 1000).pressure_pa,
+              air_at(afgl_profile(AfglProfile::kMidlatitudeSummer), 3500).pressure_pa, 1e-6);
+  high.place = "latitude_deg = 50\nlongitude_deg = 0\nheading_deg = 0\nheight_m = -20\n";
+  EXPECT_EQ(resolve(high)->condition(0).weather().place_height_m(), 0);
+}
+
+// Rationale: what is not known of a cloud is an error of the model or of an input, never of both.
+TEST(ResolveAtmosphere, WhatIsNotKnownOfACloudIsOneError) {
+  Pieces cloudy;
+  cloudy.season += "cloud_cover = 1\n";
+  const auto spec_of = [&](const std::string& uncertainty) {
+    Pieces p = cloudy;
+    p.sun += uncertainty;
+    const auto sweep = resolve(p);
+    EXPECT_TRUE(sweep.ok()) << sweep.status();
+    return weather_from_message(sweep->condition(0).weather(), sweep->condition(0).surroundings())
+        .value();
+  };
+  const WeatherSpec none = spec_of("");
+  EXPECT_TRUE(none.cloud_base_range_m.has_value());
+  EXPECT_TRUE(none.cloud_water_range.has_value());
+  const WeatherSpec water = spec_of("\n[uncertainty]\ncloud_water_path_relative = 0.3\n");
+  EXPECT_TRUE(water.cloud_base_range_m.has_value());
+  EXPECT_FALSE(water.cloud_water_range.has_value());
+  const WeatherSpec base = spec_of("\n[uncertainty]\ncloud_base_m = 200\n");
+  EXPECT_FALSE(base.cloud_base_range_m.has_value());
+  EXPECT_TRUE(base.cloud_water_range.has_value());
+  EXPECT_EQ(base.cloud->base_k, none.cloud->base_k);
+}
+
+// A base of risen air that is moved is one of air that has risen as far.
+TEST(ResolveAtmosphere, AMovedBaseHasTheTemperatureOfRisenAir) {
+  Pieces cloudy;
+  cloudy.season += "cloud_cover = 1\n";
+  const auto sweep = resolve(cloudy);
+  ASSERT_TRUE(sweep.ok()) << sweep.status();
+  const MovedSweep moved = moved_sweep(*sweep, {"cloud_base_m", 150}, 1);
+  const schema::Condition& c = moved.sweep.condition(0);
+  const auto spec = weather_from_message(c.weather(), c.surroundings());
+  ASSERT_TRUE(spec.ok()) << spec.status();
+  EXPECT_NEAR(spec->cloud->base_m, sweep->condition(0).weather().cloud().base_m() + 150, 1e-9);
+  ASSERT_TRUE(spec->cloud->base_k.has_value());
+  EXPECT_NEAR(*spec->cloud->base_k, risen_air_k(290, 70, 101300, spec->cloud->base_m), 1e-9);
 }
 
 // Rationale: what nobody stated must follow from date and place, and say so.
@@ -253,11 +315,6 @@ TEST(CheckWeather, ContradictionsAreErrors) {
        "season[0].pressure_pa",
        "= 80000 and place.height_m = 0 contradict each other: the standard atmosphere has 101325 "
        "Pa there"},
-      {"height without weather",
-       {.place = "latitude_deg = 50\nlongitude_deg = 0\nheading_deg = 0\nheight_m = 2500\n",
-        .season = "wind_speed_m_s = 5\n"},
-       "place.height_m",
-       "= 2500 and the profile's 101300 Pa at the surface contradict each other"},
       {"night at noon",
        {.name = "night"},
        "season[0].name",

@@ -22,6 +22,7 @@ void set_bounds_of_weights(const BoundInput& in, bool stored, Row& row) {
   for (const BoundOfWeights& of : kBoundsOfWeights)
     row.of(of.which) = stored || !of.stored_only ? of.bound(in) : ThreeBounds{};
   row.background_model_w_sr = stored ? background_model_w_sr(in) : 0;
+  row.choice_of_sky = stored ? choice_of_sky(in) : ThreeBounds{};
 }
 
 }  // namespace irsig

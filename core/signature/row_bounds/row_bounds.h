@@ -39,7 +39,12 @@ struct BoundInput {
 // One sigma of the models of the background, in the contrast. [W/sr]
 [[nodiscard]] double background_model_w_sr(const BoundInput& in);
 
-// Sets all bounds above, and the background's model error.
+// Returns one sigma of which of both skies a target under broken cloud has: the row of the same
+// paths under one of them less that under the mean, times ViewEnvironment::one_sky_sigma. Signs of
+// what changes together (reflected sky, sun, background) are kept. 0 under one sky.
+[[nodiscard]] ThreeBounds choice_of_sky(const BoundInput& in);
+
+// Sets all bounds above, and both model errors.
 void set_bounds_of_weights(const BoundInput& in, bool stored, Row& row);
 
 // Quadrature over the band, of outlines, of materials' tables and of the sun's spectrum. [W/sr]

@@ -38,13 +38,18 @@ inline constexpr std::size_t kIntensities = 3;
 // Row is one condition in one band of a view: first what follows from the view alone, then what
 // the last run gave.
 struct Row {
+  //   one_sky_light  ViewSources::wanted_under_one_sky
   Row(std::uint32_t of_condition, std::uint32_t of_band, const ConditionSources& with,
-      BandOnAxis band_on_axis)
-      : condition(of_condition), band(of_band), light(&with), on_axis(band_on_axis) {}
+      const ConditionSources* one_sky_light, BandOnAxis band_on_axis)
+      : condition(of_condition),
+        band(of_band),
+        light(&with),
+        one_sky(one_sky_light),
+        on_axis(band_on_axis) {}
 
   std::uint32_t condition, band;  // of the request; of the scene
   std::size_t planned = 0;        // its place in the lists of a ViewPlan
-  const ConditionSources* light;
+  const ConditionSources *light, *one_sky;  // one_sky: under one of two skies; null: there is one
   BandOnAxis on_axis;
   SourceTable in_band;
   double quadrature_relative = 0;  // error of the band's quadrature over the intensity
@@ -61,6 +66,8 @@ struct Row {
   std::array<SpectralSet, kIntensities> modes;  // of the spectra's errors; empty in pilots
   std::array<ThreeBounds, kBounds> bound{};     // those of row_bounds.h that follow from weights
   double background_model_w_sr = 0;  // one sigma of the models of the background; 0 in pilots
+  // One sigma of which sky a target under broken cloud has; 0 in pilots.
+  ThreeBounds choice_of_sky{};
 
   [[nodiscard]] ThreeBounds& of(BoundOf which) { return bound[static_cast<std::size_t>(which)]; }
   [[nodiscard]] const std::vector<double>& replicates(Intensity which) const {

@@ -150,6 +150,7 @@ std::vector<Row> rows_of(const ViewSetup& setup, const ViewRequest& request) {
   for (std::size_t c = 0; c < setup.keys.condition.size(); ++c)
     for (const std::uint32_t band : setup.keys.band) {
       Row& row = out.emplace_back(setup.keys.condition[c], band, setup.sources.wanted(c),
+                                  setup.sources.wanted_under_one_sky(c),
                                   setup.scene.axis.band(band));
       row.planned = row.condition * setup.scene.axis.bands() + band;
       const double coldest_k = row.light->coldest_k(), hottest_k = row.light->hottest_k();
