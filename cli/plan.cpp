@@ -74,8 +74,8 @@ std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples, double 
 // The parts of errors that keep rows above the error that was asked for, the most frequent first:
 // "12 rows would not reach 2 %: temperatures of large facets (temperature); set [heat] ...". The
 // pilot's rows stand for all rows.
-std::vector<std::string> limits_of(const SweepCost& cost, std::uint64_t rows,
-                                   double relative_error) {
+std::vector<std::string> limiting_lines(const SweepCost& cost, std::uint64_t rows,
+                                        double relative_error) {
   std::vector<std::pair<std::string_view, double>> sorted(cost.limited_fraction.begin(),
                                                           cost.limited_fraction.end());
   std::ranges::stable_sort(sorted, std::greater<>(), &std::pair<std::string_view, double>::second);
@@ -165,7 +165,7 @@ void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& 
   print_table(out, pilot, workers, floor_k);
   print_effects(out, pilot);
   const std::vector<std::string> limits =
-      limits_of(cost, loaded.size.rows(), pilot.rule.relative_error);
+      limiting_lines(cost, loaded.size.rows(), pilot.rule.relative_error);
   if (!limits.empty()) fmt::print(out, "\n{}\n", fmt::join(limits, "\n"));
 }
 
