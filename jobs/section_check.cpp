@@ -45,9 +45,7 @@ void Findings::add(const std::string& path, const std::string& what) {
   at_.insert(path);
 }
 
-void Findings::add_at(const std::string& place, const std::string& what) {
-  add({place, "", what});
-}
+void Findings::add_at(const std::string& place, const std::string& what) { add({place, "", what}); }
 
 void Findings::add(Problem problem) {
   // A sweep without a file has come from somebody else, who may have made any number of errors.
@@ -142,10 +140,13 @@ void SectionCheck::only(const Names& names, const std::string& why) const {
 
 int SectionCheck::at_most_one(const Names& names) const {
   int count = 0;
+  const char* first = nullptr;
   for (const char* name : names) {
-    if (has(name) && ++count > 1) {
-      error(name, absl::StrCat("is one too many, expected only one of ", list(names)));
-    }
+    if (!has(name)) continue;
+    if (++count > 1)
+      error(name, absl::StrCat("is stated beside ", first, ", expected only one of ", list(names)));
+    else
+      first = name;
   }
   return count;
 }
