@@ -118,12 +118,11 @@ absl::Status check_errors(const AccuracyOptions& given, bool& within) {
     return absl::InvalidArgumentError(absl::StrCat("--check-errors: ", given.source,
                                                    " is no database, expected the rows of one"));
   print_text("{}\n", kNotSeenByLongerRun);
-  const auto checked =
-      check_database_errors(source, given.check, [](const CheckedViewpoint& view) {
-        print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n",
-                   view.done, view.of, view.viewpoint, view.samples, view.intensity.values,
-                   view.intensity.largest);
-      });
+  const auto checked = check_database_errors(source, given.check, [](const CheckedViewpoint& view) {
+    print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n", view.done,
+               view.of, view.viewpoint, view.samples, view.intensity.values,
+               view.intensity.largest);
+  });
   if (!checked.ok()) return checked.status();
   print_text(
       "{}: {} rows of {} viewpoints against a run {:.4g} times as long with other random numbers\n"
@@ -194,7 +193,9 @@ void add_accuracy(CLI::App& app, int& exit_code) {
   const auto given = std::make_shared<AccuracyOptions>();
   CLI::App* command = app.add_subcommand(
       "accuracy",
-      "What accuracy costs in time: errors of all methods against CPU time; what a mesh is worth");
+      "Measure what accuracy costs in time: errors of all methods against CPU time, and "
+      "what a mesh is worth. With --check-errors, hold the stated errors of a database "
+      "against runs 100 times as long.");
   command->add_option("SWEEP|DB", given->source, "Sweep file, or a database with its sweep")
       ->required();
   command->add_option("--sweep", given->sweep, "The sweep's name, where a database holds several")

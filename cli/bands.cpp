@@ -342,9 +342,9 @@ struct BandsCommand {
 void add_bands(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "bands",
-      "Which part of a stored band a detector sees the target best in: the signal-to-noise ratio "
-      "of "
-      "its contrast in every window, with what is known of its error (docs/reference/bands.md)");
+      "Find the part of a stored band in which a detector sees the target best. For every "
+      "window it prints the signal-to-noise ratio of the contrast, with what is known of "
+      "its error (docs/reference/bands.md).");
   const auto o = std::make_shared<BandsCommand>(*command);
   CLI::Option_group* seen_by = command->add_option_group("Detector");
   seen_by

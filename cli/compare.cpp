@@ -85,8 +85,9 @@ struct CompareCommand {
 void add_compare(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "compare",
-      "Print the same signatures of two databases, or of two conditions of one, side by side: both "
-      "values, ratio, difference, and whether it exceeds their combined error");
+      "Print the same signatures of two databases, or of two conditions of one, side by "
+      "side. Each line has both values, their ratio and difference, and whether the "
+      "difference exceeds their combined error.");
   const auto options = std::make_shared<CompareCommand>(*command);
   command->add_option("B", options->other, "The second database; left out: the first one");
   constexpr const char* kGroup = "B, where it differs from A";

@@ -77,9 +77,9 @@ struct DoctorCommand {
 void add_doctor(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "doctor",
-      "Read all of a database and say what is damaged, missing or old: the file, references, "
-      "hashes, numbers, spectra, images, jobs. Exit code 1: damaged. With --accept, a database "
-      "whose journal is missing becomes one plain file");
+      "Read all of a database and report what is damaged, missing or old: the file, "
+      "references, hashes, numbers, spectra, images, jobs. Exit code 1: damaged. With "
+      "--accept, a database whose journal is missing becomes one plain file.");
   const auto options = std::make_shared<DoctorCommand>(*command);
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }

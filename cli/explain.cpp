@@ -31,8 +31,9 @@ absl::Status explain(const ExplainAsked& asked) {
 void add_explain(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
       "explain",
-      "one row: its values with every error, which effects were simulated and why the others were "
-      "not, where the light ends, the split by cause and by part");
+      "Account for one row: its values with every error, the effects that were simulated "
+      "and why others were not. Then where the light ends, and the split by cause and by "
+      "part.");
   auto asked = std::make_shared<ExplainAsked>(*command);
   command->add_option("DB", asked->db_path, "the database")->required();
   command->add_option("--row", asked->row, "the row's number, as `irsig query` prints it")

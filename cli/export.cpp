@@ -122,11 +122,10 @@ struct ExportCommand {
 void add_export(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "export",
-      "Write signatures to a file: csv (one line each) or netcdf (netCDF-4 with CF "
-      "attributes: scalars, causes, parts and spectra) or envi (spectral library of one --band, "
-      "with its .hdr) or tsf (STK's target signature file of one --season and --band) or "
-      "thumbnails (a folder of pictures with their labels); or, as csv, the "
-      "temperatures of all facets");
+      "Write signatures to a file: csv (one line each), netcdf (netCDF-4 with CF "
+      "attributes), envi (spectral library of one --band, with its .hdr) or tsf (STK's "
+      "target signature file of one --season and --band). thumbnails writes a folder of "
+      "pictures with their labels. temperatures writes those of all facets as CSV.");
   const auto options = std::make_shared<ExportCommand>(*command);
   options->filter.add_ranges(*command);
   command

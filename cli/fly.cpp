@@ -1,14 +1,18 @@
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "cli/commands.h"
 #include "cli/flight.h"
 #include "core/base/status_macros.h"
 #include "live/page/fly_page.h"
 #include "planning/machine.h"
+#include "schema/store/reader.h"
 #include "view/base/print.h"
 
 namespace irsig {
@@ -21,6 +25,7 @@ struct FlyCommand {
   std::uint32_t threads = 0;
 
   [[nodiscard]] absl::Status run() {
+    RETURN_IF_ERROR(check_names());
     ASSIGN_OR_RETURN(auto flight, Flight::load(sweep_path));
     if (threads == 0) threads = usable_cores();
     if (!film_path.empty()) return write_film(flight, threads, film_path);
@@ -47,6 +52,18 @@ struct FlyCommand {
   }
 
  private:
+  // Both files are written long after the start: a name that cannot be right is refused before.
+  [[nodiscard]] absl::Status check_names() const {
+    if (!film_path.empty() && !absl::EndsWithIgnoreCase(film_path, ".png") &&
+        !absl::EndsWithIgnoreCase(film_path, ".apng"))
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--film ", film_path,
+          ": the film is an animated PNG, expected a name that ends in .png or .apng"));
+    std::error_code none;
+    if (keep_path.empty() || !std::filesystem::exists(keep_path, none)) return absl::OkStatus();
+    return StoreReader::open(keep_path).status();
+  }
+
   // The sweep of the view is written beside the sweep file, whose files it names, and run.
   [[nodiscard]] absl::StatusOr<std::string> keep(const Flight& flight, const LiveAsk& ask,
                                                  std::uint32_t number) const {
@@ -62,9 +79,9 @@ struct FlyCommand {
 void add_fly(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "fly",
-      "Look at a sweep's scene live in a web browser on this machine, with an error in every "
-      "pixel: "
-      "orbit the target or fly over land, change hour, band and visibility, keep images");
+      "Look at a sweep's scene live in a web browser on this machine, with an error in "
+      "every pixel. Orbit the target or fly over land, change hour, band and visibility, "
+      "and keep images.");
   const auto asked = std::make_shared<FlyCommand>();
   command->add_option("SWEEP", asked->sweep_path, "The sweep file")->required();
   command

@@ -11,6 +11,7 @@
 #include "core/scene/check/mesh_lint.h"
 #include "core/scene/import/import_mesh.h"
 #include "core/scene/import/model_file.h"
+#include "core/thermal/weather_file.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/sweep_template.h"
@@ -20,10 +21,12 @@
 namespace irsig {
 namespace {
 
+constexpr std::size_t kMostWeatherBytes = std::size_t{8} << 20;
+
 struct InitCommand {
   TemplateAsked asked;
   AskedFrame frame;
-  std::string model, place, out;
+  std::string model, place, weather, months, hours, out;
   bool force = false;
 
   [[nodiscard]] absl::Status run() {
@@ -53,6 +56,7 @@ struct InitCommand {
             fmt::format("--place {}: expected LAT,LON in degrees, e.g. 54.3,10.1", place));
       asked.place_given = true;
     }
+    RETURN_IF_ERROR(take_hours());
     const std::string stem = fs::path(model).stem().string();
     const bool to_stdout = out == "-";
     const fs::path file = out.empty() ? fs::path(stem + ".toml") : fs::path(out);
@@ -62,6 +66,7 @@ struct InitCommand {
         to_stdout || !file.has_parent_path() ? fs::path(".") : file.parent_path();
     const fs::path beside = fs::proximate(model, folder, error);
     asked.model_file = error ? fs::absolute(model).string() : beside.generic_string();
+    RETURN_IF_ERROR(take_weather(folder));
     ASSIGN_OR_RETURN(auto text, sweep_template(asked, *mesh));
     if (!to_stdout && !force && fs::exists(file, error))
       return absl::InvalidArgumentError(
@@ -92,6 +97,53 @@ struct InitCommand {
         file.string(), file.string(), asked.name + ".sigdb");
     return absl::OkStatus();
   }
+
+ private:
+  [[nodiscard]] absl::Status take_hours() {
+    if (!months.empty() && weather.empty())
+      return absl::InvalidArgumentError(
+          "--months: expected --weather FILE beside it, which has the weather of each month");
+    if (!months.empty()) {
+      const auto list = numbers_of_list(months, 1, 12);
+      if (!list.ok())
+        return absl::InvalidArgumentError(
+            fmt::format("--months {}", std::string(list.status().message())));
+      asked.months = *list;
+    }
+    if (hours.empty()) return absl::OkStatus();
+    const auto list = numbers_of_list(hours, 0, 23);
+    if (!list.ok())
+      return absl::InvalidArgumentError(
+          fmt::format("--hours {}", std::string(list.status().message())));
+    asked.hours = *list;
+    return absl::OkStatus();
+  }
+
+  // The place and the local standard time of a weather file of a typical year.
+  [[nodiscard]] absl::Status take_weather(const std::filesystem::path& folder) {
+    if (weather.empty()) return absl::OkStatus();
+    const auto text = read_user_file(weather, kMostWeatherBytes);
+    if (!text.ok())
+      return absl::InvalidArgumentError(
+          fmt::format("--weather {}: {}", weather, std::string(text.status().message())));
+    ASSIGN_OR_RETURN(const WeatherFile file, read_weather_file(*text, weather));
+    if (!file.any_year || !file.place)
+      return absl::InvalidArgumentError(fmt::format(
+          "--weather {}: expected EPW or TMY3, which state their place and have hours of any year; "
+          "a CSV file is named by weather_file of a [[season]]",
+          weather));
+    if (!asked.place_given) {
+      asked.latitude_deg = file.place->latitude_deg;
+      asked.longitude_deg = file.place->longitude_deg;
+    }
+    asked.height_m = file.place->height_m;
+    asked.utc_offset_h = file.utc_offset_h;
+    std::error_code error;
+    const std::filesystem::path beside = std::filesystem::proximate(weather, folder, error);
+    asked.weather_file =
+        error ? std::filesystem::absolute(weather).string() : beside.generic_string();
+    return absl::OkStatus();
+  }
 };
 
 }  // namespace
@@ -119,6 +171,19 @@ void add_init(CLI::App& app, int& exit_code) {
       ->type_name("LAT,LON");
   command->add_option("--season", given->asked.season, "winter, spring, summer (default) or autumn")
       ->type_name("NAME");
+  command
+      ->add_option("--weather", given->weather,
+                   "Compute temperatures from this weather file of a typical year (EPW or TMY3), "
+                   "instead of assumed ones; the place is the file's")
+      ->type_name("FILE");
+  command
+      ->add_option("--months", given->months,
+                   "With --weather: a season on the 15th of each, such as 1-12 (default) or 1,7")
+      ->type_name("LIST");
+  command
+      ->add_option("--hours", given->hours,
+                   "Hours of the day, such as 0,6,12,18 (default: 12), in local standard time")
+      ->type_name("LIST");
   command
       ->add_option("--surroundings", given->asked.surroundings,
                    "What it stands on: sea (default) or ground")

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "cli/commands.h"
+#include "cli/help.h"
 #include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
@@ -43,6 +45,28 @@ std::vector<std::string> names_of(const CLI::App& app, bool options) {
   return out;
 }
 
+// "--format: xml not in {text,csv}" and "--workers: Value 0 not in range 1 to 4096", which the
+// checks of options write, as sentences: "--format xml: expected one of text, csv".
+std::string in_words(const std::string& what) {
+  const std::size_t colon = what.find(": ");
+  const std::size_t list = what.find(" not in {"), range = what.find(" not in range ");
+  if (colon == std::string::npos || (list == std::string::npos && range == std::string::npos))
+    return what;
+  const std::string option = what.substr(0, colon);
+  if (range != std::string::npos) {
+    std::string value = what.substr(colon + 2, range - colon - 2);
+    if (value.starts_with("Value ")) value.erase(0, 6);
+    return option + " " + value + ": expected " + what.substr(range + 14);
+  }
+  const std::string value = what.substr(colon + 2, list - colon - 2);
+  std::string names = what.substr(list + 9);
+  names.erase(std::min(names.find('}'), names.size()));
+  const std::vector<std::string> known = absl::StrSplit(names, ',');
+  const auto near = irsig::nearest_name(value, known);
+  return option + " " + value + ": expected one of " + absl::StrJoin(known, ", ") +
+         (near ? "; did you mean " + *near + "?" : "");
+}
+
 // What is wrong, and the nearest name of each that nobody knows.
 std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> extras = app->remaining(true);
@@ -59,8 +83,17 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
     if (what.starts_with(kOpening)) what.remove_prefix(kOpening.size());
     text = "irsig: " + irsig::printable(what) + ", expected a number without a unit (1 % is 0.01)";
   }
+  if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr)
+    text = "irsig: " + in_words(irsig::printable(error.what()));
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     const std::string_view what = error.what();
+    const std::size_t few = what.find(": At least ");
+    if (few != what.npos) {
+      const std::string rest(what.substr(few + 11));
+      text = "irsig: " + irsig::printable(what.substr(0, few)) + " needs " +
+             rest.substr(0, rest.find(' ')) + " values, " + rest.substr(rest.rfind(' ') + 1) +
+             " given";
+    }
     const std::size_t twice = what.find(": At Most 1 required but received ");
     if (twice != what.npos)
       text = "irsig: " + irsig::printable(what.substr(0, twice)) +
@@ -125,6 +158,7 @@ int run_program(int argc, char** argv) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   app.failure_message(failure);
+  app.formatter(irsig::help_formatter());
   irsig::add_init(app, exit_code);
   irsig::add_run(app, exit_code);
   irsig::add_plan(app, exit_code);
@@ -140,22 +174,24 @@ int run_program(int argc, char** argv) {
   irsig::add_export(app, exit_code);
   irsig::add_slice(app, exit_code);
   irsig::add_merge(app, exit_code);
+  irsig::add_submit(app, exit_code);
+  irsig::add_status(app, exit_code);
+  irsig::add_cancel(app, exit_code);
+  irsig::add_prioritize(app, exit_code);
+  irsig::add_ca(app, exit_code);
   irsig::add_digest(app, exit_code);
   irsig::add_doctor(app, exit_code);
   irsig::add_show(app, exit_code);
   irsig::add_model(app, exit_code);
   irsig::add_material(app, exit_code);
   irsig::add_goniometer(app, exit_code);
-  irsig::add_submit(app, exit_code);
-  irsig::add_status(app, exit_code);
-  irsig::add_cancel(app, exit_code);
-  irsig::add_prioritize(app, exit_code);
-  irsig::add_ca(app, exit_code);
   irsig::add_accuracy(app, exit_code);
   irsig::add_verify_effects(app, exit_code);
   irsig::add_selftest(app, exit_code);
   irsig::add_completion(app, exit_code);
+  irsig::add_manual(app, exit_code);
   app.add_subcommand("help", "This help, or that of a command: irsig help query")->allow_extras();
+  irsig::group_commands(app);
   std::vector<std::string> words = without_help({argv + 1, argv + argc});
   if (const std::string unknown = unknown_command(app, words); !unknown.empty()) {
     irsig::print_note("irsig: {}\n", unknown);

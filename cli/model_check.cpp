@@ -101,8 +101,8 @@ std::string frame_as_json(const MeshImport& how, const FrameSources& from) {
 
 std::string frame_as_text(const MeshImport& how, const FrameSources& from) {
   return fmt::format(
-      "frame     unit_m = {} ({}), forward_axis = \"{}\" ({}), up_axis = \"{}\" ({})\n",
-      how.unit_m, from.unit_m, how.forward_axis, from.forward_axis, how.up_axis, from.up_axis);
+      "frame     unit_m = {} ({}), forward_axis = \"{}\" ({}), up_axis = \"{}\" ({})\n", how.unit_m,
+      from.unit_m, how.forward_axis, from.forward_axis, how.up_axis, from.up_axis);
 }
 
 std::string as_json(const std::string& file, const LintReport& report, const ModelFacts& facts,
@@ -189,7 +189,13 @@ struct CheckCommand {
 
   // The exit code, when nothing failed: 2 when the model has errors.
   [[nodiscard]] absl::StatusOr<int> run() {
-    if (is_heights_file(how.file_name)) return check_heights_file(how.file_name, output);
+    if (is_heights_file(how.file_name)) {
+      if (!repaired.empty())
+        return absl::InvalidArgumentError(
+            "--repair: this is a map of heights, expected a model; state [land] fill_m for heights "
+            "that are missing");
+      return check_heights_file(how.file_name, output);
+    }
     const absl::StatusOr<std::string> bytes = read_model_file(how.file_name, kMostModelBytes);
     if (!bytes.ok())
       return absl::InvalidArgumentError(
@@ -219,9 +225,8 @@ struct CheckCommand {
     const bool repairable = repaired.empty() && result.log.did_something();
     const std::string& of = repaired.empty() ? how.file_name : repaired;
     const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
-      out << (format == "json"
-                  ? as_json(of, found, facts, frame_as_json(how, from))
-                  : as_text(of, found, facts, repairable, frame_as_text(how, from)))
+      out << (format == "json" ? as_json(of, found, facts, frame_as_json(how, from))
+                               : as_text(of, found, facts, repairable, frame_as_text(how, from)))
           << std::flush;
       return absl::OkStatus();
     });
@@ -235,9 +240,9 @@ struct CheckCommand {
 void add_model_check(CLI::App& model, int& exit_code) {
   CLI::App* command = model.add_subcommand(
       "check",
-      "What is wrong with a model file: holes, facets inside out, duplicates, needles, "
-      "intersections, its unit; or with a map of heights: missing ones, spikes. Exit code 2 when "
-      "there are errors");
+      "Find what is wrong with a model file: holes, facets inside out, duplicates, needles, "
+      "intersections, its unit. Of a map of heights it finds missing heights and spikes. "
+      "Exit code 2: there are errors.");
   const auto options = std::make_shared<CheckCommand>(*command);
   command
       ->add_option("MODEL", options->how.file_name,

@@ -2,15 +2,21 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/loading.h"
 #include "cli/output_options.h"
+#include "core/accuracy/measured.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
+#include "fmt/ranges.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
@@ -18,6 +24,7 @@
 #include "view/base/print.h"
 #include "view/base/table.h"
 #include "view/plot/plot_frame.h"
+#include "view/report/outcome.h"
 #include "view/report/refine_tables.h"
 
 namespace irsig {
@@ -62,6 +69,25 @@ std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples, double 
   if (otherwise > 1e-9)
     text += fmt::format("; {:.3g} % miss it: the pilots ask for too few samples", 100 * otherwise);
   return text;
+}
+
+// The parts of errors that keep rows above the error that was asked for, the most frequent first:
+// "12 rows would not reach 2 %: temperatures of large facets (temperature); set [heat] ...". The
+// pilot's rows stand for all rows.
+std::vector<std::string> limiting_lines(const SweepCost& cost, std::uint64_t rows,
+                                        double relative_error) {
+  std::vector<std::pair<std::string_view, double>> sorted(cost.limited_fraction.begin(),
+                                                          cost.limited_fraction.end());
+  std::ranges::stable_sort(sorted, std::greater<>(), &std::pair<std::string_view, double>::second);
+  std::vector<std::string> out;
+  for (const auto& [part, fraction] : sorted) {
+    const bool of_samples = part == kLimitedBySampling || part == info_of(BoundOf::kUnseen).name;
+    const auto count = std::max(1.0, std::round(fraction * static_cast<double>(rows)));
+    out.push_back(fmt::format("{:.0f} row{} would not reach {:g} %: {}", count,
+                              count == 1 ? "" : "s", 100 * relative_error,
+                              limit_text(part, of_samples && cost.kept_by_limit_fraction > 0)));
+  }
+  return out;
 }
 
 void print_table(std::ostream& out, const SweepPilot& pilot, std::uint32_t workers,
@@ -138,6 +164,17 @@ void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& 
              p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
   print_table(out, pilot, workers, floor_k);
   print_effects(out, pilot);
+  const std::vector<std::string> limits =
+      limiting_lines(cost, loaded.size.rows(), pilot.rule.relative_error);
+  if (!limits.empty()) fmt::print(out, "\n{}\n", fmt::join(limits, "\n"));
+}
+
+// What decides the errors of most of the rows that miss the error; an empty cell: none misses it.
+Cell most_frequent(const SweepCost& cost) {
+  const auto& limits = cost.limited_fraction;
+  const auto most =
+      std::ranges::max_element(limits, {}, &std::map<std::string_view, double>::value_type::second);
+  return most == limits.end() ? Cell() : Cell(std::string(most->first));
 }
 
 // For programs: a line for what is asked, and one for each error of the table.
@@ -162,7 +199,8 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
                                      {"at_floor_fraction"},
                                      {"kept_by_bias_fraction"},
                                      {"kept_by_limit_fraction"},
-                                     {"heat_jobs"}};
+                                     {"heat_jobs"},
+                                     {"limiting_bound"}};
   ASSIGN_OR_RETURN(auto writer, make_table_writer(format, heads, out));
   const auto workers = static_cast<std::uint32_t>(p.workers);
   const SweepSize& size = loaded.size;
@@ -190,7 +228,8 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
                  share(cost.at_floor_fraction),
                  share(cost.kept_by_bias_fraction),
                  share(cost.kept_by_limit_fraction),
-                 std::uint64_t{static_cast<std::uint64_t>(loaded.resolved.heat_size())}});
+                 std::uint64_t{static_cast<std::uint64_t>(loaded.resolved.heat_size())},
+                 most_frequent(cost)});
   };
   line(pilot.rule, true);
   if (pilot.rule.relative_error > 0)
@@ -277,7 +316,9 @@ absl::Status plan_sweep(const PlanAsked& asked) {
 
 void add_plan(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
-      "plan", "before a run: jobs, rows, database size, CPU and wall time, and time against error");
+      "plan",
+      "Predict a run: jobs, rows, database size, CPU and wall time, and time against error. "
+      "It ends with what would keep rows from their accuracy, and the key that lowers it.");
   auto asked = std::make_shared<PlanAsked>(*command);
   command->add_option("SWEEP", asked->sweep_path, "the sweep file");
   add_accuracy_options(*command, asked->accuracy, asked->workers);

@@ -149,21 +149,15 @@ struct PlotCommand {
 void add_plot(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "plot",
-      "Draw signatures as SVG: polar (in-band values against aspect azimuth; also csv and json), "
-      "spectrum (of one viewpoint), map (in-band values over all aspects) or hours (in-band values "
-      "of one viewpoint "
-      "against the time of day, and the temperatures that were computed for them; also csv and "
-      "json), of the source intensity or of --quantity; regions (mean radiances and temperatures "
-      "of "
-      "rectangles or parts in the stored images of one viewpoint, against the time of day; also "
-      "csv "
-      "and json); transmittance (of the air, from one "
-      "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
-      "and apparent temperature), sheet (the images of many, side by side) or temperatures (of the "
-      "target's facets, from any --aspect); effects (an image with and without air, reflected sky "
-      "and reflected sun), diagonal (their radiances along its diagonal; also csv and json); sky "
-      "(its in-band radiance by direction, in a "
-      "condition); land (its relief and materials from above, of a database or a sweep file)");
+      "Draw signatures as SVG. Curves of in-band values: polar (against aspect azimuth), "
+      "hours (of one viewpoint, against the time of day, with computed temperatures) and "
+      "regions (rectangles or parts of stored images against the time of day); these also "
+      "as csv and json. Also map (over all aspects), spectrum (of one viewpoint) and "
+      "transmittance (of the air). In false colours: picture (one stored image), sheet "
+      "(many, side by side), temperatures (of the facets, from any --aspect), sky (radiance "
+      "by direction) and land (relief and materials from above). effects shows an image "
+      "with and without air, reflected sky and reflected sun, and diagonal the radiances "
+      "along its diagonal.");
   const auto options = std::make_shared<PlotCommand>(*command);
   command
       ->add_option("--kind", options->kind,

@@ -99,9 +99,9 @@ struct QueryCommand {
 void add_query(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "query",
-      "Print signatures: in-band intensity, apparent intensity or contrast [W/sr] or background "
-      "[W/(m2 sr)] with its standard error, projected area [m2] and "
-      "apparent temperature [K], per season, time, band and viewpoint");
+      "Print signatures: in-band intensity, apparent intensity or contrast [W/sr] or "
+      "background [W/(m2 sr)], with standard error, projected area [m2] and source "
+      "temperature [K]. One row per season, time, band and viewpoint.");
   const auto options = std::make_shared<QueryCommand>(*command);
   command->add_flag("--spectrum", options->content.spectrum,
                     "One line per wavelength: spectral intensity [W/(sr um)]");

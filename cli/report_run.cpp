@@ -135,7 +135,7 @@ struct ErrorShare {
 
 // Empty: no row has an error.
 std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
-  std::vector<ErrorShare> shares{{"statistical"}, {"unseen hits"}};
+  std::vector<ErrorShare> shares{{"sampling"}, {"undersampling, estimate"}};
   for (std::size_t i = 0; i < kBounds; ++i)
     shares.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
   double counted = 0;
@@ -385,7 +385,10 @@ absl::Status report_database(const std::string& db_path, const OutputOptions& ou
 
 void add_report(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
-      "report", "after a run: what it took against what was predicted, errors, bounds, warnings");
+      "report",
+      "Compare what a run took with what was predicted, and print errors, bounds and "
+      "warnings. It ends with what keeps rows from their accuracy, and the key that lowers "
+      "it.");
   auto db_path = std::make_shared<std::string>();
   command->add_option("DB", *db_path, "the database")->required();
   auto output =

@@ -257,7 +257,8 @@ absl::Status check_launcher(const RunAsked& asked) {
     if (s.nodes > 0 || !s.partition.empty() || !s.time_limit.empty() || !s.options.empty() ||
         !s.host.empty())
       return absl::InvalidArgumentError(
-          "--nodes, --partition, --time, --slurm-option and --host belong to --launcher slurm");
+          "--nodes, --partition, --time-limit, --slurm-option and --host belong to --launcher "
+          "slurm");
     return absl::OkStatus();
   }
   if ((asked.workers > 0) == (s.nodes > 0))
@@ -372,7 +373,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--nodes", asked->slurm.nodes, "slurm: whole nodes, a worker on each CPU")
       ->check(CLI::Range(1, 10000));
   command->add_option("--partition", asked->slurm.partition, "slurm: as sbatch has it");
-  command->add_option("--time", asked->slurm.time_limit,
+  command->add_option("--time-limit", asked->slurm.time_limit,
                       "slurm: time limit of the workers; those that it ends are handed in again");
   command
       ->add_option("--slurm-option", asked->slurm.options,

@@ -164,8 +164,8 @@ void add_verify_effects(CLI::App& app, int& exit_code) {
   const auto given = std::make_shared<VerifyOptions>();
   CLI::App* command = app.add_subcommand(
       "verify-effects",
-      "Effects chosen by the program against all effects on the same paths: differences, stored "
-      "bounds, times. Exit code 1: a difference is out of bound");
+      "Compare the effects that the program chose with all effects on the same paths: "
+      "differences, stored bounds, times. Exit code 1: a difference is out of bound.");
   command->add_option("SWEEP", given->sweep, "Sweep file");
   command->add_option("--views", given->views, "Viewpoints of the sweep, spread evenly")
       ->check(CLI::Range(1, 1000000))

@@ -30,6 +30,12 @@ foreach(shell bash zsh)
   add_custom_target(completion_${shell} ALL DEPENDS ${script})
   install(FILES ${script} DESTINATION share/${folder_${shell}} RENAME ${file_${shell}})
 endforeach()
+# A man page for each command, `man irsig-run`, from the options as they are parsed.
+set(man_pages ${PROJECT_BINARY_DIR}/man)
+file(MAKE_DIRECTORY ${man_pages})
+add_custom_command(OUTPUT ${man_pages}/irsig.1 COMMAND irsig manual man --out ${man_pages} DEPENDS irsig VERBATIM)
+add_custom_target(man_pages ALL DEPENDS ${man_pages}/irsig.1)
+install(DIRECTORY ${man_pages}/ DESTINATION share/man/man1 FILES_MATCHING PATTERN "*.1")
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME irsig)

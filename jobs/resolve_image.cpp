@@ -24,11 +24,13 @@ void check_camera(const schema::ResolvedSweep& resolved, const SectionCheck& che
   const schema::Image& image = resolved.sweep().image();
   if (image.kind() != "camera") {
     for (const char* name : {"field_of_view_deg", "look_at_m"})
-      if (check.has(name)) check.error(name, "belongs to kind = \"camera\"");
+      if (check.has(name))
+        check.error(name, "belongs to a camera, expected kind = \"camera\", or delete it");
     return;
   }
   check.require({"field_of_view_deg"}, "expected what the width of the image subtends");
-  if (check.has("margin")) check.error("margin", "belongs to kind = \"framed\"");
+  if (check.has("margin"))
+    check.error("margin", "belongs to a framed image, expected kind = \"framed\", or delete it");
   if (image.look_at_m().empty()) return;
   if (image.look_at_m_size() != 3) {
     check.error("look_at_m", absl::StrCat("has ", image.look_at_m_size(),
@@ -51,7 +53,8 @@ void check_rays(const schema::Sweep& sweep, const SectionCheck& check) {
   for (const auto& [name, rays] :
        {std::pair{"samples", image.samples()}, {"max_samples", image.max_samples()}})
     if (check.has(name) && !std::has_single_bit(rays))
-      check.error(name, absl::StrCat("= ", rays, ", expected a power of two"));
+      check.error(name, absl::StrCat("= ", rays, ", expected a power of two: ",
+                                     std::bit_floor(rays), " or ", std::bit_ceil(rays)));
   (void)check.at_most_one({"pixel_error_percent", "pixel_error_k"});
   const bool error = check.has("pixel_error_percent") || check.has("pixel_error_k");
   if (error && sweep.has_plume())
@@ -59,7 +62,10 @@ void check_rays(const schema::Sweep& sweep, const SectionCheck& check) {
                 "does not apply with [plume], whose rays have a number of their own: state samples "
                 "for those of the target");
   if (check.has("samples") && error)
-    check.error("samples", "does not apply where an error is asked for");
+    check.error(
+        "samples",
+        "does not apply where the error of a pixel is asked for: delete it, or limit the rays "
+        "with max_samples");
   if (check.has("max_samples") && !error)
     check.error("max_samples",
                 "does not apply without pixel_error_percent or pixel_error_k: samples states them");
@@ -76,7 +82,7 @@ void check_layers(const schema::Sweep& sweep, const SectionCheck& check) {
       check.error_at(key, absl::StrCat("= \"", layers[i], "\": there is no such layer, ",
                                        suggestion(layers[i], known)));
     else if (std::find(layers.begin(), layers.begin() + i, layers[i]) != layers.begin() + i)
-      check.error_at(key, absl::StrCat("= \"", layers[i], "\" is there twice"));
+      check.error_at(key, absl::StrCat("= \"", layers[i], "\" is there twice: delete one"));
   }
   const auto has = [&](ImageLayer layer) {
     return std::find(layers.begin(), layers.end(), name_of(layer)) != layers.end();
@@ -108,8 +114,10 @@ void check_image(const schema::ResolvedSweep& resolved, Findings& findings) {
   const schema::Image& image = sweep.image();
   const SectionCheck check(image, "image", findings);
   if (sweep.output().has_thumbnail_px())
-    findings.add("output.thumbnail_px",
-                 "output.thumbnail_px is one too many beside [image], expected only one of them");
+    findings.add(
+        "output.thumbnail_px",
+        "output.thumbnail_px is stated beside [image], expected only one of them: [image] has "
+        "pixels of its own");
   (void)(!check.has("kind") || check.one_of("kind", {"framed", "camera"}));
   check_pixels(image, check);
   check_camera(resolved, check);

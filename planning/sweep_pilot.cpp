@@ -333,6 +333,8 @@ class Planner {
         out.unseen_w_sr = numerical_error(0, lasting.undersampling_stderr,
                                           std::exchange(lasting.of(BoundOf::kUnseen), 0));
         out.bias_w_sr = lasting.bias_bound();
+        out.largest_bound =
+            static_cast<BoundOf>(std::ranges::max_element(lasting.bound) - lasting.bound.begin());
         out.floor_w_sr = row.absolute_floor_w_sr;
       }
       if (s + 1 == counts.size()) keep_ledgers(stage, skipped);

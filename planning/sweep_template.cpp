@@ -7,8 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "core/base/formula.h"
 #include "core/base/printable.h"
 #include "core/scene/check/mesh_lint.h"
@@ -57,13 +60,28 @@ std::vector<Group> groups_of(const Mesh& mesh) {
   return all;
 }
 
+// Temperatures of parts: assumed, or computed by a wall of the template.
+struct Heat {
+  double temperature_k;
+  bool computed;
+};
+// A guess for uptakes and engines; their owner knows better.
+constexpr double kHotK = 400;
+
 std::string part(const std::string& name, const std::string& match, bool rest, bool open,
-                 double temperature_k) {
+                 const Heat& heat) {
+  const bool hot = !rest && sounds_hot(match.empty() ? name : match);
   std::string out = absl::StrCat("\n[[part]]\nname = ", quoted(name), "\n");
   if (!match.empty()) absl::StrAppend(&out, "match = [", quoted(match), "]\n");
   if (rest) out += "rest = true                  # every group that no other part takes\n";
-  absl::StrAppend(&out, "material = \"generic_grey_paint\"   # irsig material list\n",
-                  "temperature_k = ", temperature_k, "\n");
+  absl::StrAppend(&out, "material = \"generic_grey_paint\"   # irsig material list\n");
+  if (hot)
+    absl::StrAppend(&out, "temperature_k = ", kHotK,
+                    "          # hot by its name: a guess, check it\n");
+  else if (heat.computed)
+    out += "build_up = \"plate\"\n";
+  else
+    absl::StrAppend(&out, "temperature_k = ", heat.temperature_k, "\n");
   if (open)
     out +=
         "two_sided = true             # open shells: sheets, or a body with holes (irsig model "
@@ -92,7 +110,7 @@ std::vector<bool> takes_others(const std::vector<Group>& groups) {
   return out;
 }
 
-std::string parts(const std::vector<Group>& groups, double temperature_k) {
+std::string parts(const std::vector<Group>& groups, const Heat& heat) {
   std::string out;
   if (groups.size() > kMostParts) {
     absl::StrAppend(
@@ -101,14 +119,17 @@ std::string parts(const std::vector<Group>& groups, double temperature_k) {
         "before this one:\n# match = [\"name\", \"eng*\"] takes groups by their names.\n");
     for (std::size_t i = 0; i < std::min(groups.size(), kMostListed); ++i)
       absl::StrAppend(&out, "#   ", printable(groups[i].name), " (", groups[i].facets, " facets",
-                      groups[i].open ? ", open" : "", ")\n");
+                      groups[i].open ? ", open" : "",
+                      sounds_hot(groups[i].name) ? ", hot by its name" : "", ")\n");
     if (groups.size() > kMostListed)
       absl::StrAppend(&out, "#   and ", groups.size() - kMostListed, " more\n");
     const bool open =
         std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.open; });
-    return out + part("target", "", true, open, temperature_k);
+    return out + part("target", "", true, open, heat);
   }
-  out += "\n# One part for each group of the model; funnels and engines are hotter than this.\n";
+  out +=
+      "\n# One part for each group of the model. What a name says of heat is a guess: check "
+      "each.\n";
   const std::vector<bool> shared = takes_others(groups);
   bool rest_open = false;
   std::size_t first_rest = groups.size(), rests = 0;
@@ -130,9 +151,9 @@ std::string parts(const std::vector<Group>& groups, double temperature_k) {
                        group.find_first_of("*?") == std::string::npos;
     const std::string name = plain ? group : absl::StrCat("part ", i + 1);
     if (!shared[i]) {
-      out += part(name, plain ? "" : pattern_of(group), false, groups[i].open, temperature_k);
+      out += part(name, plain ? "" : pattern_of(group), false, groups[i].open, heat);
     } else if (i == first_rest) {
-      out += part(rests == 1 ? name : "others", "", true, rest_open, temperature_k);
+      out += part(rests == 1 ? name : "others", "", true, rest_open, heat);
     }
   }
   return out;
@@ -146,7 +167,78 @@ double round_up(double x) {
   return 10 * decade;
 }
 
+constexpr std::array<std::string_view, 12> kMonths = {
+    "january", "february", "march",     "april",   "may",      "june",
+    "july",    "august",   "september", "october", "november", "december"};
+
+// "+01:00", "-03:30".
+std::string offset_text(double hours) {
+  const int minutes = static_cast<int>(std::lround(60 * hours));
+  return absl::StrFormat("%c%02d:%02d", minutes < 0 ? '-' : '+', std::abs(minutes) / 60,
+                         std::abs(minutes) % 60);
+}
+
+std::string times(const std::vector<int>& hours, double offset_h) {
+  std::string out = "time = [";
+  for (std::size_t i = 0; i < hours.size(); ++i)
+    absl::StrAppend(&out, i == 0 ? "" : ", ",
+                    absl::StrFormat("\"%02d:00%s\"", hours[i], offset_text(offset_h)));
+  return out + "]";
+}
+
+// A season on the 15th of each month, and what its weather makes of the parts.
+std::string weather_seasons(const TemplateAsked& asked) {
+  std::string out =
+      "\n# The wall of all parts but the hot ones, from the outer face inwards: assumed. Walls of "
+      "their own:\n# docs/reference/sweep-file.md, [[build_up]].\n"
+      "[[build_up]]\nname = \"plate\"\n"
+      "layer = [{ solid = \"epoxy\", thickness_m = 0.0003 }, { solid = \"steel\", thickness_m = "
+      "0.008 }]\ninside = \"adiabatic\"\n\n"
+      "[heat]                       # temperatures are computed from the weather\n";
+  std::vector<int> months = asked.months;
+  for (int m = 1; asked.months.empty() && m <= 12; ++m) months.push_back(m);
+  for (const int m : months)
+    absl::StrAppend(&out, "\n[[season]]\nname = \"",
+                    std::string(kMonths.at(static_cast<std::size_t>(m - 1))), "\"\ndate = 2025-",
+                    absl::StrFormat("%02d", m),
+                    "-15            # of this day, in whatever year the file has it\n");
+  return out + "\n[weather]\nweather_file = " + quoted(asked.weather_file) + "\n";
+}
+
 }  // namespace
+
+bool sounds_hot(std::string_view group) {
+  const std::string name = absl::AsciiStrToLower(std::string(group));
+  constexpr std::string_view kWords[] = {"funnel",  "exhaust", "stack",   "chimney",
+                                         "uptake",  "engine",  "motor",   "nozzle",
+                                         "muffler", "turbine", "radiator"};
+  return std::ranges::any_of(kWords,
+                             [&](std::string_view word) { return name.find(word) != name.npos; });
+}
+
+absl::StatusOr<std::vector<int>> numbers_of_list(std::string_view text, int least, int most) {
+  const auto wrong = [&](std::string_view what) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(one_line(std::string(text)), ": ", std::string(what), "expected numbers from ",
+                     least, " to ", most, ", with commas and ranges between: ", least, "-", most,
+                     " or ", least, ",", (least + most) / 2));
+  };
+  std::vector<int> out;
+  const std::vector<std::string> pieces = absl::StrSplit(std::string(text), ',');
+  for (const std::string& piece : pieces) {
+    const std::vector<std::string> ends = absl::StrSplit(piece, '-');
+    int first = 0, last = 0;
+    if (ends.size() > 2 || !absl::SimpleAtoi(ends.front(), &first) ||
+        !absl::SimpleAtoi(ends.back(), &last) || first < least || last > most || first > last)
+      return wrong("");
+    for (int n = first; n <= last; ++n) {
+      if (std::ranges::find(out, n) != out.end())
+        return wrong(absl::StrCat(n, " is there twice, "));
+      out.push_back(n);
+    }
+  }
+  return out;
+}
 
 absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mesh& mesh) {
   const auto* weather = std::find_if(kSeasons.begin(), kSeasons.end(), [&](const SeasonWeather& s) {
@@ -164,13 +256,15 @@ absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mes
   const Vec<Body> size = high - low;
   const double longest = std::max({size.x, size.y, size.z});
   const bool sea = asked.surroundings == "sea";
-  const int hours = static_cast<int>(std::lround(asked.longitude_deg / 15));
-  const std::string offset = absl::StrFormat("%c%02d:00", hours < 0 ? '-' : '+', std::abs(hours));
+  const bool computed = !asked.weather_file.empty();
+  const double offset_h =
+      computed ? asked.utc_offset_h : static_cast<double>(std::lround(asked.longitude_deg / 15));
+  const std::vector<int> hours = asked.hours.empty() ? std::vector<int>{12} : asked.hours;
   std::string out = absl::StrCat(
       "# A sweep to begin with:\n#\n#   irsig plan ", asked.name, ".toml\n#   irsig run ",
       asked.name, ".toml --db ", asked.name,
-      ".sigdb\n#\n# Every key: docs/reference/sweep-file.md.\nname = ", quoted(asked.name),
-      "\ntime = [\"12:00", offset, "\"]      # of the day, with the offset from UTC\n");
+      ".sigdb\n#\n# Every key: docs/reference/sweep-file.md.\nname = ", quoted(asked.name), "\n",
+      times(hours, offset_h), "      # of the day, with the offset from UTC\n");
   absl::StrAppend(
       &out, "\n# ", mesh.triangle.size(), " facets, ",
       absl::StrFormat("%.6g m long, %.6g m wide, %.6g m high; from %.6g m to %.6g m above the "
@@ -187,24 +281,37 @@ absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mes
     out +=
         "# draft_m = 5                # how deep it floats, if the file does not say: its lowest "
         "point below the water\n";
-  absl::StrAppend(&out, "\n[place]", asked.place_given ? "" : "                      # assumed",
+  absl::StrAppend(&out, "\n[place]",
+                  asked.place_given ? ""
+                  : computed        ? "                      # of the weather file"
+                                    : "                      # assumed",
                   "\nlatitude_deg = ", asked.latitude_deg,
-                  "\nlongitude_deg = ", asked.longitude_deg,
-                  "\nheading_deg = 0              # where the bow points, clockwise from north\n");
-  out += parts(groups_of(mesh), weather->air_k + 5);
-  absl::StrAppend(
-      &out, "\n[[season]]\nname = \"", std::string(weather->name),
-      "\"\ndate = ", std::string(asked.latitude_deg < 0 ? weather->date_south : weather->date),
-      "\n\n# Assumed, for all seasons; hours of their own: [[condition]] or condition_file.\n"
-      "[weather]\nair_temperature_k = ",
-      weather->air_k, "\nrelative_humidity_percent = ", weather->humidity_percent,
-      "\npressure_pa = 101300\n", sea ? "wind_speed_m_s = 5\n" : "", "\n[surroundings]\nkind = \"",
-      sea ? "sea" : "ground", "\"\n",
-      sea ? absl::StrCat("sea_temperature_k = ", weather->sea_k, "\n")
-          : absl::StrCat("ground_temperature_k = ", weather->ground_k,
-                         "\nground_emissivity = 0.95\n"),
-      "\n[air]\nmodel = \"atmosphere\"\naerosol = \"", sea ? "maritime" : "rural",
-      "\"\nvisibility_m = 23000\n\n[transport]\nsun = true\n");
+                  "\nlongitude_deg = ", asked.longitude_deg, "\n");
+  if (asked.height_m != 0) absl::StrAppend(&out, "height_m = ", asked.height_m, "\n");
+  out += "heading_deg = 0              # where the bow points, clockwise from north\n";
+  if (computed)
+    out +=
+        "\n# Sunlight that the paint absorbs: assumed, it decides how warm sunlit walls become.\n"
+        "[[material]]\nname = \"generic_grey_paint\"\nkind = \"library\"\nsolar_absorptance = "
+        "0.65\n";
+  out += parts(groups_of(mesh), {weather->air_k + 5, computed});
+  if (computed)
+    out += weather_seasons(asked);
+  else
+    absl::StrAppend(
+        &out, "\n[[season]]\nname = \"", std::string(weather->name),
+        "\"\ndate = ", std::string(asked.latitude_deg < 0 ? weather->date_south : weather->date),
+        "\n\n# Assumed, for all seasons; hours of their own: [[condition]] or condition_file.\n"
+        "[weather]\nair_temperature_k = ",
+        weather->air_k, "\nrelative_humidity_percent = ", weather->humidity_percent,
+        "\npressure_pa = 101300\n", sea ? "wind_speed_m_s = 5\n" : "");
+  absl::StrAppend(&out, "\n[surroundings]\nkind = \"", sea ? "sea" : "ground", "\"\n",
+                  sea ? absl::StrCat("sea_temperature_k = ", weather->sea_k, "\n")
+                      : absl::StrCat("ground_temperature_k = ", weather->ground_k,
+                                     "\nground_emissivity = 0.95\n",
+                                     computed ? "solar_albedo = 0.25          # assumed\n" : ""),
+                  "\n[air]\nmodel = \"atmosphere\"\naerosol = \"", sea ? "maritime" : "rural",
+                  "\"\nvisibility_m = 23000\n\n[transport]\nsun = true\n");
   absl::StrAppend(
       &out,
       "\n[[band]]\nname = \"mwir\"\nlambda_min_um = 3\nlambda_max_um = 5\nstep_um = 0.1\n\n"

@@ -60,7 +60,7 @@ absl::StatusOr<std::vector<std::uint32_t>> materials_of(const schema::Land& land
     if (!used[p])
       return keyed_problem(
           absl::StrCat(key, ".part[", p, "].match"),
-          absl::StrCat("= \"", object.part(static_cast<int>(p)).match(),
+          absl::StrCat("\"", object.part(static_cast<int>(p)).match(),
                        "\" matches no group of the model that an earlier part leaves; its groups "
                        "are: ",
                        first_groups(mesh)));

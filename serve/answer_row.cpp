@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "core/base/status_macros.h"
@@ -49,6 +51,8 @@ absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question&
   std::vector<std::string> notes = notes_on(rows);
   ASSIGN_OR_RETURN(const auto floors, floor_notes(*reader, rows));
   notes.insert(notes.end(), floors.begin(), floors.end());
+  std::vector<std::string> limits = limit_notes({rows.front().signature});
+  std::move(limits.begin(), limits.end(), std::back_inserter(notes));
 
   std::ostringstream signature, explained;
   QueryContent content;

@@ -35,6 +35,13 @@ std::uint64_t needed_by_rows(const ViewPilot& pilot, double relative_error, std:
   return needed;
 }
 
+// The row with these errors. Its bounds count as one, the largest.
+Measured predicted(const RowPilot& row, double error_w_sr, double unseen_w_sr) {
+  Measured out{row.value_w_sr, error_w_sr, {}, unseen_w_sr};
+  out.of(row.largest_bound) = row.bias_w_sr;
+  return out;
+}
+
 struct Count {
   std::uint64_t stored = 0;
   std::uint64_t further_pilots = 0;  // beyond those that every job of the pilot has traced as well
@@ -156,7 +163,7 @@ ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_
     }
     cost.cpu_s += pilot.profile_cpu_s + pilot.profile_cpu_s_per_sample * samples;
   }
-  const bool limited = count.stored >= rule.max_samples_per_replicate;
+  const bool at_limit = count.stored >= rule.max_samples_per_replicate;
   for (const RowPilot& row : pilot.row) {
     ++cost.rows;
     if (rule.relative_error <= 0) continue;
@@ -164,14 +171,19 @@ ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_
     const double unseen = unseen_at(pilot, row, cost.samples);
     const double goal = goal_w_sr(row, rule.relative_error);
     const double whole = numerical_error(error, unseen, row.bias_w_sr);
-    if (whole <= rule.relative_error * row.value_w_sr)
+    if (whole <= rule.relative_error * row.value_w_sr) {
       ++cost.reached;
-    else if (whole <= goal)
+      continue;
+    }
+    if (whole <= goal) {
       ++cost.at_floor;
-    else if (numerical_error(0, 0, row.bias_w_sr) > 0.8 * goal)
+      continue;
+    }
+    if (numerical_error(0, 0, row.bias_w_sr) > 0.8 * goal)
       ++cost.kept_by_bias;
-    else if (limited)
+    else if (at_limit)
       ++cost.kept_by_limit;
+    ++cost.limited[limiting_part(predicted(row, error, unseen))];
   }
   return cost;
 }
@@ -199,6 +211,8 @@ SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
     limit += view.kept_by_limit;
   }
   SweepCost cost;
+  for (const ViewCost& view : piloted)
+    for (const auto& [part, count] : view.limited) cost.limited_fraction[part] += count / rows;
   cost.job_cpu_quartile1_s = quantile(job_cpu_s, 0.25);
   cost.job_cpu_median_s = quantile(job_cpu_s, 0.5);
   cost.job_cpu_quartile3_s = quantile(job_cpu_s, 0.75);

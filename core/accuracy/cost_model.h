@@ -2,9 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "core/accuracy/measured.h"
 #include "core/accuracy/pilot_samples.h"
 
 namespace irsig {
@@ -26,6 +29,7 @@ struct RowPilot {
   // and the undersampling error that this leaves.
   double value_w_sr = 0, bias_w_sr = 0, unseen_w_sr = 0;
   double floor_w_sr = 0;  // an error that is small enough whatever the value; 0: none
+  BoundOf largest_bound = BoundOf::kTruncation;  // of those in bias_w_sr
 };
 
 // One point of a profile.
@@ -67,6 +71,8 @@ struct ViewCost {
   // Counts of its rows: the rows that reach the relative error, and the others by reason.
   // at_floor: rows that stop because their error is not above the floor.
   std::uint32_t rows = 0, reached = 0, at_floor = 0, kept_by_bias = 0, kept_by_limit = 0;
+  // Counts of the rows that reach neither, by what decides their error (limiting_part).
+  std::map<std::string_view, std::uint32_t> limited;
 };
 
 // target_paths_per_sample: of a replicate, all replicates together; for a rule of target paths.
@@ -92,6 +98,9 @@ struct SweepCost {
   // Fractions of the rows.
   double reached_fraction = 0, at_floor_fraction = 0, kept_by_bias_fraction = 0,
          kept_by_limit_fraction = 0;
+  // Fractions of the rows that reach neither the error nor the floor, by what decides their error
+  // (limiting_part).
+  std::map<std::string_view, double> limited_fraction;
 };
 
 // A sweep of `views` views of which some were piloted, each made of jobs_per_view jobs; workers

@@ -11,11 +11,11 @@ namespace {
 constexpr std::array<BoundInfo, kBounds> kInfo = {{
     {"truncation", true, "of reflections after the last one allowed"},
     {"quadrature", false, "over wavelength"},
-    {"basis", false, "of spectra carried at a few nodes"},
-    {"unseen", true, "of rare bright paths"},
-    {"sky", true, "between the sky's directions"},
+    {"spectral_basis", false, "of spectra carried at a few nodes"},
+    {"undersampling", true, "of rare bright paths"},
+    {"direction_interpolation", true, "between the sky's directions"},
     {"omitted", true, "of effects that are off"},
-    {"depth", true, "of one range for all of the target"},
+    {"target_depth", true, "of one range for all of the target"},
     {"background", true, "of directions, and of computed land, behind the target"},
     {"temperature", true, "of the temperatures of facets"},
     {"plume", true, "of hot gas: steps along rays, spectra of a few columns"},
@@ -49,6 +49,24 @@ double Measured::sampled_fraction() const {
 double Measured::unseen_fraction() const {
   const double error = numerical_error();
   return error > 0 ? undersampling_stderr * undersampling_stderr / (error * error) : 0;
+}
+
+std::string_view limiting_part(const Measured& measured) {
+  const BoundInfo& undersampling = info_of(BoundOf::kUnseen);
+  std::string_view name;
+  double most = 0;
+  const auto see = [&](double fraction, std::string_view part) {
+    if (!(fraction > most)) return;
+    most = fraction;
+    name = part;
+  };
+  see(measured.sampled_fraction(), kLimitedBySampling);
+  see(measured.unseen_fraction() + measured.share(BoundOf::kUnseen), undersampling.name);
+  for (std::size_t i = 0; i < kBounds; ++i) {
+    const auto which = static_cast<BoundOf>(i);
+    if (which != BoundOf::kUnseen) see(measured.share(which), info_of(which).name);
+  }
+  return name;
 }
 
 Measured scaled(const Measured& measured, double factor) {

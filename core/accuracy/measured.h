@@ -56,6 +56,12 @@ struct Measured {
   [[nodiscard]] double unseen_fraction() const;
 };
 
+// Returns the name of what makes the largest part of the square of the numerical error: "sampling"
+// (the standard error), "undersampling" (its estimate or its bound) or the name of another bound.
+// Empty: the error is 0 or was not computed. The text lives as long as the program.
+[[nodiscard]] std::string_view limiting_part(const Measured& measured);
+inline constexpr std::string_view kLimitedBySampling = "sampling";
+
 // The value and its whole error multiplied.
 [[nodiscard]] Measured scaled(const Measured& measured, double factor);
 

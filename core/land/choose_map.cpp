@@ -153,6 +153,15 @@ absl::Status check(const HeightRaster& raster) {
     return absl::InvalidArgumentError("a raster needs at least 2 x 2 samples");
   if (!(heights_of(raster).lowest_m <= kMostHeightM))
     return absl::InvalidArgumentError("no sample has a height");
+  // Metres of a grid, read as degrees.
+  const double last_y = raster.y0 + raster.y_step * (raster.rows - 1);
+  if (std::holds_alternative<GeographicDegrees>(raster.system) &&
+      (std::abs(raster.y0) > 90.5 || std::abs(last_y) > 90.5 || std::abs(raster.x0) > 360.5))
+    return absl::InvalidArgumentError(
+        absl::StrCat("its coordinates begin at x = ", absl::SixDigits(raster.x0),
+                     ", y = ", absl::SixDigits(raster.y0),
+                     ", which are no degrees of longitude and latitude (EPSG 4326): state the "
+                     "code of its UTM zone, or none where x and y are metres from the target"));
   return absl::OkStatus();
 }
 

@@ -64,6 +64,10 @@ std::variant<ConstantNoise, PhotonNoise> noise_of(const schema::DetectorNoise& n
 absl::StatusOr<DetectorOfFile> read_detector(const std::string& path) {
   const auto text = read_user_file(path, kMostSpecBytes);
   if (!text.ok()) return placed_problem(path + ":1:1", text.status().message());
+  if (path.ends_with(".csv"))
+    return placed_problem(path + ":1:1",
+                          "this is a table, expected a detector file (.toml) that names it with "
+                          "response_file");
   SweepFile file;
   file.file_name = path;
   schema::DetectorFile spec;

@@ -466,21 +466,23 @@ std::string other_unit(std::string_view key, double value, const NumberBounds& b
   const auto if_inside = [&](double converted, const char* unit, const char* of_key) {
     return inside(bounds, converted)
                ? absl::StrCat("; is it in ", unit, "? ", number_text(value), " ", unit, " are ",
-                              number_text(converted), " ", of_key)
+                              absl::SixDigits(converted), " ", of_key)
                : "";
   };
   // Below a coldest temperature outdoors degrees Celsius are meant; a sigma may be small.
   constexpr double kColdestK = 100;
-  if (key.ends_with("temperature_k") && value > -100 &&
-      value < (bounds.least >= kColdestK ? bounds.least : 0))
+  const bool temperature =
+      key.ends_with("temperature_k") || key.ends_with("black_k") || key.ends_with("white_k");
+  if (temperature && value > -100 && value < (bounds.least >= kColdestK ? bounds.least : 0))
     return if_inside(value + 273.15, "C", "K");
   if (key.ends_with("_um") && value > bounds.most) return if_inside(1e-3 * value, "nm", "um");
   if (key.ends_with("pressure_pa") && value < bounds.least)
     return if_inside(100 * value, "hPa", "Pa");
   if (key.ends_with("visibility_m") && value < bounds.least)
     return if_inside(1000 * value, "km", "m");
-  if (key.ends_with("thickness_m") && value > bounds.most)
+  if ((key.ends_with("thickness_m") || key.ends_with("aperture_m")) && value > bounds.most)
     return if_inside(1e-3 * value, "mm", "m");
+  if (key.ends_with("pitch_m") && value > bounds.most) return if_inside(1e-6 * value, "um", "m");
   // 1.2 may as well be a fraction that is wrong.
   const bool fraction = bounds.least == 0 && bounds.most == 1 && value >= 2 && value <= 100;
   if ((key.ends_with("relative_error") || fraction) && value > bounds.most)

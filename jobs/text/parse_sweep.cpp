@@ -136,7 +136,11 @@ std::string meant_in_another_unit(std::string_view key, const std::vector<std::s
                                    {"_mm", "_m", "5 mm are 0.005 m"},
                                    {"_cm", "_m", "5 cm are 0.05 m"},
                                    {"_ft", "_m", "1 ft is 0.3048 m"},
+                                   {"_um", "_m", "15 um are 1.5e-05 m"},
                                    {"_nm", "_um", "4000 nm are 4 um"},
+                                   {"_mk", "_k", "25 mK are 0.025 K"},
+                                   {"_mrad", "_rad", "1 mrad is 0.001 rad"},
+                                   {"_mrad", "_deg", "10 mrad are 0.572958 deg"},
                                    {"_hpa", "_pa", "1013 hPa are 101300 Pa"},
                                    {"_mbar", "_pa", "1013 mbar are 101300 Pa"},
                                    {"_rad", "_deg", "1 rad is 57.2958 deg"},
@@ -181,6 +185,8 @@ std::string hint_of_toml(std::string_view what, std::string_view line) {
   if (says("control characters other than TAB"))
     return " (the closing quote of this text is missing)";
   if (says("unknown escape sequence")) return " (names of files are written with /)";
+  if (says("cannot redefine existing array"))
+    return " (another one of a kind is [[in two brackets]])";
   if (says("cannot redefine existing table")) return " (several of a kind are [[in two brackets]])";
   if (says("cannot redefine existing")) return " (each key stands once in its table: delete one)";
   if (says("saw '%'")) return " (a fraction: 1 % is 0.01)";
@@ -296,7 +302,10 @@ class Filler {
         const toml::table* table = node.as_table();
         const FieldDescriptor* constant = constant_of(field);
         if (table == nullptr && (constant == nullptr || !node.is_number()))
-          return wrong_type(node, path, what_is_expected(field));
+          return wrong_type(node, path,
+                            node.is_array() && !append
+                                ? absl::StrCat("a table: [", without_indices(path), "]")
+                                : what_is_expected(field));
         Message* inner = append ? reflection.AddMessage(&message, &field)
                                 : reflection.MutableMessage(&message, &field);
         if (table == nullptr) return fill_value(node, path, *constant, *inner);

@@ -140,10 +140,13 @@ void SectionCheck::only(const Names& names, const std::string& why) const {
 
 int SectionCheck::at_most_one(const Names& names) const {
   int count = 0;
+  const char* first = nullptr;
   for (const char* name : names) {
-    if (has(name) && ++count > 1) {
-      error(name, absl::StrCat("is one too many, expected only one of ", list(names)));
-    }
+    if (!has(name)) continue;
+    if (++count > 1)
+      error(name, absl::StrCat("is stated beside ", first, ", expected only one of ", list(names)));
+    else
+      first = name;
   }
   return count;
 }

@@ -326,6 +326,11 @@ CREATE TABLE signature (
   sun_azimuth_deg REAL NOT NULL,
   sun_zenith_deg REAL NOT NULL,
   stop_reason INTEGER NOT NULL REFERENCES stop_reason,
+  -- The largest part of numerical_error_w_sr, where that misses the requested accuracy (stop_reason
+  -- accuracy_not_reached or sample_limit): the error of the samples or one of the bounds below. NULL: reached.
+  limiting_bound TEXT CHECK (limiting_bound IN (
+    'sampling', 'undersampling', 'truncation', 'quadrature', 'spectral_basis', 'direction_interpolation', 'omitted',
+    'temperature', 'plume')),
   energy_gain INTEGER NOT NULL CHECK (energy_gain IN (0, 1)),  -- 1: a material that creates energy took part
   reflections INTEGER NOT NULL CHECK (reflections >= 0),       -- the most that a path was given
 
@@ -695,7 +700,7 @@ SELECT s.signature_id,
               WHERE i.signature_id = s.signature_id AND abs(i.contribution_w_sr) > 2 * i.contribution_stderr_w_sr
               ORDER BY abs(i.contribution_w_sr) DESC, i.input_index LIMIT 3)) AS dominant_inputs,
        s.reflections,
-       r.name AS stop_reason, s.energy_gain,
+       r.name AS stop_reason, s.limiting_bound, s.energy_gain,
        CASE WHEN s.backface_fraction > 0
             THEN coalesce(nullif(c.warning, '') || char(10), '') ||
                  'back faces: one-sided facets of the silhouette are seen from behind and send nothing: ' ||

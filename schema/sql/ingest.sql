@@ -55,9 +55,9 @@ VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?
 -- name where QUANTITIES and PARAMETERS stand.
 -- name: insert_signature
 INSERT INTO signature (
-  job_id, viewpoint_id, condition_id, band_id, sun_azimuth_deg, sun_zenith_deg, stop_reason, energy_gain, reflections,
-  QUANTITIES)
-VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, PARAMETERS);
+  job_id, viewpoint_id, condition_id, band_id, sun_azimuth_deg, sun_zenith_deg, stop_reason, limiting_bound, energy_gain,
+  reflections, QUANTITIES)
+VALUES (?, ?, ?, ?, ?, ?, ?, nullif(?, ''), ?, ?, PARAMETERS);
 
 -- name: insert_clutter
 INSERT INTO clutter (signature_id, patch_sigma_w_m2_sr_um, modes) VALUES (?1, ?2, ?3);

@@ -43,6 +43,7 @@ class SignatureReader {
     s.dominant_inputs = text_if_known();
     s.reflections = count_if_known();
     s.stop_reason = at().text();
+    s.limiting_bound = text_if_known();
     s.energy_gain = at().integer() != 0;
     s.warning = at().text();
     s.samples = at().count();
@@ -85,6 +86,7 @@ class SignatureReader {
                                                                    "dominant_inputs",
                                                                    "reflections",
                                                                    "stop_reason",
+                                                                   "limiting_bound",
                                                                    "energy_gain",
                                                                    "warning",
                                                                    "samples",

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "core/accuracy/measured.h"
 #include "core/accuracy/quantities.h"
 #include "core/base/status_macros.h"
 #include "schema/store/check/check_result.h"
@@ -81,6 +82,29 @@ std::optional<double> if_stated(bool stated, double value) {
   return stated ? std::optional(value) : std::nullopt;
 }
 
+// The intensity at the target, with the standard errors and bounds of its row. The other bounds are
+// of what lies between the target and the sensor.
+Measured source_intensity(const schema::SignatureRow& row) {
+  Measured out{row.intensity_w_sr().value(), row.intensity_w_sr().stderr(), {}, 0};
+  out.undersampling_stderr = row.undersampling_stderr_w_sr();
+  out.of(BoundOf::kTruncation) = row.truncation_bound_w_sr();
+  out.of(BoundOf::kQuadrature) = row.quadrature_bound_w_sr() - row.spectral_basis_bound_w_sr();
+  out.of(BoundOf::kBasis) = row.spectral_basis_bound_w_sr();
+  out.of(BoundOf::kUnseen) = row.undersampling_bound_w_sr();
+  out.of(BoundOf::kSky) = row.direction_interpolation_bound_w_sr();
+  out.of(BoundOf::kOmitted) = row.omitted_bound_w_sr();
+  out.of(BoundOf::kTemperature) = row.temperature_bound_w_sr();
+  out.of(BoundOf::kPlume) = row.plume_bound_w_sr();
+  return out;
+}
+
+// Returns the name of what decides the error of a row that missed its accuracy; empty: it did not.
+std::string limiting_bound(const schema::SignatureRow& row) {
+  const bool missed = row.stop_reason() == schema::STOP_REASON_ACCURACY_NOT_REACHED ||
+                      row.stop_reason() == schema::STOP_REASON_SAMPLE_LIMIT;
+  return missed ? std::string(limiting_part(source_intensity(row))) : std::string();
+}
+
 absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJob& job,
                                               const schema::SignatureRow& row) {
   ASSIGN_OR_RETURN(const std::int64_t condition_id,
@@ -97,7 +121,7 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
   IRSIG_STORE_TRY(database.run(
       insert_signature_statement(), job.job_id, job.view.viewpoint_id, condition_id, band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),
-      row.energy_gain(),
+      limiting_bound(row), row.energy_gain(),
       row.reflections() IRSIG_COMPUTED_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)
           IRSIG_PLUME_QUANTITIES(IRSIG_STATED_VALUE_ARGUMENTS, IRSIG_STATED_ARGUMENT)
               IRSIG_CLUTTER_QUANTITIES(IRSIG_STATED_VALUE_ARGUMENTS, IRSIG_STATED_ARGUMENT)

@@ -49,7 +49,11 @@ absl::Status cannot_share(const std::string& path, const FileHeader& header,
 // What can be told from the bytes alone, before SQLite gets to touch the file.
 absl::Status check_header(const std::string& path, const FileHeader& header) {
   if (!header.is_sqlite)
-    return absl::InvalidArgumentError(absl::StrCat(path, ": is not a signature database"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": is not a signature database",
+                     path.ends_with(".toml")
+                         ? absl::StrCat(": `irsig run ", path, " --db NAME.sigdb` computes one")
+                         : ""));
   return refuse(path, header.application_id, header.user_version);
 }
 

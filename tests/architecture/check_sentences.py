@@ -1,4 +1,5 @@
-"""Fail on pages whose sentences are long: WORDS_PER_SENTENCE on average over a page, LONGEST for each sentence.
+"""Fail on pages whose sentences are long: WORDS_PER_SENTENCE on average over a page, LONGEST for each sentence; and if all
+pages together have fewer than FEWEST_PER_SENTENCE on average, as fragments have.
 
 usage: check_sentences.py <source root> [--report]      --report prints words, sentences, mean and longest of each page
 
@@ -11,7 +12,7 @@ import pathlib
 import re
 import sys
 
-WORDS_PER_SENTENCE = 22
+FEWEST_PER_SENTENCE, WORDS_PER_SENTENCE = 15, 22
 LONGEST = 40
 PAGES = ("README.md", "docs/tutorials/*.md", "docs/howto/*.md", "docs/reference/*.md")
 ITEM = re.compile(r"^\s*(?:[-*+]|\d+\.)\s+")
@@ -53,7 +54,7 @@ def pages_of(root):
 
 
 def check(root):
-    findings = []
+    findings, all_words, all_sentences = [], 0, 0
     for path in pages_of(root):
         name = path.relative_to(root)
         found = list(sentences(path.read_text()))
@@ -62,6 +63,9 @@ def check(root):
         mean = sum(words for _, words, _ in found) / max(1, len(found))
         if mean > WORDS_PER_SENTENCE:
             findings.append(f"{name}: {mean:.1f} words a sentence on average, more than {WORDS_PER_SENTENCE}")
+        all_words, all_sentences = all_words + sum(words for _, words, _ in found), all_sentences + len(found)
+    if all_words < FEWEST_PER_SENTENCE * all_sentences:
+        findings.append(f"all pages: {all_words / all_sentences:.1f} words a sentence on average, fewer than {FEWEST_PER_SENTENCE}")
     return findings
 
 

@@ -215,11 +215,15 @@ class Sentences(TreeTest):
         return check_sentences.check(self.tree({"docs/howto/a.md": text}))
 
     def test_short_sentences(self):
-        self.assertEqual(self.sentences("# " + "a " * 50 + "\n\nOne two, three.\n- " + "a " * 22 + "\n\n    " + "a " * 50 + "\n"), [])
+        self.assertEqual(self.sentences("# " + "a " * 50 + "\n\nOne two, three, four, five, six, seven, eight.\n- " + "a " * 22 + "\n\n    " + "a " * 50 + "\n"), [])
 
     def test_long_sentences(self):
-        self.assertEqual(len(self.sentences("Short. " * 40 + "\n\n" + "a\n" * 41)), 1)
+        self.assertEqual(len(self.sentences(("a " * 18 + ". ") * 40 + "\n\n" + "a\n" * 41)), 1)
         self.assertEqual(len(self.sentences("a " * 23 + ". " + "`a b` " * 23)), 1)
+
+    def test_fragments(self):
+        self.assertEqual(len(self.sentences("Short. " * 40)), 1)
+        self.assertEqual(self.sentences(("a " * 15 + ". ") * 4), [])
 
 
 class Loaded(unittest.TestCase):

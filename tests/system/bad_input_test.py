@@ -119,7 +119,7 @@ class BadInput(unittest.TestCase):
         (self.path / "sonde.csv").write_text("height_m, pressure_hpa, temperature_c, dew_point_c\n0, 1013, 20, 25\n1000, 900, 10, 5\n")
         self.refused(air, "sonde.csv:2:14: 25: expected a dew point not above the air's temperature")
         (self.path / "sonde.csv").write_text("height_m, pressure_hpa, temperature_c, dew_point_c\n0, 1013, 20, 15\n1000, 900, 10, 5\n")
-        self.refused(air, 'air.profile_file is one too many', 'surroundings.kind = "none": expected one of "sea", "ground"')
+        self.refused(air, 'air.profile_file is stated beside profile, expected only one of', 'surroundings.kind = "none": expected one of "sea", "ground"')
 
     def test_zero_viewpoints(self):
         start = DISK.index("[viewpoints]")

@@ -143,8 +143,8 @@ class ImageFormats(unittest.TestCase):
         self.assertEqual(files(self.path / "k"), files(whole))
 
     def test_what_does_not_go_together_is_refused(self):
-        for options, why in ((("--image-format", "jpg"), "jpg not in {png,tiff,envi}"),
-                             (("--bits", "12"), "12 not in {8,16,32}"),
+        for options, why in ((("--image-format", "jpg"), "--image-format jpg: expected one of png, tiff, envi"),
+                             (("--bits", "12"), "--bits 12: expected one of 8, 16, 32"),
                              (("--bits", "32"), "--bits 32: float32 belongs to --image-format tiff"),
                              (("--image-format", "envi", "--bits", "16"), "--bits: cubes of --image-format envi are float32"),
                              (("--image-format", "envi", "--coco"), "--coco: its images have one band each"),

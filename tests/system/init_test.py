@@ -5,6 +5,7 @@ usage: init_test.py <irsig>
 import json, math, pathlib, re, sqlite3, struct, subprocess, sys, tempfile, unittest
 
 IRSIG = pathlib.Path(sys.argv[1]).resolve()
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
 LENGTH, BEAM, DEPTH = 150, 18, 12
 
 
@@ -100,6 +101,38 @@ class Init(unittest.TestCase):
                                                 ) + text[text.index("[[season]]"):]
         (self.path / "rest.toml").write_text(one_view(rest))
         self.irsig("plan", "rest.toml")
+
+    def test_a_year_of_weather(self):
+        """A season for each month, temperatures from the weather, and a guess for what is hot by its name."""
+        (self.path / "two.obj").write_text(hull(1).replace("o deck0", "o funnel"))
+        year = ("--weather", SOURCE / "jobs/examples/weather/denver_year.epw")
+        self.irsig("init", "--model", "two.obj", *year, "--months", "1,7", "--hours", "0,12", "--surroundings", "ground")
+        text = (self.path / "two.toml").read_text()
+        for line in ('time = ["00:00-07:00", "12:00-07:00"]', "latitude_deg = 39.83", "longitude_deg = -104.65", "height_m = 1650",
+                     'name = "january"', 'name = "july"', "[heat]"):
+            self.assertIn(line, text)
+        self.assertEqual(text.count("[[season]]"), 2)
+        self.assertRegex(text, r'name = "funnel"\nmaterial = .*\ntemperature_k = 400 .*hot by its name: a guess, check it')
+        self.assertEqual(text.count("temperature_k = 400"), 1)
+        (self.path / "two.toml").write_text(one_view(text))
+        self.irsig("run", "two.toml", "--db", "two.sigdb", "--relative-error", "0.1")
+        db = sqlite3.connect(self.path / "two.sigdb")
+        warm = dict(db.execute("SELECT season || substr(time_utc, 12, 2), mean_k FROM computed_temperature_view WHERE part = 'port'"))
+        db.close()
+        self.assertEqual(set(warm), {"january07", "january19", "july07", "july19"})
+        self.assertGreater(warm["july19"], warm["july07"] + 5)
+        self.assertGreater(warm["july07"], warm["january07"] + 5)
+        # All months, and places and hours of one's own.
+        self.irsig("init", "--model", "two.obj", *year, "--place", "39.9,-104.7", "--out", "all.toml", "--surroundings", "ground")
+        text = (self.path / "all.toml").read_text()
+        self.assertEqual(text.count("[[season]]"), 12)
+        self.assertIn("latitude_deg = 39.9\n", text)
+        for arguments, said in ((("--months", "1"), "--months: expected --weather FILE beside it"),
+                                (("--months", "0-3", *year), "--months 0-3: expected numbers from 1 to 12"),
+                                (("--hours", "24"), "--hours 24: expected numbers from 0 to 23"),
+                                (("--weather", "none.epw"), "--weather none.epw: No such file"),
+                                (("--weather", "two.obj"), "two.obj")):
+            self.assertIn(said, self.irsig("init", "--model", "two.obj", "--force", *arguments, exit_code=2), arguments)
 
     def glb(self, name, text):
         """A box 4.8 m along x, 2.6 m along y and 2.8 m along z, on y = 0, in the glTF container."""

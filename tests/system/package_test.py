@@ -53,6 +53,11 @@ class Package(unittest.TestCase):
         for line in run("dpkg-deb", "-c", self.deb).splitlines():
             self.assertRegex(line, r"^[-dl]r[w-][x-]r-[x-]r-[x-] root/root|^l", line)
 
+    def test_man_pages(self):
+        pages = {p.name for p in (self.root / "usr/share/man/man1").glob("*.1")}
+        self.assertLessEqual({"irsig.1", "irsig-run.1", "irsig-model-check.1"}, pages)
+        self.assertIn("irsig\\-run \\- compute a sweep", (self.root / "usr/share/man/man1/irsig-run.1").read_text())
+
     def test_units(self):
         for unit in ("irsig-coordinator.service", "irsig-worker@.service"):
             text = (self.root / "usr/lib/systemd/system" / unit).read_text()

@@ -4,6 +4,7 @@ usage: plan_test.py <irsig executable> <source folder>
 """
 import csv
 import io
+import json
 import os
 import pathlib
 import re
@@ -124,7 +125,7 @@ class Plan(unittest.TestCase):
         self.assertAlmostEqual(stored["database_bytes"] / self.db.stat().st_size, 1, delta=0.15)
         self.assertIn("relative error asked: 1 %", report)
         self.assertRegex(report, r"stopped by:.* accuracy_reached \d+")
-        shares = [float(share) for share in re.findall(r"(?:statistical|unseen hits|truncation|quadrature|unseen|basis|sky|omitted|temperature|plume) (\S+) %",
+        shares = [float(share) for share in re.findall(r"(?:sampling|undersampling, estimate|truncation|quadrature|undersampling|spectral_basis|direction_interpolation|omitted|temperature|plume) (\S+) %",
                                                        report)]
         self.assertIn(len(shares), range(2, 9))  # those that are not 0
         self.assertAlmostEqual(sum(shares), 100, delta=1)
@@ -153,6 +154,13 @@ class Plan(unittest.TestCase):
         plan = irsig("plan", self.sweep)
         self.assertRegex(plan, r"(?m)^ +0.03 % .*max_samples_per_replicate = 2048 keeps ")
         self.assertNotRegex(plan, r"(?m)^ +10 % .*keeps ")
+        # It ends with what decides, and with the key; where every row reaches its accuracy it does not.
+        missed = irsig("plan", self.sweep, "--relative-error", 0.0003)
+        last = missed.splitlines()[-1]
+        self.assertRegex(last, r"^\d+ rows? would not reach 0\.03 %: scatter of the samples \(sampling\); raise \[accuracy\] max_samples_per_replicate$")
+        self.assertNotIn("would not reach", irsig("plan", self.sweep, "--relative-error", 0.1))
+        (row, *_) = json.loads(irsig("plan", self.sweep, "--relative-error", 0.0003, "--format", "json"))
+        self.assertEqual(row["limiting_bound"], "sampling")
 
     def test_effects_are_those_of_the_accuracy_asked(self):
         """Soot reflects so little that 5 % has room for all of it, and 0.01 % has not."""

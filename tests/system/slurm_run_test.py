@@ -74,7 +74,7 @@ class SlurmRun(unittest.TestCase):
             return []
 
     def test_the_same_bits(self):
-        for options in (("--workers", 3), ("--nodes", 2, "--time", "0:10:00", "--partition", "main", "--slurm-option=--nice=5")):
+        for options in (("--workers", 3), ("--nodes", 2, "--time-limit", "0:10:00", "--partition", "main", "--slurm-option=--nice=5")):
             db = self.path / f"{options[0]}.sigdb"
             said = self.end(self.start(ROOT / "jobs/examples/quickstart.toml", db, *options))
             self.assertIn("24 of 24 jobs done", said)

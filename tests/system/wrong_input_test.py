@@ -4,12 +4,13 @@ usage: wrong_input_test.py <irsig executable>
 """
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
-IRSIG = sys.argv[1]
+IRSIG, SOURCE = sys.argv[1], pathlib.Path(__file__).resolve().parents[2]
 
 # What is written in place of what matches in the sweep file of `irsig init`; what is said of it. A third "warning": it
 # is computed all the same.
@@ -134,6 +135,95 @@ SWEEPS = [
     (r"^aerosol = .*", 'aerosol = "maritime"\ncloud_cover = 0.5', r'unknown key "cloud_cover" in air, it is a key of .*\[\[season\]\]'),
 ]
 
+# The same of a sweep with land, objects and maps: jobs/examples/vehicle_village.toml.
+LAND = [
+    (r"^heights = .*", 'heights = "land/hights.asc"', r'land.heights = "land/hights.asc": No such file'),
+    (r"^heights = .*\n", "", r"land.heights is missing, expected a file of heights: .hgt, .tif, .tiff or .asc"),
+    (r"^heights = .*", 'heights = "models/vehicle.obj"', r"expected a file that ends in .hgt, .tif, .tiff or .asc"),
+    (r"^heights = .*", 'heights = "land/heights.asc"\nepsg = 25832', r"land.epsg = 25832: .*gdalwarp -t_srs EPSG:326ZZ"),
+    (r"^heights = .*", 'heights = "land/heights.asc"\nepsg = 4326',
+     r"land.heights: its coordinates begin at x = .*no degrees of longitude and latitude .*state the code of its UTM zone, or none"),
+    (r"^heights = .*", 'heights = "land/heights.asc"\nwidth_m = 20', r"has no cell of 20 m; expected a smaller spacing"),
+    (r"^heights = .*", 'heights = "land/heights.asc"\nwidth_km = 2', r'unknown key "width_km" in land, expected "width_m" \(5 km are 5000 m\)'),
+    (r"^heights = .*", 'heights = "land/heights.asc"\nspacing_m = 0.01', r"land.spacing_m = 0.01, expected a number from 0.1 to 10000 \(stones"),
+    (r'^fraction_file = "land/grass.asc"', 'fraction_file = "land/gras.asc"', r'fraction_file = "land/gras.asc": No such file'),
+    (r'^fraction_file = "land/(grass|wheat).asc"\n', "", r"fraction_file is missing, .*expected at most one material without a file"),
+    (r'^fraction_file = "land/wheat.asc"', 'fraction_file = "land/grass.asc"',
+     r"the fractions of all materials at row \d+, column \d+ .* add up to .* = 2, expected 1 within 1/64; correct the maps, or leave out"),
+    (r'^material = "grass"', 'material = "gras"', r'land.material\[0\].material = "gras" is no known material: did you mean "grass"\?'),
+    (r"^wheat = 308\n", "", r'land.material\[1\].temperature_k is missing in season "day", expected .*or \[heat\], which computes it'),
+    (r"^wheat = 308", "weat = 308", r'land_temperature_k.weat: the land has no material "weat", did you mean "wheat"\?'),
+    (r"^grass = 302", "grass = 29", r"land_temperature_k.grass = 29, expected a number from 150 to 1500 .*29 C are 302.15 K"),
+    (r'^material = "brick"\nobjects_only = true', 'material = "brick"\nobjects_only = "yes"', r"objects_only is a string, expected true or false"),
+    (r'^\[\[land.material\]\]\nmaterial = "brick"', '[land.material]\nmaterial = "brick"', r"another one of a kind is \[\[in two brackets\]\]"),
+    (r'^material = "brick"\npart', 'material = "bricks"\npart', r'land.object\[0\].material = "bricks" is no \[\[land.material\]\], did you mean "brick"\?'),
+    (r'match = "roof"', 'match = "rooof"', r'part\[0\].match: "rooof" matches no group of the model .*its groups are: "walls", "roof"'),
+    (r'material = "concrete" \}', 'materiel = "concrete" }', r'unknown key "materiel" in land.object\[0\].part\[0\], did you mean "material"\?'),
+    (r'"land/village.csv"', '"land/vilage.csv"', r'places_file = "land/vilage.csv": No such file'),
+    (r'"land/village.csv"', '"land/heights.asc"', r'places_file = "land/heights.asc", expected a file that ends in .csv'),
+    (r"^count = 2000", "count = 2000000", r"land.object\[2\].count = 2e\+06, expected a number from 1 to 1e\+06"),
+    (r"^count = 2000\n", "count = 2000\nplace = [{east_m = 3, north_m = 4}]\n", r"count is stated beside place, expected only one of \"place\", \"places_file\", \"count\""),
+    (r'^within = "grass"', 'within = "brick"', r'within = "brick" is no \[\[land.material\]\] that covers ground, expected one of "grass"'),
+    (r"^inner_radius_m = 100", "inner_radius_m = 900", r"inner_radius_m = 900 is not below radius_m = 700, expected a ring"),
+    (r"^scale = 0.6", "scale = 0", r"scale = 0, expected a number from 0.001 to 1000"),
+    (r"\{ east_m = -6, north_m = -14 \}", "{ east = -6, north = -14 }", r'unknown key "east" in land.object\[1\].place\[0\], expected one of "east_m"'),
+    (r"\{ east_m = -6, north_m = -14 \}", "{ east_m = -6000, north_m = -14 }", r"stands beyond the map of heights; move it, or use a larger map"),
+    (r'^kind = "ground"', 'kind = "sea"\nsea_model = "cox_munk"', r'surroundings.kind = "sea" does not go with \[land\], expected kind = "ground"'),
+    (r'^model = "models/house.obj"\nunit_m = 1\n', 'model = "models/house.obj"\n', r"unit_m is missing, expected the length of one unit .*0.001 for millimetres"),
+    (r"^elevation_deg = \[18\]", "elevation_deg = [-2]", r"lies under the ground, and 11 more, expected sensors above it"),
+]
+
+# The same of the sweep of `irsig init` with this table at its end.
+IMAGE = """
+[image]
+kind = "camera"
+pixels = [64, 48]
+field_of_view_deg = 3
+pixel_error_percent = 2
+layers = ["at_sensor", "range"]
+"""
+IMAGES = [
+    (r"^pixels = .*", "pixels = 320", r"image.pixels is an integer, expected an array"),
+    (r"^pixels = .*", 'pixels = "320x256"', r"image.pixels is a string, expected an array"),
+    (r"^pixels = .*\n", "", r"image.pixels is missing, expected \[width, height\]"),
+    (r"^pixels = .*", "pixels = [32000, 256]", r"image.pixels\[0\] = 32000, expected a number from 1 to 4096"),
+    (r"^field_of_view_deg = .*\n", "", r"image.field_of_view_deg is missing, expected what the width of the image subtends"),
+    (r"^field_of_view_deg = .*", "field_of_view_mrad = 32", r'unknown key "field_of_view_mrad" in image, expected "field_of_view_deg" \(10 mrad are'),
+    (r"^field_of_view_deg = .*", "field_of_view_deg = 200", r"field_of_view_deg = 200, expected a number from 1e-06 to 120"),
+    (r'^kind = "camera"', 'kind = "cammera"', r'image.kind = "cammera": did you mean "camera"\?'),
+    (r'^kind = "camera"', 'kind = "framed"', r'field_of_view_deg belongs to a camera, expected kind = "camera", or delete it'),
+    (r"^pixel_error_percent = .*", "samples = 100", r"image.samples = 100, expected a power of two: 64 or 128"),
+    (r"^pixel_error_percent = .*", "pixel_error_percent = 2\nsamples = 64", r"samples does not apply where the error of a pixel is asked for: delete it, or limit"),
+    (r"^pixel_error_percent = .*", "pixel_error_percent = 2\npixel_error_k = 0.1", r"pixel_error_k is stated beside pixel_error_percent, expected only one of"),
+    (r"^pixel_error_percent = .*", 'pixel_error_percent = "2 %"', r"pixel_error_percent is a string, expected a number without quotes and unit"),
+    (r'"range"\]', '"depth"]', r'image.layers\[1\] = "depth": there is no such layer, expected one of "emitted"'),
+    (r'"range"\]', '"land_sun"]', r'image.layers has "land_sun", but the sweep has no \[land\]: leave it out'),
+    (r'"range"\]', '"at_sensor"]', r'image.layers\[1\] = "at_sensor" is there twice: delete one'),
+    (r"^\[image\]", "[output]\nthumbnail_px = 64\n\n[image]", r"output.thumbnail_px is stated beside \[image\], expected only one of them"),
+    (r"^\[image\]", "[[image]]", r"image is an array, expected a table: \[image\]"),
+    (r"^\[image\]", "[images]", r'unknown key "images", did you mean "image"\?'),
+    (r"\Z", "look_at_m = [1, 2]\n", r"look_at_m has 2 numbers, expected three: x forward, y starboard, z down"),
+    (r"\Z", "margin = 0.1\n", r'image.margin belongs to a framed image, expected kind = "framed", or delete it'),
+]
+
+# The same of jobs/examples/imagers/mwir.toml, as `export --imager` reads it.
+IMAGERS = [
+    (r"^f_number = .*", "f_number = 0", r"optics.f_number = 0, expected a number from 0.1 to 1000"),
+    (r"^f_number = .*", 'f_number = "f/2"', r"optics.f_number is a string, expected a number without quotes and unit"),
+    (r"^aperture_m = .*", "aperture_mm = 12.5", r'unknown key "aperture_mm" in optics, expected "aperture_m" \(5 mm are 0.005 m\)'),
+    (r"^aperture_m = .*", "aperture_m = 125", r"optics.aperture_m = 125, expected .*is it in mm\? 125 mm are 0.125 m"),
+    (r"^pitch_m = .*", "pitch_m = 15", r"detector.pitch_m = 15, expected .*is it in um\? 15 um are 1.5e-05 m"),
+    (r"^pitch_m = .*", "pitch_um = 15", r'unknown key "pitch_um" in detector, expected "pitch_m" \(15 um are 1.5e-05 m\)'),
+    (r"^netd_k = .*", "netd_mk = 25", r'unknown key "netd_mk" in detector, expected "netd_k" \(25 mK are 0.025 K\)'),
+    (r"^fill_factor = .*", "fill_factor = 90", r"detector.fill_factor = 90, expected a number from 0.01 to 1"),
+    (r"^bits = .*", "bits = 32", r"counts.bits = 32, expected a number from 8 to 16 \(the depth of a grey PNG\)"),
+    (r"^black_k = .*", "black_k = 500", r"counts.white_k = 400, expected more than black_k = 500"),
+    (r"^black_k = .*", "black_k = -20", r"counts.black_k = -20, expected .*is it in C\? -20 C are 253.15 K"),
+    (r"^\[optics\]", "[lens]", r'unknown key "lens", expected one of "name", "optics", "detector", "counts"'),
+    (r"^\[counts\]", "[[counts]]", r"counts is an array, expected a table: \[counts\]"),
+    (r"\Z", "\ncounts_per_w_m2_sr = 1e4\n", r"counts states two gains, expected black_k and white_k, or counts_per_w_m2_sr"),
+]
+
 # Commands, with what is said.
 COMMANDS = [
     ([], r"a command is missing, expected one of init, run"),
@@ -163,7 +253,7 @@ COMMANDS = [
     (["query", "DB", "--aspect", "45,10"], r"exactly one of --nearest N, --within DEG and --interpolate"),
     (["query", "DB", "--aspect", "45 10", "--nearest", "1"], r"expected AZ,EL in degrees"),
     (["query", "DB", "--sort", "beauty"], r'no column "beauty" to sort by'),
-    (["query", "DB", "--format", "xml"], r"xml not in \{text,csv,json"),
+    (["query", "DB", "--format", "xml"], r"--format xml: expected one of text, csv, json"),
     (["query", "DB", "--csv", "--json"], r"--csv excludes --json"),
     (["query", "DB", "--csv", "--out", "a.json"], r"the name ends as json, but --format is csv"),
     (["query", "DB", "--parts", "--quantity", "contrast_intensity"], r"only their source intensity is stored"),
@@ -192,7 +282,7 @@ COMMANDS = [
     (["plot", "DB", "--kind", "sky", "--row", "1", "--elevation", "3", "--out", "a.svg"], r"--elevation belongs to --kind polar"),
     (["plot", "DB", "--kind", "sky", "--band", "lwir", "--aspect", "0,5", "--nearest", "1", "--out", "a.svg"],
      r"the sky is of a condition, .*and no other filter"),
-    (["plot", "DB", "--kind", "pie", "--out", "a.svg"], r"pie not in \{polar,"),
+    (["plot", "DB", "--kind", "pie", "--out", "a.svg"], r"--kind pie: expected one of polar, "),
     (["export", "DB", "--out", "a.xlsx"], r"does not write .xlsx files, expected csv, netcdf, envi, tsf, thumbnails, temperatures"),
     (["export", "DB", "--netcdf", "--out", "-"], r"netcdf needs a file"),
     (["model", "tank", "--triangles", "100", "--out", "x.obj"], r'model "tank", expected one of disk, sphere'),
@@ -211,7 +301,25 @@ COMMANDS = [
     (["compare", "DB"], r"compare needs what to compare with: a second database, or --b-sweep"),
     (["compare", "DB", "--band", "mwir", "--b-band", "lwir"],
      r"mwir \(3 to 5 um\) and lwir \(8 to 12 um\) are bands of different limits or responses.*choose the same band for both"),
-    (["completion", "fish"], r"fish not in \{bash,zsh\}"),
+    (["fly"], r"SWEEP is required"),
+    (["fly", "nothere.toml"], r"nothere.toml: No such file"),
+    (["fly", "DB"], r"few.sigdb: this is a database, expected a sweep file"),
+    (["fly", "ship.toml", "--port", "80000"], r"--port 80000: expected 0 \(a free one\) to 65535"),
+    (["fly", "ship.toml", "--address", "0.0.0.0"], r"--address 0.0.0.0: irsig fly listens on this machine alone, expected 127.0.0.1"),
+    (["fly", "ship.toml", "--threads", "0"], r"--threads 0: expected 1 to 256"),
+    (["fly", "ship.toml", "--film", "day.gif"], r"--film day.gif: the film is an animated PNG, expected a name that ends in .png or .apng"),
+    (["fly", "ship.toml", "--keep", "ship.toml"], r"ship.toml: is not a signature database"),
+    (["serve", "ship.toml"], r"ship.toml: is not a signature database: `irsig run ship.toml --db NAME.sigdb` computes one"),
+    (["run", "ship.toml", "--db", "x.sigdb", "--workers", "0"], r"--workers 0: expected 1 to 4096"),
+    (["run", "ship.toml", "--db", "x.sigdb", "--launcher", "slrm"], r"--launcher slrm: expected one of local, slurm; did you mean slurm\?"),
+    (["query", "DB", "--window", "3"], r"--window needs 2 values, 1 given"),
+    (["bands", "DB", "--detector", "table.csv"], r"table.csv:1:1: this is a table, expected a detector file \(.toml\) that names it with response_file"),
+    (["bands", "DB"], r"Exactly 1 option from \[--detector,--nei\] is required"),
+    (["model", "check", "land/heights.asc", "--repair", "x.obj"], r"--repair: this is a map of heights, expected a model"),
+    (["model", "terrain", "--layer", "height", "--out", "x.asc"], r"--layer height: expected one of heights, asphalt, .*did you mean heights\?"),
+    (["export", "DB", "--thumbnails", "--imager", "nothere.toml", "--out", "x"], r"nothere.toml:1:1: No such file"),
+    (["export", "DB", "--csv", "--imager", "ship.toml", "--out", "x.csv"], r"--imager: belongs to the format thumbnails"),
+    (["completion", "fish"], r"SHELL fish: expected one of bash, zsh"),
 ]
 
 
@@ -227,6 +335,9 @@ class WrongInput(unittest.TestCase):
         few = cls.sweep.replace("count = 12", "count = 2").replace("step_um = 0.1", "step_um = 0.11")
         (cls.path / "few.toml").write_text(few + "\n[output]\nthumbnail_px = 32\n")
         cls.irsig("run", "few.toml", "--db", "few.sigdb", "--relative-error", 0.1)
+        shutil.copytree(SOURCE / "jobs/examples/land", cls.path / "land")
+        shutil.copytree(SOURCE / "jobs/models", cls.path / "models")
+        (cls.path / "table.csv").write_text("lambda_um,response\n3,1\n5,1\n")
         (cls.path / "copy").write_bytes((cls.path / "few.sigdb").read_bytes())
 
     @classmethod
@@ -235,8 +346,19 @@ class WrongInput(unittest.TestCase):
         assert done.returncode == code, f"{arguments}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
         return done
 
+    def refused(self, mistakes, text, command, name):
+        """Each mistake is made in the text alone, and refused with its place and its message."""
+        for pattern, changed, said in mistakes:
+            with self.subTest(changed or pattern):
+                wrong, count = re.subn(pattern, lambda _: changed, text, flags=re.M)
+                self.assertGreater(count, 0, pattern)
+                (self.path / name).write_text(wrong)
+                found = self.irsig(*command, code=2).stderr
+                self.assertRegex(found, said)
+                self.assertRegex(found, rf"(?m)^{re.escape(name)}:\d+:\d+: ")
+
     def test_sweep_files(self):
-        self.assertGreater(len(SWEEPS) + len(COMMANDS), 40)
+        self.assertGreater(len(SWEEPS) + len(LAND) + len(IMAGES) + len(IMAGERS), 150)
         for pattern, text, said, *kind in SWEEPS:
             with self.subTest(text):
                 changed, count = re.subn(pattern, lambda _: text, self.sweep, flags=re.M)
@@ -250,6 +372,17 @@ class WrongInput(unittest.TestCase):
                 if "limit 10000" not in said:
                     self.assertRegex(found, r"(?m)^wrong\.toml:\d+:\d+: ")
 
+    def test_land(self):
+        village = (SOURCE / "jobs/examples/vehicle_village.toml").read_text().replace("../models/", "models/")
+        self.refused(LAND, village, ("plan", "village.toml"), "village.toml")
+
+    def test_images(self):
+        self.refused(IMAGES, self.sweep + IMAGE, ("plan", "images.toml"), "images.toml")
+
+    def test_imagers(self):
+        imager = (SOURCE / "jobs/examples/imagers/mwir.toml").read_text()
+        self.refused(IMAGERS, imager, ("export", "few.sigdb", "--thumbnails", "--imager", "imager.toml", "--out", "x"), "imager.toml")
+
     def test_commands(self):
         before = sorted(p.name for p in self.path.iterdir())
         for arguments, said in COMMANDS:
@@ -261,10 +394,33 @@ class WrongInput(unittest.TestCase):
 
     def test_help(self):
         self.assertEqual(self.irsig("help").stdout, self.irsig("--help").stdout)
-        self.assertRegex(self.irsig("help").stdout, r"(?m)^ +help +This help, or that of a command: irsig help query$")
+        self.assertRegex(self.irsig("help").stdout, r"(?m)^ +help +print this help, or that of a command: irsig help query$")
         self.assertEqual(self.irsig("help", "query").stdout, self.irsig("query", "--help").stdout)
         self.assertEqual(self.irsig("help", "model", "check").stdout, self.irsig("model", "check", "--help").stdout)
         self.assertIn("-o,--out FILE", self.irsig("help", "query").stdout)
+        groups = re.findall(r"(?m)^(Start|Look|Use|Farm|Check|Reference):$", self.irsig("help").stdout)
+        self.assertEqual(groups, ["Start", "Look", "Use", "Farm", "Check", "Reference"])
+
+    def test_help_and_man_pages_are_for_people(self):
+        """No notation of the parser, no line beyond the window, a man page for each command, which says the same."""
+        (self.path / "man").mkdir()
+        self.irsig("manual", "man", "--out", "man")
+        pages = sorted((self.path / "man").glob("*.1"))
+        self.assertGreater(len(pages), 45)
+        for page in pages:
+            with self.subTest(page.name):
+                text = page.read_text()
+                for head in ('.TH "', ".SH NAME", ".SH SYNOPSIS", ".SH DESCRIPTION", '.SH "EXIT STATUS"'):
+                    self.assertEqual(text.count(head), 1, head)
+                shown = self.irsig("help", *page.stem.replace("verify-effects", "verify_effects").replace("-", " ").replace("_", "-").split()[1:]).stdout
+                for found in (text, shown):
+                    self.assertNotRegex(found, r"UINT|FLOAT|POSITIVE|:INT|INT in \[|Excludes:|Needs:|REQUIRED|[A-Z]:\{")
+                for option in re.findall(r"(?m)^  (-\S+)", shown):
+                    self.assertIn(option.replace("-", "\\-"), text)
+                footer = shown.rfind("\n\n")  # written by hand, with commands to copy
+                self.assertLessEqual(max(map(len, shown[:footer].splitlines())), 100)
+        self.assertIn("--out FOLDER is missing", self.irsig("manual", "man", code=2).stderr)
+
 
     def test_names_without_end(self):
         for name in ("a" * 100000, ":" * 5000, "1:" * 30000, ":1:1: x", "a\n:1:1: b"):

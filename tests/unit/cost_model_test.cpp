@@ -112,15 +112,22 @@ TEST(CostModel, TheRowThatNeedsMostDecides) {
 TEST(CostModel, WhatKeepsRowsFromTheirError) {
   ViewPilot biased = pilot_of(0.1, 0.5);
   biased.row[0].bias_w_sr = 5;  // 5 / sqrt(3) of 100 is 2.9 %
+  biased.row[0].largest_bound = BoundOf::kTemperature;
   const ViewCost by_bias = view_cost(biased, relative(0.01), 0);
   EXPECT_EQ(by_bias.reached, 0u);
   EXPECT_EQ(by_bias.kept_by_bias, 1u);
+  EXPECT_EQ(by_bias.limited, (std::map<std::string_view, std::uint32_t>{{"temperature", 1}}));
   EXPECT_EQ(view_cost(biased, relative(0.05), 0).reached, 1u);
+  EXPECT_TRUE(view_cost(biased, relative(0.05), 0).limited.empty());
 
   const ViewCost by_limit = view_cost(pilot_of(8, 0.5), relative(0.001, 2048), 0);
   EXPECT_EQ(by_limit.samples, 2048u);
   EXPECT_EQ(by_limit.reached, 0u);
   EXPECT_EQ(by_limit.kept_by_limit, 1u);
+  EXPECT_EQ(by_limit.limited, (std::map<std::string_view, std::uint32_t>{{"sampling", 1}}));
+  const SweepCost both = sweep_cost(std::vector{by_bias, by_limit, by_limit}, 3, 1, 1, 0);
+  EXPECT_NEAR(both.limited_fraction.at("sampling"), 2.0 / 3, 1e-12);
+  EXPECT_NEAR(both.limited_fraction.at("temperature"), 1.0 / 3, 1e-12);
 
   // The unseen falls as 1 / n: 3 W/sr at 1024 samples, 0.3 at ten times as many.
   ViewPilot unseen = pilot_of(std::sqrt(8.0) * 2, 0.5);

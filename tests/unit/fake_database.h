@@ -180,10 +180,10 @@ class FakeDatabase {
                           s.guarded_nonfinite, s.truncated_paths, 0.0, s.guarded_negative, ""));
       must(database_->run(
           "INSERT INTO signature (signature_id, job_id, viewpoint_id, condition_id, band_id, "
-          "sun_azimuth_deg, sun_zenith_deg, stop_reason, energy_gain, reflections) "
-          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
+          "sun_azimuth_deg, sun_zenith_deg, stop_reason, energy_gain, reflections, limiting_bound) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, nullif(?11, ''))",
           id, job, viewpoint, condition, band, s.sun_azimuth_deg, s.sun_zenith_deg, stop,
-          s.energy_gain, s.reflections));
+          s.energy_gain, s.reflections, s.limiting_bound));
       const auto values = [&]<std::size_t... Q>(std::index_sequence<Q...>) {
         static const std::string update = [] {
           std::string text = "UPDATE signature SET ";

@@ -256,7 +256,8 @@ TEST(MaterialKinds, OneFormOnly) {
                               "gamma_um = 0.4\nlambda0_um = 4\nreflectance = 0.3\n"
                               "reflectance_file = \"r.csv\"\n"),
                      files),
-            "s.toml:39:1: material[0].reflectance_file is one too many, expected only one of "
+            "s.toml:39:1: material[0].reflectance_file is stated beside reflectance, expected only one "
+            "of "
             "\"reflectance\", \"reflectance_table\", \"reflectance_file\"");
   EXPECT_EQ(error_of(material("lambert", "emissivity = 0.3\nreflectance = 0.7\n")),
             "s.toml:37:1: material[0].reflectance stands beside the emissivity, expected only one "

@@ -76,6 +76,24 @@ TEST(Measured, WhatAnErrorHoldsBesidesIsGivenToOneBound) {
   EXPECT_TRUE(std::isnan(with_rest(some(), unknown, BoundOf::kDepth).numerical_error()));
 }
 
+TEST(Measured, TheLimitIsTheLargestPartOfTheError) {
+  EXPECT_EQ(limiting_part({}), "");
+  EXPECT_EQ(limiting_part({5, 2, {}, 0}), "sampling");
+  EXPECT_EQ(limiting_part(some()), "moved");
+  // A bound counts with all bounds: 2 x 3 / 3 is less than 1.5^2, and 2 x 4 / 3 more.
+  Measured m{-100, 1.5, {}, 0};
+  m.of(BoundOf::kTemperature) = 2;
+  m.of(BoundOf::kTruncation) = 1;
+  EXPECT_EQ(limiting_part(m), "sampling");
+  m.of(BoundOf::kTruncation) = 1.9;
+  EXPECT_EQ(limiting_part(m), "temperature");
+  // The estimate and the bound of undersampling are one part.
+  Measured unseen{100, 1, {}, 0.9};
+  unseen.of(BoundOf::kUnseen) = 1;
+  EXPECT_EQ(limiting_part(unseen), "undersampling");
+  EXPECT_EQ(limiting_part({1, std::numeric_limits<double>::quiet_NaN(), {}, 0}), "");
+}
+
 TEST(Measured, EveryBoundHasAName) {
   for (std::size_t i = 0; i < kBounds; ++i)
     EXPECT_FALSE(info_of(static_cast<BoundOf>(i)).name.empty());

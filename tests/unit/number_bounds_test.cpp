@@ -207,7 +207,6 @@ std::string limits_on(const char* page_name) {
 }
 
 TEST(NumberBounds, ArePrintedInTheDocumentation) {
-  EXPECT_EQ(limits_on("docs/reference/sweep-file.md"), limits_of(*schema::Sweep::descriptor()));
   EXPECT_EQ(limits_on("docs/reference/goniometer.md"),
             limits_of(*schema::Goniometer::descriptor()));
   EXPECT_EQ(limits_on("docs/reference/bands.md"), limits_of(*schema::DetectorFile::descriptor()));

@@ -6,9 +6,12 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 
+#include "core/accuracy/measured.h"
 #include "tests/unit/fake_database.h"
+#include "view/rows/measured_row.h"
 
 namespace irsig {
 namespace {
@@ -74,6 +77,7 @@ StoredSignature missed(BoundOf which, double bound_w_sr) {
   if (which == BoundOf::kTruncation) row.truncation_bound_w_sr = bound_w_sr;
   if (which == BoundOf::kTemperature) row.temperature_bound_w_sr = bound_w_sr;
   row.numerical_error_w_sr = std::hypot(1, bound_w_sr / std::sqrt(3));
+  row.limiting_bound = limiting_part(source_of(row));
   return row;
 }
 
@@ -83,14 +87,17 @@ TEST(Outcome, NamesWhatDecidesTheErrorOfRowsThatFallShort) {
                         noisy = missed(BoundOf::kTemperature, 1);
   StoredSignature reached = cut, old = cut;
   reached.stop_reason = "accuracy_reached";
+  reached.limiting_bound.clear();
   old.superseded = true;
   EXPECT_THAT(limit_notes({reached, old}), IsEmpty());
   const auto notes = limit_notes({cut, warm, reached, warm, warm, noisy, noisy});
   ASSERT_EQ(notes.size(), 3U);
-  EXPECT_THAT(notes[0], HasSubstr("3 rows fall short of the accuracy by: temperature; set [heat] "
-                                  "element_size_m smaller"));
-  EXPECT_THAT(notes[1], HasSubstr("2 rows fall short of the accuracy by: scatter"));
-  EXPECT_THAT(notes[2], HasSubstr("1 row falls short of the accuracy by: truncation; raise "
+  EXPECT_THAT(notes[0], HasSubstr("3 rows do not reach the accuracy: temperatures of large facets "
+                                  "(temperature); set [heat] element_size_m smaller"));
+  EXPECT_THAT(notes[1],
+              HasSubstr("2 rows do not reach the accuracy: scatter of the samples (sampling)"));
+  EXPECT_THAT(notes[2], HasSubstr("1 row does not reach the accuracy: reflections after the last "
+                                  "one (truncation); raise "
                                   "[transport] max_reflections"));
 }
 
@@ -99,6 +106,7 @@ TEST(Outcome, CountsTheRowsOfOneSweepInADatabase) {
   std::map<std::string, int> rows;
   for (StoredSignature& row : db.signatures) {
     row.stop_reason = "sample_limit";
+    row.limiting_bound = "sampling";
     ++rows[row.sweep];
   }
   ASSERT_FALSE(rows.empty());
@@ -111,6 +119,21 @@ TEST(Outcome, CountsTheRowsOfOneSweepInADatabase) {
   }
 }
 
+// Whatever may limit a stored row has a meaning and a remedy of its own.
+TEST(Outcome, EveryPartOfASourcesErrorHasARemedy) {
+  std::set<std::string> texts;
+  for (std::size_t i = 0; i < kBounds; ++i) {
+    const auto which = static_cast<BoundOf>(i);
+    if (which == BoundOf::kDepth || which == BoundOf::kBackground || which == BoundOf::kMoved)
+      continue;  // no part of the intensity at the target
+    const std::string text = limit_text(info_of(which).name, false);
+    EXPECT_THAT(text, HasSubstr(" (" + std::string(info_of(which).name) + "); "));
+    EXPECT_TRUE(texts.insert(text).second) << text;
+  }
+  EXPECT_THAT(limit_text(kLimitedBySampling, false), HasSubstr("relative_error"));
+  EXPECT_THAT(limit_text(kLimitedBySampling, true), HasSubstr("max_samples_per_replicate"));
+}
+
 // More samples lower scatter, and no bound.
 TEST(Outcome, RaisesTheLimitOfSamplesWhereSamplesDecide) {
   StoredSignature noisy = missed(BoundOf::kTemperature, 1), cut = missed(BoundOf::kTruncation, 9);
@@ -118,11 +141,13 @@ TEST(Outcome, RaisesTheLimitOfSamplesWhereSamplesDecide) {
   noisy.stop_reason = cut.stop_reason = "sample_limit";
   const auto notes = limit_notes({noisy, noisy, noisy, planned, planned, cut});
   ASSERT_EQ(notes.size(), 3U);
-  EXPECT_THAT(notes[0], HasSubstr("3 rows fall short of the accuracy by: scatter of the samples; "
-                                  "raise [accuracy] max_samples_per_replicate"));
-  EXPECT_THAT(notes[1], HasSubstr("2 rows fall short of the accuracy by: scatter of the samples; "
-                                  "ask for a smaller relative_error"));
-  EXPECT_THAT(notes[2], HasSubstr("truncation; raise [transport] max_reflections"));
+  EXPECT_THAT(notes[0],
+              HasSubstr("3 rows do not reach the accuracy: scatter of the samples (sampling); "
+                        "raise [accuracy] max_samples_per_replicate"));
+  EXPECT_THAT(notes[1],
+              HasSubstr("2 rows do not reach the accuracy: scatter of the samples (sampling); "
+                        "ask for a smaller relative_error"));
+  EXPECT_THAT(notes[2], HasSubstr("(truncation); raise [transport] max_reflections"));
 }
 
 TEST(Outcome, WarnsOfBackFacesWithTheRemedy) {

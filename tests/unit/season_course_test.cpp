@@ -257,7 +257,7 @@ TEST(SeasonCourse, WhatIsWrongWithADay) {
   EXPECT_THAT(course_error_of(p),
               HasSubstr("season[0].pressure_pa is missing, expected it beside the"));
   p.season = kDay + "weather_file = \"sf.epw\"\n";
-  EXPECT_THAT(course_error_of(p), HasSubstr("is one too many"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("is stated beside "));
   p.season = kDay + "air_temperature_k = 291\n";
   EXPECT_THAT(course_error_of(p),
               HasSubstr("season[0].air_temperature_k = 291, but season[0].day has 29"));

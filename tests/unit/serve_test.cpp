@@ -192,7 +192,7 @@ TEST(ErrorBudget, PartsMakeUpTheWhole) {
     shares += p.share;
     (p.bound ? bounds : standard) += p.bound ? p.error_w_sr : p.error_w_sr * p.error_w_sr;
     EXPECT_NE(p.name, "moved");
-    EXPECT_NE(p.name, "depth");
+    EXPECT_NE(p.name, "target_depth");
     EXPECT_NE(p.name, "background");
   }
   EXPECT_NEAR(shares, 1, 1e-12);

@@ -256,6 +256,52 @@ TEST_F(StoreContent, ViewsAreReadableByPeople) {
       "0");
 }
 
+// Only a row that missed its accuracy has a limit, which follows from the row's own numbers.
+TEST_F(StoreContent, ARowThatMissedItsAccuracyNamesTheLimit) {
+  struct Case {
+    schema::StopReason stop;
+    const char* bound;  // that is made large
+    std::string limit;
+  };
+  const Case cases[] = {
+      {schema::STOP_REASON_ACCURACY_NOT_REACHED, "temperature_bound_w_sr", "temperature"},
+      {schema::STOP_REASON_SAMPLE_LIMIT, "omitted_bound_w_sr", "omitted"},
+      {schema::STOP_REASON_SAMPLE_LIMIT, "undersampling_stderr_w_sr", "undersampling"},
+      {schema::STOP_REASON_ACCURACY_NOT_REACHED, "quadrature_bound_w_sr", "quadrature"},
+      {schema::STOP_REASON_ACCURACY_REACHED, "temperature_bound_w_sr", ""},
+      {schema::STOP_REASON_FLOOR_REACHED, "temperature_bound_w_sr", ""}};
+  for (const Case& c : cases) {
+    TestFolder folder;
+    auto writer = StoreWriter::open(folder.file("b.sigdb"));
+    ASSERT_OK(writer.status());
+    ASSERT_OK(submit(**writer, sweep_, "sweep-a").status());
+    ASSERT_OK((*writer)->begin());
+    const auto job = (*writer)->lease_next("worker", 0);
+    ASSERT_OK(job.status());
+    ASSERT_TRUE(job->has_value());
+    schema::JobResult result = make_result(sweep_, (*job)->spec);
+    for (schema::SignatureRow& row : *result.mutable_view()->mutable_row()) {
+      row.set_stop_reason(c.stop);
+      const auto* field = row.GetDescriptor()->FindFieldByName(c.bound);
+      row.GetReflection()->SetDouble(&row, field, 1e6);
+    }
+    ASSERT_OK((*writer)->complete((*job)->fencing_token, result, "host:1"));
+    ASSERT_OK((*writer)->commit());
+    ASSERT_OK((*writer)->finish());
+    writer->reset();
+    EXPECT_EQ(sqlite_text(
+                  folder.file("b.sigdb"),
+                  "SELECT group_concat(DISTINCT coalesce(limiting_bound, '')) FROM signature_view"),
+              c.limit)
+        << c.bound;
+    const auto reader = StoreReader::open(folder.file("b.sigdb"));
+    ASSERT_OK(reader.status());
+    const auto values = (*reader)->find({});
+    ASSERT_OK(values.status());
+    for (const StoredSignature& row : *values) EXPECT_EQ(row.limiting_bound, c.limit) << c.bound;
+  }
+}
+
 TEST_F(StoreContent, TheSweepComesBack) {
   const auto sweep = reader_->sweep("ship");
   ASSERT_OK(sweep.status());

@@ -322,6 +322,14 @@ void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const La
     row[layout.index(layout.cell[i])] = static_cast<long long>(rows[i].signature.row);
     samples[layout.index(layout.cell[i])] = static_cast<long long>(rows[i].signature.samples);
   }
+  std::vector<std::string> limit(layout.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (!rows[i].interpolation)
+      limit[layout.index(layout.cell[i])] = rows[i].signature.limiting_bound;
+  file.strings(
+      {"limiting_bound",
+       "largest part of the numerical error where that misses the accuracy, empty: reached", ""},
+      d.cube(), limit);
   file.counts({"row", "place in the sweep, -1: not computed", ""}, d.cube(), row);
   file.counts({"samples", "primary rays of all replicates, -1: not computed", ""}, d.cube(),
               samples);

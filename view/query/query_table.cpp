@@ -51,6 +51,14 @@ RowColumn computed(const char* name, T StoredSignature::*field, bool brief) {
 
 using S = StoredSignature;
 
+// A text that not every row has: an empty one is no value.
+RowColumn if_named(const char* name, std::string StoredSignature::*field) {
+  return {{name, false}, [field](const QueryRow& row) -> Cell {
+            const std::string& named = row.signature.*field;
+            return row.interpolation || named.empty() ? Cell() : Cell(named);
+          }};
+}
+
 // The catalogue's quantities from one of them to another, both included ("": to its end). What
 // belongs to one computation alone an interpolated row does not have.
 std::vector<RowColumn> quantities(std::string_view first, std::string_view last) {
@@ -135,13 +143,10 @@ std::vector<RowColumn> further_columns() {
   });
   append(quantities("truncation_bound_w_sr", ""));
   append({
-      {{"dominant_inputs", false},
-       [](const QueryRow& row) -> Cell {
-         const std::string& named = row.signature.dominant_inputs;
-         return row.interpolation || named.empty() ? Cell() : Cell(named);
-       }},
+      if_named("dominant_inputs", &S::dominant_inputs),
       computed("reflections", &S::reflections, false),
       computed("stop_reason", &S::stop_reason, false),
+      if_named("limiting_bound", &S::limiting_bound),
       stored("warning", &S::warning, false),
       stored("energy_gain", &S::energy_gain, false),
       computed("samples", &S::samples, false),

@@ -33,7 +33,7 @@ std::vector<ErrorPart> error_budget(const QueryRow& row, const QuantityColumns& 
   }
   const Measured m = quantity.measured(s);
   out.push_back({"standard error", "of the samples", false, m.stderr_, m.sampled_fraction()});
-  out.push_back({"unseen, estimate",
+  out.push_back({"undersampling, estimate",
                  "a standard error for the brightest that a sample could have met", false,
                  m.undersampling_stderr, m.unseen_fraction()});
   for (std::size_t i = 0; i < kBounds; ++i) {

@@ -98,16 +98,16 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
 
 // One line of an account: what, how much, which part of the whole.
 std::string line(std::string_view what, double value, double whole, std::string_view note = "") {
-  if (std::isnan(value)) return fmt::format("  {:<20} {:>12}\n", what, "not stored");
+  if (std::isnan(value)) return fmt::format("  {:<29} {:>12}\n", what, "not stored");
   const std::string share =
       std::abs(whole) > 0 ? fmt::format("{:>10.3g} %", 100 * value / std::abs(whole)) : "";
-  return fmt::format("  {:<20} {:>12.6g} {:>12}{}{}\n", what, value, share,
+  return fmt::format("  {:<29} {:>12.6g} {:>12}{}{}\n", what, value, share,
                      note.empty() ? "" : "  ", note);
 }
 
 std::string head(std::string_view what, double value, std::string_view unit) {
-  if (std::isnan(value)) return fmt::format("{:<22} {:>12}\n", what, "not stored");
-  return fmt::format("{:<22} {:>12.6g} {}\n", what, value, unit);
+  if (std::isnan(value)) return fmt::format("{:<31} {:>12}\n", what, "not stored");
+  return fmt::format("{:<31} {:>12.6g} {}\n", what, value, unit);
 }
 
 // The layer of cloud as a line; empty without a cover.
@@ -141,7 +141,7 @@ std::string title(const Explained& e) {
 std::string errors(const StoredSignature& row, IntensityOf intensity, double value, double stderr_,
                    double numerical_error) {
   std::string out = line("standard error", stderr_, value);
-  out += line("unseen, estimate", stored_undersampling_stderr(row, intensity), value,
+  out += line("undersampling, estimate", stored_undersampling_stderr(row, intensity), value,
               "a standard error for the brightest that a sample could have met");
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
@@ -154,7 +154,7 @@ std::string errors(const StoredSignature& row, IntensityOf intensity, double val
                 value, info_of(which).what);
   }
   return out + line("numerical error", numerical_error, value,
-                    "sqrt(standard error^2 + unseen^2 + (sum of bounds)^2 / 3)");
+                    "sqrt(standard error^2 + undersampling^2 + (sum of bounds)^2 / 3)");
 }
 
 // The background around the target, and what of it the target must be told from.
@@ -233,6 +233,9 @@ std::string effort(const Explained& e) {
     out += "asked     a number of samples\n";
   }
   out += fmt::format("stopped   {}\n", s.stop_reason);
+  if (!s.limiting_bound.empty())
+    out += fmt::format("limit     {}\n",
+                       limit_text(s.limiting_bound, s.stop_reason == "sample_limit"));
   out += fmt::format("samples   {} in {} replicates, {} met the target, {} rays in all\n",
                      s.samples, s.replicates, s.target_paths, s.rays);
   if (s.reflections) out += fmt::format("paths     of at most {} reflections\n", *s.reflections);

@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <compare>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string_view>
 #include <utility>
 
+#include "core/accuracy/measured.h"
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
-#include "view/rows/measured_row.h"
 
 namespace irsig {
 namespace {
@@ -20,84 +20,62 @@ constexpr const char* kRemedy =
     "set two_sided = true for parts that are sheets, mend facets that are inside out with `irsig "
     "model check FILE --repair OUT.obj`";
 
-// What decides an error, and how a sweep file lowers it.
+// A part of a numerical error as column limiting_bound names it, in words, and how it is lowered.
 struct Limit {
-  std::string_view name, remedy;
-  auto operator<=>(const Limit&) const = default;
+  std::string_view name, meaning, remedy;
 };
 constexpr std::string_view kRaiseLimit = "raise [accuracy] max_samples_per_replicate";
-constexpr Limit kSamples{"scatter of the samples",
-                         "ask for a smaller relative_error, which plans more samples"};
-constexpr Limit kUnmet{"small bright facets that samples may miss",
-                       "make them a [[part]] of their own with hot = true, or ask for a smaller "
-                       "relative_error, which plans more samples"};
+constexpr std::string_view kNoKey = "no key lowers it: ask for a larger relative_error";
+constexpr auto kLimits = std::to_array<Limit>({
+    {kLimitedBySampling, "scatter of the samples",
+     "ask for a smaller relative_error, which plans more samples"},
+    {"undersampling", "small bright facets that samples may miss",
+     "make them a [[part]] of their own with hot = true, or ask for a smaller relative_error, "
+     "which plans more samples"},
+    {"truncation", "reflections after the last one", "raise [transport] max_reflections"},
+    {"quadrature", "the integral over wavelength", "set step_um of the [[band]] smaller"},
+    {"spectral_basis", "spectra between the wavelengths at which they are traced", kNoKey},
+    {"direction_interpolation", "sky and sea between the directions at which they are known",
+     kNoKey},
+    {"omitted", "effects that are off", "run with --effects all"},
+    {"temperature", "temperatures of large facets",
+     "set [heat] element_size_m smaller, or state better temperatures"},
+    {"plume", "steps along rays through hot gas", kNoKey},
+});
 
-std::string_view remedy_of(BoundOf bound) {
-  switch (bound) {
-    case BoundOf::kTruncation:
-      return "raise [transport] max_reflections";
-    case BoundOf::kQuadrature:
-      return "set step_um of the [[band]] smaller";
-    case BoundOf::kUnseen:
-      return kUnmet.remedy;
-    case BoundOf::kOmitted:
-      return "run with --effects all";
-    case BoundOf::kTemperature:
-      return "set [heat] element_size_m smaller, or state better temperatures";
-    case BoundOf::kPlume:
-    case BoundOf::kBasis:
-    case BoundOf::kSky:
-    case BoundOf::kDepth:
-    case BoundOf::kBackground:
-    case BoundOf::kMoved:
-      break;
-  }
-  return "no key lowers it: ask for a larger relative_error";
-}
-
-// Returns the largest part of a row's numerical error. More samples lower what samples leave open,
-// and only that.
-Limit limit_of(const StoredSignature& row) {
-  const Measured source = source_of(row);
-  Limit out = kSamples;
-  double most = source.sampled_fraction();
-  const auto see = [&](double share, const Limit& limit) {
-    if (!(share > most)) return;
-    most = share;
-    out = limit;
-  };
-  see(source.unseen_fraction(), kUnmet);
-  for (std::size_t i = 0; i < kBounds; ++i) {
-    const auto which = static_cast<BoundOf>(i);
-    see(source.share(which), {info_of(which).name, remedy_of(which)});
-  }
-  const bool of_samples = out == kSamples || out.remedy == kUnmet.remedy;
-  if (of_samples && row.stop_reason == "sample_limit") out.remedy = kRaiseLimit;
-  return out;
-}
-
-// Numbers of rows that did not reach their accuracy, by what decides their error.
-using Limits = std::map<Limit, std::uint64_t>;
+// Numbers of rows that did not reach their accuracy, by what decides their error: its name, and
+// whether the samples of a row are at their limit.
+using Limits = std::map<std::pair<std::string, bool>, std::uint64_t>;
 
 void count_limit(const StoredSignature& row, Limits& limits) {
-  if (!row.superseded &&
-      (row.stop_reason == "accuracy_not_reached" || row.stop_reason == "sample_limit"))
-    ++limits[limit_of(row)];
+  if (row.superseded || row.limiting_bound.empty()) return;
+  // More samples lower what samples leave open, and only that.
+  const bool of_samples =
+      row.limiting_bound == kLimitedBySampling || row.limiting_bound == "undersampling";
+  ++limits[{row.limiting_bound, of_samples && row.stop_reason == "sample_limit"}];
 }
 
 // Returns the most frequent first.
 std::vector<std::string> notes_of(const Limits& limits) {
-  std::vector<std::pair<Limit, std::uint64_t>> sorted(limits.begin(), limits.end());
+  std::vector<std::pair<Limits::key_type, std::uint64_t>> sorted(limits.begin(), limits.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   std::vector<std::string> out;
   for (const auto& [limit, rows] : sorted)
-    out.push_back(fmt::format("{} row{} short of the accuracy by: {}; {}", rows,
-                              rows == 1 ? " falls" : "s fall", limit.name, limit.remedy));
+    out.push_back(fmt::format("{} row{} not reach the accuracy: {}", rows,
+                              rows == 1 ? " does" : "s do", limit_text(limit.first, limit.second)));
   return out;
 }
 
 }  // namespace
+
+std::string limit_text(std::string_view limiting_bound, bool at_sample_limit) {
+  const auto* const found = std::find_if(kLimits.begin(), kLimits.end(),
+                                         [&](const Limit& l) { return l.name == limiting_bound; });
+  if (found == kLimits.end()) return one_line(std::string(limiting_bound));  // of another program
+  return fmt::format("{} ({}); {}", found->meaning, found->name,
+                     at_sample_limit ? kRaiseLimit : found->remedy);
+}
 
 std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& accuracy) {
   if (!accuracy.has_relative_error()) return "";

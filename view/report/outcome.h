@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "schema/job.pb.h"
@@ -15,9 +16,15 @@ namespace irsig {
 [[nodiscard]] std::string stopped_text(const StoredOutcome& outcome,
                                        const schema::Accuracy& accuracy);
 
+// Returns a limiting bound in words, with its name and its remedy: "temperatures of large facets
+// (temperature); set [heat] element_size_m smaller, or state better temperatures".
+//   limiting_bound   as stored in the column of that name (StoredSignature)
+//   at_sample_limit  whether more samples would help, and the sweep allows no more
+[[nodiscard]] std::string limit_text(std::string_view limiting_bound, bool at_sample_limit);
+
 // Returns what decides the error of the rows that did not reach their accuracy, the most frequent
-// first, each with its remedy: "14 rows fall short of the accuracy by: temperature; set [heat]
-// element_size_m smaller, or state better temperatures". Empty: every row reached it.
+// first, each with its remedy: "14 rows do not reach the accuracy: effects that are off (omitted);
+// run with --effects all". Empty: every row reached it.
 [[nodiscard]] std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows);
 // Returns these notes for all rows of a sweep, few of which are in memory at once.
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,

@@ -166,6 +166,9 @@ struct StoredSignature {
   std::string dominant_inputs;
   std::optional<std::uint64_t> reflections;  // the most that a path was given
   std::string stop_reason;
+  // The largest part of the numerical error of a row that missed its accuracy: "sampling", or the
+  // name of a bound (core/accuracy/measured.h). Empty: the row did not miss it.
+  std::string limiting_bound;
   bool energy_gain;
   std::string warning;  // of the condition, one line each
   std::uint64_t samples, target_paths, rays;
