@@ -145,7 +145,8 @@ class PageImage(PageCase):
             self.assertGreater(min(self.colours(page, k)[0] for k in (0, 1)), 0)
             page.run(f"{CANVAS}.focus()")
             words = page.text("#image .readout")
-            column, row, a, _, _, b, *_ = numbers(words)
+            column, row = numbers(words)[:2]
+            a, b = (numbers(re.search(rf"{side} ({NUMBER}) ± {NUMBER} W", words)[1])[0] for side in "AB")
             self.assertIn("; B ", words)
             with irsig_py.open(self.db) as db:
                 for value, pattern, panel in ((a, r"Row (\d+):", "#values .where"), (b, r"B is row (\d+):", "#values .where + .where")):
@@ -173,7 +174,7 @@ class PageImage(PageCase):
                         ((r"Row (\d+):", "#values .where"), (r"B is row (\d+):", "#values .where + .where")))
                 difference, = numpy.subtract(b.images("at_sensor"), a.images("at_sensor"), dtype=float)
                 error, = numpy.hypot(a.images("at_sensor", stderr=True), b.images("at_sensor", stderr=True))
-                emitted, = numpy.subtract(b.images("emitted"), a.images("emitted"), dtype=float)
+                behind, = numpy.subtract(b.images("background"), a.images("background"), dtype=float)
             page.run(f"{CANVAS}.focus()")
             for key in ("ArrowRight", "ArrowDown"):
                 words = page.text("#image .readout")
@@ -188,12 +189,12 @@ class PageImage(PageCase):
             page.screenshot(SHOTS / f"image-difference-{name}.png")
             self.check_layout(page)
             # A layer without errors.
-            page.choose("#image [name=layer]", "emitted")
-            page.wait("document.querySelector('#image .tools a').href.endsWith('layer=emitted')")
+            page.choose("#image [name=layer]", "background")
+            page.wait("document.querySelector('#image .tools a').href.endsWith('layer=background')")
             words = page.text("#image .readout")
             column, row, value = numbers(words.replace("B − A", ""))[:3]
             self.assertNotIn("±", words)
-            self.assertAlmostEqual(value, emitted[int(row), int(column)], delta=6e-5 * abs(emitted).max())
+            self.assertAlmostEqual(value, behind[int(row), int(column)], delta=6e-5 * abs(behind).max())
             page.choose("#image [name=pictures]", "")
             page.wait("document.querySelector('#image .pictures span').textContent === 'A'")
             self.assertTrue(page.run("document.querySelectorAll('#image canvas')[1].checkVisibility()"))
