@@ -183,6 +183,11 @@ absl::StatusOr<PageReply> answer_image_exr(const PageSources& sources, const Que
 // run before show nothing of the part, how long the run is, and how many samples of each of its
 // pixels meet the part.
 absl::StatusOr<PageReply> answer_silhouette(const PageSources& sources, const Question& q) {
+  if (q.stderr_of_image || q.layer)
+    return absl::InvalidArgumentError(fmt::format(
+        "parameter {}: there is no such parameter here but layer = counts, for the pixels of the "
+        "sweep's imager",
+        q.layer ? "layer" : "stderr"));
   ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   ASSIGN_OR_RETURN(const auto of, image_of(sources, *reader, q));
   const auto silhouette = reader->silhouette(of.row.signature_id);
