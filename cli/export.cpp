@@ -11,11 +11,13 @@
 #include "cli/positive_number.h"
 #include "cli/target_extent.h"
 #include "core/accuracy/image_layers.h"
+#include "core/base/printable.h"
 #include "core/base/status_macros.h"
 #include "jobs/files/imager_file.h"
 #include "planning/export_temperatures.h"
 #include "view/base/print.h"
 #include "view/pictures/export_thumbnails.h"
+#include "view/pictures/sweep_imager.h"
 
 namespace irsig {
 namespace {
@@ -32,7 +34,8 @@ struct ExportCommand {
   std::string scale;    // of thumbnails; empty: not said
   std::string imager;   // file; empty: none
   std::string layer;    // shown by thumbnails; empty: the radiance at the target
-  bool exr = false, background = false, masks = false, coco = false, each_part = false;
+  bool no_imager = false, exr = false, background = false, masks = false, coco = false,
+       each_part = false;
   std::string image_format = "png";
   int bits = 0;  // of pictures; 0: not said
   double validation = 0;
@@ -71,6 +74,31 @@ struct ExportCommand {
   }
 
  private:
+  // The [imager] of the sweeps is applied where no option asks for a stored radiance.
+  [[nodiscard]] absl::Status take_sweep_imager(StoreReader& reader, ThumbnailsAsked& asked) const {
+    ASSIGN_OR_RETURN(auto stated, common_imager(reader, asked.query.sweep));
+    if (!stated) return absl::OkStatus();
+    const char* radiance = !scale.empty()          ? "--thumbnail-scale"
+                           : bits != 0             ? "--bits"
+                           : image_format != "png" ? "--image-format"
+                           : !asked.layer.empty()  ? "--layer"
+                                                   : nullptr;
+    if (radiance) {
+      print_note("irsig: [imager] of the sweep is not applied: {} is of stored radiance\n",
+                 radiance);
+      return absl::OkStatus();
+    }
+    print_note(
+        "irsig: counts of {} as [imager] of the sweep states it; --no-imager gives stored "
+        "radiance\n",
+        printable(stated->name));
+    asked.background = true;
+    asked.imager = stated->imager;
+    asked.imager_name = std::move(stated->name);
+    asked.imager_identity = std::move(stated->identity);
+    return absl::OkStatus();
+  }
+
   [[nodiscard]] absl::Status write_thumbnails(StoreReader& reader, const Query& query) const {
     if (output.out() == "-") return absl::InvalidArgumentError("--out -: thumbnails need a folder");
     ThumbnailsAsked asked;
@@ -100,6 +128,8 @@ struct ExportCommand {
       asked.imager = read.imager;
       asked.imager_name = std::move(read.name);
       asked.imager_identity = std::move(read.identity);
+    } else if (!no_imager) {
+      RETURN_IF_ERROR(take_sweep_imager(reader, asked));
     }
     asked.each_part = each_part;
     asked.validation = validation;
@@ -143,6 +173,9 @@ void add_export(CLI::App& app, int& exit_code) {
       "--imager", options->imager,
       "Thumbnails of counts, as the camera of this TOML file records them; with --background"));
   imager->type_name("FILE");
+  of_thumbnails(command->add_flag("--no-imager", options->no_imager,
+                                  "Thumbnails of stored radiance, although the sweep has [imager]"))
+      ->excludes(imager);
   of_thumbnails(command->add_option(
                     "--thumbnail-scale", options->scale,
                     "Black and white of thumbnails: common (0 to the hottest pixel of all that are "

@@ -16,6 +16,7 @@
 #include "jobs/resolve_sweep.h"
 #include "jobs/text/edit_sweep.h"
 #include "live/film.h"
+#include "messages/imager/imager_from_message.h"
 
 namespace irsig {
 
@@ -84,6 +85,10 @@ absl::StatusOr<std::string> Flight::edited(const LiveAsk& ask, const std::string
                                     c.width_px,
                                     c.height_px,
                                     kStoredPixelErrorPercent};
+    if (const schema::Sweep& sweep = loaded_.resolved.sweep(); sweep.has_imager()) {
+      ASSIGN_OR_RETURN(const auto imager, imager_from_message(sweep.imager()));
+      edit.without_imager = imager.ifov_rad() < 2 * c.pixel_rad();
+    }
   }
   return edit_sweep(text_, path_, edit);
 }

@@ -20,6 +20,7 @@
 #include "view/pictures/plot_picture.h"
 #include "view/pictures/region_hours.h"
 #include "view/pictures/sky_picture.h"
+#include "view/pictures/sweep_imager.h"
 #include "view/report/hours.h"
 
 namespace irsig {
@@ -36,6 +37,7 @@ struct PlotCommand {
   std::vector<std::string> region;
   std::optional<double> elevation_deg;
   std::optional<std::uint32_t> pixels;
+  bool no_imager = false;
 
   [[nodiscard]] absl::Status run() const {
     RETURN_IF_ERROR(check_options());
@@ -64,10 +66,7 @@ struct PlotCommand {
       return output.write([&](std::string_view table, std::ostream& out) {
         return write_polar(*reader, query, elevation_deg, table, out, stored_target_extent);
       });
-    if (kind == "picture")
-      return write_picture(radiance_picture(*reader, query, range, pixels, read_pictures, layer));
-    if (kind == "sheet")
-      return write_picture(sheet_picture(*reader, query, range, pixels, read_pictures, layer));
+    if (kind == "picture" || kind == "sheet") return write_stored(*reader, query, range);
     if (kind == "effects" || kind == "diagonal")
       return write_effects_as(format, *reader, query, range);
     if (kind == "sky")
@@ -101,6 +100,7 @@ struct PlotCommand {
     status.Update(
         belongs(!scale.empty(), "--scale", {"picture", "sheet", "temperatures", "sky", "effects"}));
     status.Update(belongs(!layer.empty(), "--layer", {"picture", "sheet", "regions"}));
+    status.Update(belongs(no_imager, "--no-imager", {"picture", "sheet"}));
     status.Update(belongs(!region.empty(), "--region", {"regions"}));
     status.Update(belongs(pixels.has_value(), "--pixels",
                           {"picture", "sheet", "temperatures", "sky", "land"}));
@@ -110,6 +110,19 @@ struct PlotCommand {
   [[nodiscard]] absl::Status write_picture(const absl::StatusOr<FalseColorPicture>& picture) const {
     if (!picture.ok()) return picture.status();
     return output.write(draw_false_color(*picture));
+  }
+
+  // Counts of the sweep's imager unless a layer or its absence is asked for.
+  [[nodiscard]] absl::Status write_stored(StoreReader& reader, const Query& query,
+                                          const std::optional<ColorRange>& range) const {
+    std::optional<SweepImager> imager;
+    if (!no_imager && layer.empty()) {
+      ASSIGN_OR_RETURN(imager, common_imager(reader, query.sweep));
+    }
+    return write_picture(
+        kind == "picture"
+            ? radiance_picture(reader, query, range, pixels, read_pictures, layer, imager)
+            : sheet_picture(reader, query, range, pixels, read_pictures, layer, imager));
   }
 
   [[nodiscard]] absl::Status write_hours_as(const std::string& format, StoreReader& reader,
@@ -173,12 +186,13 @@ void add_plot(CLI::App& app, int& exit_code) {
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
       ->type_name("DEG");
   command
-      ->add_option(
-          "--scale", options->scale,
-          "Values at the ends of the colours of picture, sheet, effects and sky [W/(m2 sr)] and "
-          "temperatures [K]; "
-          "default: the 1st and 99th percentile of their pixels; of temperatures and "
-          "sky: the smallest and largest")
+      ->add_option("--scale", options->scale,
+                   "Values at the ends of the colours of picture, sheet (of [imager]: counts), "
+                   "effects and sky "
+                   "[W/(m2 sr)] and "
+                   "temperatures [K]; "
+                   "default: the 1st and 99th percentile of their pixels; of temperatures and "
+                   "sky: the smallest and largest")
       ->type_name("LOW,HIGH");
   command
       ->add_option(
@@ -198,6 +212,8 @@ void add_plot(CLI::App& app, int& exit_code) {
           "the sweep asked for it; default: the radiance at the target, of regions at_sensor")
       ->type_name("NAME")
       ->check(CLI::IsMember(layers));
+  command->add_flag("--no-imager", options->no_imager,
+                    "Of picture and sheet: stored radiance, although the sweep has [imager]");
   command
       ->add_option(
           "--region", options->region,

@@ -265,6 +265,7 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   check_air(sweep, findings);
   *resolved.mutable_viewpoint() = as_sent.viewpoint();
   check_image(resolved, findings);
+  check_sweep_imager(sweep, findings);
   check_profiles(resolved, findings);
 }
 

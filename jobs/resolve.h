@@ -96,6 +96,11 @@ void write_effect_defaults(schema::Sweep& sweep);
 void check_image(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_image_defaults(schema::Sweep& sweep);
 
+// [imager], once all defaults are written out.
+void check_sweep_imager(const schema::Sweep& sweep, Findings& findings);
+// Checks a sweep file only: the sweeps of pilots have no images.
+void check_imager_has_images(const schema::Sweep& sweep, Findings& findings);
+
 // [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.
 void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_profile_defaults(schema::Sweep& sweep);

@@ -184,6 +184,8 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   write_image_defaults(*resolved.mutable_sweep());
   write_profile_defaults(*resolved.mutable_sweep());
   mark_hot_parts(resolved);
+  check_sweep_imager(resolved.sweep(), findings);
+  check_imager_has_images(resolved.sweep(), findings);
   check_weather(resolved, findings);
   resolve_uncertainty(resolved, findings);
   if (!findings.empty()) return findings.status();

@@ -16,6 +16,10 @@ absl::Status within(const char* name, double value, double least, double most) {
 
 }  // namespace
 
+double LiveCamera::pixel_rad() const {
+  return 2 * std::tan(0.5 * field_of_view_deg * kRadPerDeg) / width_px;
+}
+
 ImageSpec LiveCamera::image() const {
   ImageSpec out;
   out.width_px = width_px;

@@ -20,8 +20,8 @@ enum class LiveLight : std::uint8_t { kTotal, kEmitted, kSun, kReflected, kAir }
 inline constexpr std::array<const char*, 5> kLiveLights = {"total", "emitted", "sun", "reflected",
                                                            "air"};
 
-// A class of pixels whose errors are alike, by what a ray meets. 0: neither target nor land; from 1 on
-// materials of the target and then of land, each first in shade and then in the sun.
+// A class of pixels whose errors are alike, by what a ray meets. 0: neither target nor land; from 1
+// on materials of the target and then of land, each first in shade and then in the sun.
 using LiveClass = std::uint16_t;
 
 // One picture of the live path.
@@ -35,6 +35,8 @@ struct LiveFrame {
       edge;                  // 1: its samples, or it and a pixel beside it, met different things
   std::vector<float> error;  // stated: half the range that holds 90 % of pixels [W/(m2 sr)]
   double seconds = 0;
+  // Gain and offset of a frame that a camera records; 0: the frame is radiance.
+  double counts_per_w_m2_sr = 0, offset_counts = 0;
 };
 
 // A place under the pointer.
@@ -45,6 +47,9 @@ struct LivePick {
   bool in_sun = false;
   std::array<double, 5> light{};  // [LiveLight] W/(m2 sr)
 };
+
+class FrameView;
+struct FrameWorker;
 
 // Draws frames of one choice with direct light alone: first hits, tables of emission, sky and air,
 // and rays to the sun. Not for several threads.
@@ -65,16 +70,14 @@ class FrameTracer {
   [[nodiscard]] std::uint32_t classes() const;
 
  private:
-  class View;
-  struct Worker;
-  [[nodiscard]] absl::StatusOr<std::unique_ptr<View>> view(const LiveCamera& camera);
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<FrameView>> view(const LiveCamera& camera);
 
   const LiveSweep& sweep_;
   const LandRays* land_;
   const PlaceLights& lights_;
   PlaceGrid& grid_;
   TileThreads& threads_;
-  std::vector<std::unique_ptr<Worker>> worker_;
+  std::vector<std::unique_ptr<FrameWorker>> worker_;
 };
 
 }  // namespace irsig

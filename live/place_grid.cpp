@@ -111,9 +111,22 @@ bool PlaceGrid::make_one(const Viewpoint& viewpoint) {
   return false;
 }
 
+int PlaceGrid::missing(const Viewpoint& viewpoint) const {
+  const Corners corners = corners_of(viewpoint);
+  const std::lock_guard lock(mutex_);
+  int out = 0;
+  for (int k = 0; k < corners.count; ++k)
+    out += node_.contains(corners.corner[static_cast<std::size_t>(k)].key) ? 0 : 1;
+  return out;
+}
+
 absl::StatusOr<PlaceGrid::Seen> PlaceGrid::at(const Viewpoint& viewpoint) {
   Seen out;
   ASSIGN_OR_RETURN(out.horizon_z, lights_.horizon_z(viewpoint));
+  if (missing(viewpoint) > 1) {
+    ASSIGN_OR_RETURN(out.light, lights_.at(viewpoint));
+    return out;
+  }
   const Corners corners = corners_of(viewpoint);
   for (int k = 0; k < corners.count; ++k) {
     const Corner& corner = corners.corner[static_cast<std::size_t>(k)];

@@ -23,12 +23,15 @@ class PlaceGrid {
     PlaceLight light;
     double horizon_z = 0;
   };
-  // Returns the light of a place between the nodes around it, which are made if they are missing.
-  // Where a node cannot be seen from, the light is that of the place itself. Errors as
+  // Returns the light of a place between the nodes around it. Computes one table at most, so that a
+  // frame at a new place does not wait for eight: a single missing node is made; where more are
+  // missing, or one cannot be seen from, the light is that of the place itself. Errors as
   // PlaceLights::at has them.
   [[nodiscard]] absl::StatusOr<Seen> at(const Viewpoint& viewpoint);
   // Makes one missing node around a place; returns false if there was none.
   [[nodiscard]] bool make_one(const Viewpoint& viewpoint);
+  // Returns the number of nodes around a place that are not made yet.
+  [[nodiscard]] int missing(const Viewpoint& viewpoint) const;
   // Number of nodes that were made.
   [[nodiscard]] std::size_t nodes() const;
 

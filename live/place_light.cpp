@@ -12,6 +12,12 @@
 namespace irsig {
 namespace {
 
+// Returns the cosine of a node of tables by cosine; 0 would have no direction.
+float node_cosine(std::uint32_t c) {
+  const float root = static_cast<float>(c) / (kEmissionCosines - 1);
+  return std::max(root * root, 1e-5f);
+}
+
 // Ranges of land, from the nearest that a camera comes to.
 constexpr double kNearestLandM = 20, kLandRangeStep = 1.4;
 constexpr std::size_t kMostLandRanges = 28;
@@ -95,6 +101,8 @@ void PlaceLight::add(float weight, const PlaceLight& other) {
   add_to(weight, other.blackbody, blackbody);
   add_to(weight, other.reflected, reflected);
   add_to(weight, other.sun, sun);
+  add_to(weight, other.sun_reflected, sun_reflected);
+  sun_total += weight * other.sun_total;
   add_to(weight, other.background, background);
   add_to(weight, other.land, land);
   add_to(weight, other.land_sun, land_sun);
@@ -198,6 +206,14 @@ absl::StatusOr<std::unique_ptr<const PlaceLights>> PlaceLights::make(
   if (condition.surroundings.kind != SurroundingsKind::kNone)
     out->above_surface_m_ = condition.above_surface_m;
   out->has_air_ = first.request.air.model != AirModel::kVacuum;
+  if (f.sun_shines && choice.effects.parts) {
+    ASSIGN_OR_RETURN(const auto here, out->at(viewpoint));
+    f.own_sun = out->sweep_->own_parts().sunlight(
+        scene.target, f.sun, [&](std::uint32_t material, float cosine) {
+          return at_cosine(here.sun_reflected.data() + material * kEmissionCosines, cosine) /
+                 here.sun_total;
+        });
+  }
   return out;
 }
 
@@ -298,21 +314,22 @@ absl::StatusOr<PlaceLight> PlaceLights::at(const Viewpoint& viewpoint) const {
   PlaceLight out;
   out.path = static_cast<float>(irsig::in_band(light.environment().path_radiance, band));
   std::vector<float> emissivity(basis == nullptr ? 1 : scene.carried_material().front().nodes());
+  // Light of a source's row that a material takes, which is what it emits of a blackbody's.
+  const auto absorbed = [&](const Material& material, float cosine, const double* row) {
+    if (basis == nullptr)
+      emissivity[0] = material.emissivity(cosine);
+    else
+      material.spectral_emissivity(cosine, emissivity.data());
+    double sum = 0;
+    for (std::size_t k = 0; k < columns; ++k)
+      sum += static_cast<double>(emissivity[frame_.first_column + k]) * row[k];
+    return static_cast<float>(sum);
+  };
   for (const Material& material : scene.carried_material())
     for (std::uint32_t s = 0; s < frame_.lights; ++s) {
       const double* row = table.apparent.data() + index_of(light.layout().seen(s)) * columns;
-      for (std::uint32_t c = 0; c < kEmissionCosines; ++c) {
-        const float root = static_cast<float>(c) / (kEmissionCosines - 1),
-                    cosine = std::max(root * root, 1e-5f);
-        if (basis == nullptr)
-          emissivity[0] = material.emissivity(cosine);
-        else
-          material.spectral_emissivity(cosine, emissivity.data());
-        double sum = 0;
-        for (std::size_t k = 0; k < columns; ++k)
-          sum += static_cast<double>(emissivity[frame_.first_column + k]) * row[k];
-        out.emitted.push_back(static_cast<float>(sum));
-      }
+      for (std::uint32_t c = 0; c < kEmissionCosines; ++c)
+        out.emitted.push_back(absorbed(material, node_cosine(c), row));
     }
   for (std::uint32_t s = 0; s < frame_.lights; ++s)
     out.blackbody.push_back(
@@ -327,6 +344,10 @@ absl::StatusOr<PlaceLight> PlaceLights::at(const Viewpoint& viewpoint) const {
     const SourceId sun = light.layout().sun(light.suns().front().index);
     const double* row = table.apparent.data() + index_of(sun) * columns;
     for (std::size_t k = 0; k < columns; ++k) out.sun.push_back(static_cast<float>(row[k]));
+    out.sun_total = static_cast<float>(irsig::in_band(light.apparent(sun), band));
+    for (const Material& material : scene.carried_material())
+      for (std::uint32_t c = 0; c < kEmissionCosines; ++c)
+        out.sun_reflected.push_back(out.sun_total - absorbed(material, node_cosine(c), row));
   }
   const auto& background = light.environment().background_apparent;
   if (sweep_->environment() != nullptr) {

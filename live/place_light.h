@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -38,6 +39,12 @@ struct LiveChoice {
 
 // Nodes of the cosine of the angle at which a surface is seen, linear in its square root.
 inline constexpr std::uint32_t kEmissionCosines = 17;
+// Returns a row of kEmissionCosines numbers at a cosine.
+[[nodiscard]] inline float at_cosine(const float* row, float cosine) {
+  const float position = std::sqrt(cosine) * (kEmissionCosines - 1);
+  const auto low = std::min(static_cast<std::uint32_t>(position), kEmissionCosines - 2);
+  return row[low] + (position - static_cast<float>(low)) * (row[low + 1] - row[low]);
+}
 // Directions of a background on each side of the horizon. The distance from the horizon grows with
 // the square of the index: the path through the air changes fastest there.
 inline constexpr std::uint32_t kSideNodes = 20;
@@ -50,6 +57,9 @@ struct PlaceLight {
   std::vector<float> blackbody;  // [light] as bright as a blackbody of its temperature
   std::vector<float> reflected;  // [material][ReflectedSky::kEntries]
   std::vector<float> sun;        // [column] irradiance of the sun at the target; empty: none [W/m2]
+  // [material][kEmissionCosines] irradiance of the sun times the material's reflectance [W/m2]
+  std::vector<float> sun_reflected;
+  float sun_total = 0;            // irradiance of the sun [W/m2]
   std::vector<float> background;  // [2 x kSideNodes] above, then below the horizon, from it on
   std::vector<float> land;        // [kind, then material][range]
   std::vector<float> land_sun;    // [material][range] per unit cosine of incidence
@@ -68,6 +78,8 @@ struct LightFrame {
   std::vector<double> land_range_m;
   Vec<Body> sun;            // towards it
   bool sun_shines = false;  // on the target
+  // [facet] OwnParts::sunlight; empty: none reaches a facet by way of others
+  std::vector<float> own_sun;
   // [emitter] Lights of which an emitter consists: ConditionSources::fraction_of.
   std::vector<ConditionSources::EmitterShare> emitter;
   std::vector<float> kelvin;  // [emitter]

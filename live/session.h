@@ -47,6 +47,9 @@ struct LivePicture {
 
 // Accuracy of images that are kept: root mean square over the target's pixels. [percent]
 inline constexpr double kStoredPixelErrorPercent = 2;
+// Accuracy of a resting picture, in which the job's estimator goes on to that of a stored image:
+// root mean square, and of 99 pixels in 100. [percent]
+inline constexpr double kRestingRmsPercent = 2, kRestingPercentile99Percent = 5;
 
 // One viewer's look at a sweep: draws what is asked for, and once the camera rests measures it as a
 // job does. Any number of threads may ask; frames are drawn one after the other.
@@ -64,8 +67,12 @@ class LiveSession {
   // Returns the scene with the first condition that was asked for.
   [[nodiscard]] const LiveSweep& sweep() const { return *base_; }
   // Measures what is asked for as the sweep's job would: the layer "at_sensor", bit for bit, with
-  // its errors. samples: of each pixel; 0: as many as kStoredPixelErrorPercent asks for.
-  [[nodiscard]] absl::StatusOr<LiveFrame> measure(const LiveAsk& ask, std::uint32_t samples);
+  // its errors, as good as kStoredPixelErrorPercent asks for.
+  [[nodiscard]] absl::StatusOr<LiveFrame> measure(const LiveAsk& ask);
+  // Likewise with a number of rays for each pixel, in the asked band alone and without a pilot.
+  // Different `seed` give independent pictures.
+  [[nodiscard]] absl::StatusOr<LiveFrame> measure_quickly(const LiveAsk& ask, std::uint32_t samples,
+                                                          std::uint64_t seed);
 
  private:
   struct Stage;
@@ -73,7 +80,24 @@ class LiveSession {
   [[nodiscard]] absl::StatusOr<std::shared_ptr<Stage>> stage_of(const LiveAsk& ask);
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const LiveSweep>> sweep_of(const LiveAsk& ask);
   void rest();
+  // Measures in rounds until the picture is as good as kRestingRmsPercent and
+  // kRestingPercentile99Percent say; shows each. `lock` holds resting_, but not while it measures.
+  // Returns false if something else is asked for meanwhile, or nothing can be measured.
+  [[nodiscard]] bool refine(const LiveAsk& ask, std::uint64_t begun,
+                            std::unique_lock<std::mutex>& lock);
+  [[nodiscard]] std::vector<absl::StatusOr<LiveFrame>> measure_side_by_side(const LiveAsk& ask,
+                                                                            std::uint32_t samples,
+                                                                            std::uint64_t seed);
+  // Learns the errors of a stage from a small picture, once.
+  [[nodiscard]] absl::Status try_small(Stage& stage, const LiveAsk& ask);
+  [[nodiscard]] std::shared_ptr<Stage> known_stage(const LiveAsk& ask);
+  void learn(const LiveAsk& ask, const LiveFrame& truth);
   void learn(Stage& stage, const LiveAsk& ask, const LiveFrame& truth);
+  struct Asked {
+    std::shared_ptr<const LiveSweep> sweep;
+    ViewRequest request;
+  };
+  [[nodiscard]] absl::StatusOr<Asked> request_of(const LiveAsk& ask);
 
   MakeLiveInput make_;
   std::shared_ptr<const LiveSweep> base_;
@@ -81,6 +105,11 @@ class LiveSession {
   std::unique_ptr<TileThreads> threads_;
   std::mutex drawing_;  // guards the stages and the threads of frames
   std::list<std::shared_ptr<Stage>> stage_;
+  struct Drawn {
+    LiveAsk ask;
+    LivePicture picture;
+  };
+  std::optional<Drawn> drawn_;  // last
 
   std::mutex resting_;  // guards what follows
   std::condition_variable wake_;

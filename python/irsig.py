@@ -421,7 +421,8 @@ class Rows:
         """Of each row array [row][column] float32; None: it has no image, or not this layer.
 
         layer: None, the in-band radiance of the target at the target [W/(m2 sr)] times the fraction of a pixel that it fills; or a name of
-        [image] layers. stderr: the standard errors of these numbers, which layers other than at_sensor have not.
+        [image] layers. stderr: the standard errors of these numbers, which layers have that are sums over paths: at_sensor,
+        emitted, sun, sky, surface, parts and hidden.
         """
         column = "stderr_exr" if stderr else "exr"
         out = []

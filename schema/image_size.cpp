@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "core/accuracy/image_layers.h"
 
 namespace irsig {
 namespace {
@@ -18,17 +21,23 @@ double pixels_of(const schema::Sweep& sweep) {
 double image_bytes_of_row(const schema::Sweep& sweep) {
   // Radiances are float32, packed if that makes them less; standard errors take a quarter. And a
   // grey picture to look at.
-  constexpr double kBytesOfLayer = 4, kBytesOfRest = 1 + 1 + 1;
+  constexpr double kBytesOfLayer = 4, kBytesOfError = 1, kBytesOfGrey = 1;
+  const auto& layers = sweep.image().layers();
+  const auto errors = 1 + std::count_if(layers.begin(), layers.end(), [](const std::string& name) {
+                        const auto layer = image_layer_of(name);
+                        return layer && has_standard_error(*layer);
+                      });
   // Of whole parts: two entries of 6 bytes a pixel, packed.
   const double whole_parts = sweep.image().whole_parts() ? 4 : 0;
   return pixels_of(sweep) *
-         (kBytesOfLayer * (1 + sweep.image().layers_size()) + kBytesOfRest + whole_parts);
+         (kBytesOfLayer * (1 + layers.size()) + kBytesOfError * static_cast<double>(errors) +
+          kBytesOfGrey + whole_parts);
 }
 
 double image_memory_of_row(const schema::Sweep& sweep) {
-  // At the target and at the sensor: sums, errors, and the sums of six kinds of light; then the
+  // At the target and at the sensor: sums, errors, and those of six kinds of light; then the
   // pixels and their errors as numbers, twice for a moment.
-  constexpr double kBytesOfTracing = 2 * (8 + 4 + 6 * 4), kBytesOfLayer = 8;
+  constexpr double kBytesOfTracing = 2 * (8 + 4 + 6 * (4 + 4)), kBytesOfLayer = 8;
   return pixels_of(sweep) * (kBytesOfTracing + kBytesOfLayer * (2 + sweep.image().layers_size())) +
          image_bytes_of_row(sweep);
 }

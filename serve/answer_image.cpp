@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/accuracy/image_layers.h"
@@ -9,6 +11,8 @@
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
 #include "serve/json_text.h"
+#include "view/pictures/recorded_image.h"
+#include "view/pictures/sweep_imager.h"
 #include "view/pictures/thumbnail.h"
 
 namespace irsig {
@@ -60,6 +64,58 @@ std::string describe_layer(const ImageLayerInfo& info, const schema::ImageLayer&
   return out.finish();
 }
 
+// Images above take more than about a second to record.
+constexpr std::uint32_t kMostRecordedPx = 1024;
+
+struct PageImager {
+  SweepImager imager;
+  CountsFrame frame;
+};
+
+// The camera of the row's sweep before its image; nothing: the sweep has none. Errors state why it
+// cannot record the image.
+absl::StatusOr<std::optional<PageImager>> page_imager(StoreReader& reader, const RowImage& of) {
+  if (of.row.superseded) return std::nullopt;
+  ASSIGN_OR_RETURN(const auto sweep, reader.sweep(of.row.sweep, SweepFiles::kNone));
+  ASSIGN_OR_RETURN(auto imager, imager_of_sweep(sweep.resolved.sweep()));
+  if (!imager) return std::nullopt;
+  if (std::max(of.image.width_px(), of.image.height_px()) > kMostRecordedPx)
+    return absl::FailedPreconditionError(
+        fmt::format("the page records images of at most {} pixels along a side; irsig plot "
+                    "--kind picture records larger ones",
+                    kMostRecordedPx));
+  ASSIGN_OR_RETURN(const auto frame, counts_frame(reader, *imager, of.row, of.image));
+  return PageImager{*std::move(imager), frame};
+}
+
+absl::StatusOr<PageImager> needed_imager(StoreReader& reader, const RowImage& of) {
+  ASSIGN_OR_RETURN(auto imager, page_imager(reader, of));
+  if (!imager)
+    return absl::NotFoundError(
+        fmt::format("row {} has no counts: its sweep has no [imager]", of.row.row));
+  return *std::move(imager);
+}
+
+std::string describe_counts(const PageImager& of, const std::string& command) {
+  JsonObject out;
+  out.text("name", of.imager.name);
+  out.count("width_px", of.frame.grid.width_px);
+  out.count("height_px", of.frame.grid.height_px);
+  out.number("pixel_rad", of.imager.imager.ifov_rad());
+  out.count("bits", of.imager.imager.bits);
+  out.number("counts_per_w_m2_sr", of.frame.figures.counts_per_w_m2_sr);
+  out.number("offset_counts", of.frame.figures.offset_counts);
+  out.number("noise_w_m2_sr", of.frame.figures.noise_w_m2_sr);
+  out.text("command", command);
+  return out.finish();
+}
+
+// A stored image in another layout than irsig's is not decoded in this process.
+absl::StatusOr<std::vector<PictureAnswer>> refuse_other_layouts(const std::vector<PictureTask>&) {
+  return absl::FailedPreconditionError(
+      "the stored image has not the layout of irsig, so that the page records no counts of it");
+}
+
 }  // namespace
 
 absl::StatusOr<PageReply> answer_image(const PageSources& sources, const Question& q) {
@@ -83,6 +139,12 @@ absl::StatusOr<PageReply> answer_image(const PageSources& sources, const Questio
   out.flag("gas", !std::isnan(of.row.plume_w_sr));
   out.numbers("plain_band_um", band_um);
   out.objects("layer", described);
+  const auto imager = page_imager(*reader, of);
+  std::vector<std::string> counts;
+  if (imager.ok() && *imager)
+    counts.push_back(describe_counts(**imager, counts_command(database, q)));
+  out.objects("counts", counts);
+  out.text("no_counts", imager.ok() ? "" : std::string(imager.status().message()));
   return json_reply(out.finish());
 }
 
@@ -90,6 +152,15 @@ absl::StatusOr<PageReply> answer_image_exr(const PageSources& sources, const Que
   ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   ASSIGN_OR_RETURN(auto of, image_of(sources, *reader, q));
   std::string exr, what = "the image";
+  if (q.counts) {
+    if (q.stderr_of_image)
+      return absl::NotFoundError("counts have no standard errors: their noise is in them");
+    ASSIGN_OR_RETURN(const auto imager, needed_imager(*reader, of));
+    ASSIGN_OR_RETURN(const auto recorded,
+                     counts_of_row(*reader, imager.imager, of.row, refuse_other_layouts));
+    ASSIGN_OR_RETURN(exr, counts_exr(recorded.counts));
+    return PageReply{200, "image/x-exr", std::move(exr), ""};
+  }
   if (q.layer) {
     what = fmt::format("layer {}", name_of(*q.layer));
     ASSIGN_OR_RETURN(auto layer, stored_layer(*reader, of.row, name_of(*q.layer)));
@@ -112,6 +183,11 @@ absl::StatusOr<PageReply> answer_image_exr(const PageSources& sources, const Que
 // run before show nothing of the part, how long the run is, and how many samples of each of its
 // pixels meet the part.
 absl::StatusOr<PageReply> answer_silhouette(const PageSources& sources, const Question& q) {
+  if (q.stderr_of_image || q.layer)
+    return absl::InvalidArgumentError(fmt::format(
+        "parameter {}: there is no such parameter here but layer = counts, for the pixels of the "
+        "sweep's imager",
+        q.layer ? "layer" : "stderr"));
   ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   ASSIGN_OR_RETURN(const auto of, image_of(sources, *reader, q));
   const auto silhouette = reader->silhouette(of.row.signature_id);
@@ -120,9 +196,13 @@ absl::StatusOr<PageReply> answer_silhouette(const PageSources& sources, const Qu
   if (!silhouette.ok()) return silhouette.status();
   if (!silhouette->has_value())
     return absl::NotFoundError(fmt::format("row {} has no silhouette", of.row.row));
-  const StoredSilhouette& seen = **silhouette;
+  StoredSilhouette seen = **silhouette;
   if (seen.width_px != of.image.width_px() || seen.height_px != of.image.height_px())
     return damaged(of.row, "the silhouette is of another size than the image");
+  if (q.counts) {
+    ASSIGN_OR_RETURN(const auto imager, needed_imager(*reader, of));
+    seen = on_detector(seen, imager.frame.grid);
+  }
   std::vector<std::string> parts;
   for (const StoredSilhouette::Part& part : seen.part) {
     std::vector<std::uint64_t> runs;

@@ -64,7 +64,7 @@ constexpr Route kRoutes[] = {
     {"/api/thumbnail.png", Needs::kRow, answer_thumbnail},
     {"/api/image.json", Needs::kRow, answer_image},
     {"/api/image.exr", Needs::kImage, answer_image_exr},
-    {"/api/silhouette.json", Needs::kRow, answer_silhouette},
+    {"/api/silhouette.json", Needs::kImage, answer_silhouette},
 };
 
 absl::StatusOr<PageReply> find_answer(const PageSources& sources, const std::string& path,

@@ -101,6 +101,13 @@ std::string layer_command(const std::string& database, const Question& question,
          fmt::format(" --row {} --layer {} --out row-{}-{}.svg", row, layer, row, layer);
 }
 
+std::string counts_command(const std::string& database, const Question& question) {
+  const std::uint64_t row = question.row.value_or(0);
+  return "irsig plot " + database_word(database) + " --kind picture" +
+         option("sweep", question.a.sweep) +
+         fmt::format(" --row {} --out row-{}-counts.svg", row, row);
+}
+
 std::string explain_command(const std::string& database, const Question& question) {
   return "irsig explain " + database_word(database) + option("sweep", question.a.sweep) +
          fmt::format(" --row {} --format json", question.row.value_or(0));

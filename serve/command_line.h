@@ -27,6 +27,7 @@ namespace irsig {
 // `irsig query --thumbnail`: its stored image.
 [[nodiscard]] std::string image_command(const std::string& database, const Question& question);
 // `irsig plot --kind picture --layer`: a layer of that image.
+[[nodiscard]] std::string counts_command(const std::string& database, const Question& question);
 [[nodiscard]] std::string layer_command(const std::string& database, const Question& question,
                                         std::string_view layer);
 // `irsig explain`.

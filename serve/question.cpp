@@ -136,10 +136,10 @@ BandQuestion take_bands(Taker& take) {
 void take_image(Taker& take, Question& out) {
   if (const auto name = take.text("layer", false)) {
     out.layer = image_layer_of(*name);
-    std::string names;
-    for (const ImageLayerInfo& layer : kImageLayers)
-      names += fmt::format("{}{}", names.empty() ? "" : ", ", layer.name);
-    if (!out.layer) take.fail("layer", *name, "expected one of " + names);
+    out.counts = *name == "counts";
+    std::string names = "counts";
+    for (const ImageLayerInfo& layer : kImageLayers) names += fmt::format(", {}", layer.name);
+    if (!out.layer && !out.counts) take.fail("layer", *name, "expected one of " + names);
   }
   if (const auto asked = take.text("stderr", false)) {
     out.stderr_of_image = *asked == "1";

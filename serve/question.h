@@ -43,6 +43,7 @@ struct Question {
   std::optional<std::uint64_t> row;
   std::optional<double> range_m;
   std::optional<ImageLayer> layer;  // of the row's image; none: the radiance of the target
+  bool counts = false;              // of [imager] of the sweep, in place of a layer
   bool stderr_of_image = false;     // the standard errors of its pixels
   BandQuestion bands;
 };

@@ -84,6 +84,12 @@ inline constexpr std::array<ImageLayerInfo, 20> kImageLayers = {{
 [[nodiscard]] constexpr bool is_radiance(ImageLayer layer) {
   return layer < ImageLayer::kTemperature;
 }
+// Returns true if a layer is a sum over paths, which has a standard error in each pixel. The others
+// are integrals, means over the samples that meet the target, or no light of the target's paths.
+[[nodiscard]] constexpr bool has_standard_error(ImageLayer layer) {
+  return layer <= ImageLayer::kParts || layer == ImageLayer::kHidden ||
+         layer == ImageLayer::kAtSensor;
+}
 [[nodiscard]] constexpr std::optional<ImageLayer> image_layer_of(std::string_view name) {
   for (std::size_t i = 0; i < kImageLayers.size(); ++i)
     if (kImageLayers[i].name == name) return static_cast<ImageLayer>(i);

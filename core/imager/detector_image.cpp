@@ -23,6 +23,25 @@ constexpr double kApertureWidths = 32, kJitterWidths = 5;
 // through: 2 (pi sigma f)^2 = 20.7.
 constexpr double kFinestCycles = 8, kJitterCycles = 1.025;
 
+// Pixels of the imager by which an image goes on beyond its border: the point spread reaches no
+// farther than that.
+constexpr double kBeyond = 8;
+
+// The image with its border's pixels repeated beyond it.
+RadianceImage widened(const RadianceImage& image, std::uint32_t by_px) {
+  RadianceImage out{image.width_px + 2 * by_px, image.height_px + 2 * by_px, {}};
+  out.radiance_w_m2_sr.reserve(std::size_t{out.width_px} * out.height_px);
+  const auto within = [&](std::uint32_t at, std::uint32_t size) {
+    return std::min(std::max(at, by_px) - by_px, size - 1);
+  };
+  for (std::uint32_t y = 0; y < out.height_px; ++y)
+    for (std::uint32_t x = 0; x < out.width_px; ++x)
+      out.radiance_w_m2_sr.push_back(
+          image.radiance_w_m2_sr[std::size_t{within(y, image.height_px)} * image.width_px +
+                                 within(x, image.width_px)]);
+  return out;
+}
+
 struct Matrix {
   std::size_t rows = 0, columns = 0;
   std::vector<double> value;  // row by row
@@ -134,6 +153,17 @@ RadianceImage detector_image(const Imager& imager, double wavelength_um,
   for (const double value : sampled.value)
     out.radiance_w_m2_sr.push_back(static_cast<float>(outside_w_m2_sr + value));
   return out;
+}
+
+RadianceImage detector_image_going_on(const Imager& imager, double wavelength_um,
+                                      const RadianceImage& stored, double pixel_rad,
+                                      double outside_w_m2_sr, const DetectorGrid& grid) {
+  const auto beyond_px = static_cast<std::uint32_t>(std::ceil(kBeyond * grid.ratio));
+  DetectorGrid within = grid;
+  within.left += beyond_px;
+  within.top += beyond_px;
+  return detector_image(imager, wavelength_um, widened(stored, beyond_px), pixel_rad,
+                        outside_w_m2_sr, within);
 }
 
 }  // namespace irsig

@@ -87,6 +87,13 @@ struct DetectorGrid {
                                            const RadianceImage& stored, double pixel_rad,
                                            double outside_w_m2_sr, const DetectorGrid& grid);
 
+// Likewise for an image whose surroundings go on beyond its border: its border's pixels are
+// repeated there, as far as the point spread reaches.
+[[nodiscard]] RadianceImage detector_image_going_on(const Imager& imager, double wavelength_um,
+                                                    const RadianceImage& stored, double pixel_rad,
+                                                    double outside_w_m2_sr,
+                                                    const DetectorGrid& grid);
+
 struct CountsImage {
   std::uint32_t width_px = 0, height_px = 0;
   std::vector<std::uint16_t> counts;  // row by row from the top left

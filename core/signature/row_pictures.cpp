@@ -222,6 +222,25 @@ class RowPictures {
     return out;
   }
 
+  // Standard errors of one kind of light in a picture, [pixel]. [W/(m2 sr)]
+  [[nodiscard]] std::vector<float> kind_errors(std::size_t picture, std::size_t kind,
+                                               const PixelErrors& errors) const {
+    PixelSums sum;
+    sum.w_sr.resize(pixels_);
+    sum.variance.resize(pixels_);
+    for (std::size_t t = 0; t < window_.pixels(); ++t) {
+      const std::size_t at = (t * pictures_.plan.images + picture) * pictures_.plan.kinds + kind,
+                        i = window_.whole_of(t);
+      sum.w_sr[i] = static_cast<double>(pictures_.traced.kind_sum[at]);
+      sum.variance[i] = std::pow(static_cast<double>(pictures_.traced.kind_stderr[at]), 2);
+    }
+    const std::vector<double> stderr_w_sr = errors.of(sum);
+    std::vector<float> out;
+    for (std::size_t i = 0; i < pixels_; ++i)
+      out.push_back(static_cast<float>(per_w_sr_[i] * stderr_w_sr[i]));
+    return out;
+  }
+
   // The largest of all rows' errors, in units of what is asked for.
   [[nodiscard]] double error_over_goal() const {
     const PixelErrors errors = pixel_errors();
@@ -397,6 +416,7 @@ class RowPictures {
         case ImageLayer::kSurface:
         case ImageLayer::kParts:
           fill([&](std::size_t i) { return kind(i, static_cast<std::size_t>(layer)); });
+          image.stderr_ = kind_errors(picture, static_cast<std::size_t>(layer), errors);
           break;
         case ImageLayer::kPath:
           fill([&](std::size_t) { return path; });
@@ -406,6 +426,7 @@ class RowPictures {
           break;
         case ImageLayer::kHidden:
           fill([&](std::size_t i) { return -kind(i, kHiddenKind); });
+          image.stderr_ = kind_errors(picture, kHiddenKind, errors);
           break;
         case ImageLayer::kAtSensor: {
           const PixelSums sum = sums(picture);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <span>
 
 #include "core/base/check.h"
 #include "core/base/ordered_dot.h"
@@ -17,6 +19,18 @@ namespace {
 constexpr std::uint32_t kSeedOrders = 33;
 // One in so many samples finds the land behind the target; at least so many of a replicate.
 constexpr std::uint64_t kBehindEvery = 8, kLeastBehind = 64;
+
+// Returns the standard error of a sum of groups, from their scatter.
+float scatter_of(std::span<const double> groups) {
+  const auto count = static_cast<double>(groups.size());
+  double all = 0, squares = 0;
+  for (const double of_group : groups) all += of_group;
+  for (const double of_group : groups) {
+    const double off = of_group - all / count;
+    squares += off * off;
+  }
+  return static_cast<float>(std::sqrt(squares * count / (count - 1)));
+}
 
 }  // namespace
 
@@ -64,7 +78,10 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, TracedPictures
   pictures = {};
   pictures.sum.assign(plan.size(), 0.0);
   pictures.stderr_.assign(plan.size(), 0.0f);
-  if (plan.kinds > 1) pictures.kind_sum.assign(plan.size() * plan.kinds, 0.0f);
+  if (plan.kinds > 1) {
+    pictures.kind_sum.assign(plan.size() * plan.kinds, 0.0f);
+    pictures.kind_stderr = pictures.kind_sum;
+  }
   if (plan.first_hits) pictures.first_sum.assign(plan.pixels() * plan.first_numbers(), 0.0);
   Work work;
   work.plan = &plan;
@@ -312,29 +329,25 @@ void PathTracer::close_pixels(Work& work, std::uint32_t end) const {
   TracedPictures& out = *work.pictures;
   const std::uint32_t groups = pixel_groups(settings_.pixel_samples);
   const std::size_t of_group = plan.kinds * plan.padded;
-  std::vector<double>& sum = work.sum_of_group;
+  std::vector<double>&sum = work.sum_of_group, &part = work.part_of_group;
   sum.resize(groups);
+  part.resize(groups);
   const double* of_pixel = work.group_sum.data();
   for (std::uint32_t p = work.first_pixel; p < end; ++p, of_pixel += groups * of_group) {
     const std::size_t at = stored_pixel(plan, p) * plan.images;
     for (std::size_t k = 0; k < plan.images; ++k) {
-      double all = 0, squares = 0;
-      for (std::uint32_t g = 0; g < groups; ++g) {
-        sum[g] = 0;
-        for (std::uint32_t kind = 0; kind < plan.kinds; ++kind) {
-          const double part = of_pixel[g * of_group + kind * plan.padded + k];
-          sum[g] += part;
-          if (plan.kinds > 1)
-            out.kind_sum[(at + k) * plan.kinds + kind] += static_cast<float>(part);
-        }
-        all += sum[g];
+      std::fill(sum.begin(), sum.end(), 0.0);
+      for (std::uint32_t kind = 0; kind < plan.kinds; ++kind) {
+        for (std::uint32_t g = 0; g < groups; ++g)
+          part[g] = of_pixel[g * of_group + kind * plan.padded + k];
+        for (std::uint32_t g = 0; g < groups; ++g) sum[g] += part[g];
+        if (plan.kinds == 1) continue;
+        const std::size_t of_kind = (at + k) * plan.kinds + kind;
+        for (const double of_part : part) out.kind_sum[of_kind] += static_cast<float>(of_part);
+        out.kind_stderr[of_kind] = scatter_of(part);
       }
-      for (std::uint32_t g = 0; g < groups; ++g) {
-        const double off = sum[g] - all / groups;
-        squares += off * off;
-      }
-      out.sum[at + k] = all;
-      out.stderr_[at + k] = static_cast<float>(std::sqrt(squares * groups / (groups - 1)));
+      out.sum[at + k] = std::accumulate(sum.begin(), sum.end(), 0.0);
+      out.stderr_[at + k] = scatter_of(sum);
     }
   }
   for (TracedPictures::Met& met : work.met)

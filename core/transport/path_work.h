@@ -121,6 +121,7 @@ struct PathTracer::Work {
   std::uint32_t first_pixel = 0;
   std::vector<double> group_sum;         // [pixel][group][kind][ImagePlan::padded]
   std::vector<double> sum_of_group;      // [group] of the pixel and picture being closed
+  std::vector<double> part_of_group;     // [group] likewise of one kind of light
   std::vector<TracedPictures::Met> met;  // one for each sample of the batch that met the target
   // First hits of the batch that may be in the sun: the pixel as stored, and where shadow rays
   // start.

@@ -32,6 +32,7 @@ struct TracedPictures {
   std::vector<std::vector<std::uint32_t>> part_set;
   // [pixel][image][kind] The parts of `sum`, if the plan keeps kinds of light apart.
   std::vector<float> kind_sum;
+  std::vector<float> kind_stderr;  // of them, as `stderr_` is of `sum`
   // Where the plan has first hits: sums over the samples that met the target, of the distance
   // from the sensor [m] and the plan's further numbers. [pixel][ImagePlan::first_numbers()]
   std::vector<double> first_sum;

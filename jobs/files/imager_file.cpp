@@ -5,24 +5,23 @@
 #include "core/base/status_macros.h"
 #include "core/base/user_file.h"
 #include "jobs/text/number_bounds.h"
-#include "schema/imager.pb.h"
+#include "messages/imager/imager_from_message.h"
 
 namespace irsig {
 namespace {
 
-void check_counts(const schema::ImagerCounts& counts, Findings& findings) {
-  const SectionCheck check(counts, "counts", findings);
+void check_counts(const schema::ImagerCounts& counts, const std::string& path, Findings& findings) {
+  const SectionCheck check(counts, path, findings);
   check.require({"bits"}, "expected 8, 14 or 16");
   if (counts.has_bits() && counts.bits() != 8 && counts.bits() != 14 && counts.bits() != 16 &&
-      !findings.any_at("counts.bits"))
+      !findings.any_at(check.path("bits")))
     check.error("bits", absl::StrCat("= ", counts.bits(), ", expected 8, 14 or 16"));
   const bool temperatures = counts.has_black_k() || counts.has_white_k();
   const bool radiance = counts.has_counts_per_w_m2_sr() || counts.has_offset_counts();
   if (temperatures == radiance) {
-    findings.add("counts",
-                 absl::StrCat(temperatures ? "counts states two gains" : "counts states no gain",
-                              ", expected black_k and white_k, or counts_per_w_m2_sr "
-                              "and offset_counts"));
+    findings.add(path, absl::StrCat(path, temperatures ? " states two gains" : " states no gain",
+                                    ", expected black_k and white_k, or counts_per_w_m2_sr "
+                                    "and offset_counts"));
   } else if (temperatures) {
     check.require({"black_k", "white_k"},
                   "expected the temperatures of blackbodies that give 0 and full scale");
@@ -35,29 +34,20 @@ void check_counts(const schema::ImagerCounts& counts, Findings& findings) {
   }
 }
 
-Imager imager_of(const schema::ImagerFile& spec) {
-  const schema::ImagerDetector& d = spec.detector();
-  const schema::ImagerCounts& c = spec.counts();
-  Imager out;
-  out.aperture_m = spec.optics().aperture_m();
-  out.f_number = spec.optics().f_number();
-  out.jitter_rad = spec.optics().jitter_rad();
-  out.pitch_m = d.pitch_m();
-  out.netd_k = d.netd_k();
-  out.fixed_pattern_k = d.fixed_pattern_k();
-  if (d.has_fill_factor()) out.fill_factor = d.fill_factor();
-  if (d.has_scene_temperature_k()) out.scene_temperature_k = d.scene_temperature_k();
-  if (d.has_margin_px()) out.margin_px = d.margin_px();
-  if (d.has_seed()) out.seed = d.seed();
-  out.bits = c.bits();
-  if (c.has_black_k())
-    out.gain = CountsOfTemperatures{c.black_k(), c.white_k()};
-  else
-    out.gain = CountsOfRadiance{c.counts_per_w_m2_sr(), c.offset_counts()};
-  return out;
-}
-
 }  // namespace
+
+void check_imager(const schema::ImagerFile& stated, const std::string& path, Findings& findings) {
+  const SectionCheck whole(stated, path, findings);
+  whole.require({"optics", "detector", "counts"}, "expected the three tables of an imager");
+  if (stated.has_optics())
+    SectionCheck(stated.optics(), whole.path("optics"), findings)
+        .require({"aperture_m", "f_number"},
+                 "expected the diameter of the aperture and the f-number");
+  if (stated.has_detector())
+    SectionCheck(stated.detector(), whole.path("detector"), findings)
+        .require({"pitch_m", "netd_k"}, "expected the pitch of the pixels and their noise");
+  if (stated.has_counts()) check_counts(stated.counts(), whole.path("counts"), findings);
+}
 
 absl::StatusOr<ImagerOfFile> read_imager(const std::string& path) {
   const auto text = read_user_file(path, kMostSpecBytes);
@@ -68,19 +58,12 @@ absl::StatusOr<ImagerOfFile> read_imager(const std::string& path) {
   RETURN_IF_ERROR(fill_from_toml(*text, file, spec));
   Findings findings(file);
   check_numbers(spec, "", findings);
-  SectionCheck(spec, "", findings)
-      .require({"optics", "detector", "counts"}, "expected the three tables of an imager");
-  if (spec.has_optics())
-    SectionCheck(spec.optics(), "optics", findings)
-        .require({"aperture_m", "f_number"},
-                 "expected the diameter of the aperture and the f-number");
-  if (spec.has_detector())
-    SectionCheck(spec.detector(), "detector", findings)
-        .require({"pitch_m", "netd_k"}, "expected the pitch of the pixels and their noise");
-  if (spec.has_counts()) check_counts(spec.counts(), findings);
+  check_imager(spec, "", findings);
   if (!findings.empty()) return findings.status();
+  auto imager = imager_from_message(spec);
+  if (!imager.ok()) return located(file, imager.status());
   return ImagerOfFile{spec.has_name() ? spec.name() : path, spec.SerializeAsString(),
-                      imager_of(spec)};
+                      *std::move(imager)};
 }
 
 }  // namespace irsig

@@ -159,6 +159,7 @@ void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   asked.clear_viewpoints();
   asked.clear_precompute();
   asked.clear_published();
+  asked.clear_imager();
   asked.mutable_transport()->clear_job_size_vertices();
   // These were written out into the conditions and heat runs, where they are complete.
   asked.clear_season();

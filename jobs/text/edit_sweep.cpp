@@ -93,6 +93,8 @@ absl::StatusOr<std::string> edit_sweep(std::string_view text, std::string_view f
   }
   if (edit.camera) set_camera(sweep, *edit.camera);
   std::ostringstream out;
+  if (edit.without_imager && sweep.erase("imager") > 0)
+    out << "# [imager] is left out: its pixels are narrower than two of this image's\n";
   out << toml::toml_formatter(sweep) << "\n";
   return out.str();
 }

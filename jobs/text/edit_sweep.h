@@ -27,6 +27,7 @@ struct SweepEdit {
     double pixel_error_percent = 0;
   };
   std::optional<Camera> camera;
+  bool without_imager = false;  // [imager] is left out, and a comment on the first line states so
 };
 
 // Returns the text of a sweep file that has one view of another one, and everything else as that

@@ -52,6 +52,8 @@ std::string encode_picture(const LivePicture& picture) {
   put(24, low);
   put(28, high);
   put(32, pixels > 0 ? static_cast<float>(edges) / static_cast<float>(pixels) : 0.0f);
+  put(36, static_cast<float>(f.counts_per_w_m2_sr));
+  put(40, static_cast<float>(f.offset_counts));
   for (std::size_t i = 0; i < pixels; ++i) {
     const float radiance = f.radiance_w_m2_sr[i];
     put(64 + 2 * i, half_of(radiance / scale));

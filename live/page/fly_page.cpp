@@ -1,6 +1,7 @@
 #include "live/page/fly_page.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -12,6 +13,8 @@
 #include "core/base/status_macros.h"
 #include "core/spectral/band.h"
 #include "core/spectral/planck.h"
+#include "live/recorded_frame.h"
+#include "messages/imager/imager_from_message.h"
 #include "serve/guarded_page.h"
 #include "serve/json_text.h"
 #include "serve/www_files.h"
@@ -110,12 +113,17 @@ class FlyPage {
     if (target.path == "/api/pick") {
       ASSIGN_OR_RETURN(const auto x, asked.count("x", kMostLiveSide));
       ASSIGN_OR_RETURN(const auto y, asked.count("y", kMostLiveSide));
+      (void)asked.take("imager");
       ASSIGN_OR_RETURN(const auto ask, parse(asked));
       return pick(ask, x.value_or(0), y.value_or(0));
     }
+    ASSIGN_OR_RETURN(const auto recorded, asked.count("imager", 2));
     ASSIGN_OR_RETURN(const auto ask, parse(asked));
     if (target.path == "/api/frame") {
-      ASSIGN_OR_RETURN(const auto picture, session_.picture(ask));
+      ASSIGN_OR_RETURN(auto picture, session_.picture(ask));
+      if (recorded == 1u) {
+        ASSIGN_OR_RETURN(picture.frame, record(ask, picture.frame));
+      }
       return PageReply{
           .type = "application/octet-stream", .body = encode_picture(picture), .keep_alive = true};
     }
@@ -132,6 +140,17 @@ class FlyPage {
       return json_page(out.finish());
     }
     return absl::NotFoundError("there is no such page here");
+  }
+
+  // The camera of [imager] of the sweep.
+  absl::StatusOr<LiveFrame> record(const LiveAsk& ask, const LiveFrame& frame) {
+    const LiveSweep& sweep = session_.sweep();
+    if (!sweep.resolved().sweep().has_imager())
+      return absl::InvalidArgumentError("imager: the sweep has no [imager]: add it to the file");
+    ASSIGN_OR_RETURN(const auto imager, imager_from_message(sweep.resolved().sweep().imager()));
+    ASSIGN_OR_RETURN(const auto figures,
+                     imager_in_band(imager, sweep.simulator().bands()[ask.band]));
+    return recorded_frame(imager, figures, frame, ask.camera.pixel_rad(), ++recorded_);
   }
 
   static absl::StatusOr<PageReply> file(std::string_view name) {
@@ -181,6 +200,10 @@ class FlyPage {
     out.flag("has_air", session_.sweep().environment() != nullptr);
     out.numbers("camera", {c.azimuth_deg, c.elevation_deg, c.range_m, c.field_of_view_deg});
     out.numbers("target", {target.centre.x, target.centre.y, target.centre.z, target.radius_m});
+    const schema::Sweep& sweep = session_.sweep().resolved().sweep();
+    out.text("imager", !sweep.has_imager()         ? ""
+                       : sweep.imager().has_name() ? sweep.imager().name()
+                                                   : "[imager] of the sweep");
     out.count("condition", options_.first.condition);
     out.count("band", options_.first.band);
     std::vector<std::string> tables;
@@ -270,6 +293,7 @@ class FlyPage {
   std::string viewer_;
   Steady::time_point seen_;
   std::uint64_t viewers_ = 0;
+  std::atomic<std::uint64_t> recorded_{0};  // frames, each with noise of its own
 };
 
 }  // namespace

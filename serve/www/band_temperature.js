@@ -1,6 +1,8 @@
 // The temperature of the blackbody that has an in-band radiance: Planck's law, integrated over the
 // limits of a band without response by Simpson's rule.
 
+import { tickLabels, ticks } from "./numbers.js";
+
 const C1L = 1.191042972397188e8;  // 2 h c^2 [W um^4/(m2 sr)]
 const C2 = 14387.768775039337;    // h c / k [um K]
 const INTERVALS = 64;
@@ -25,4 +27,14 @@ export function bandTemperature(limits, radiance) {
     else high = middle;
   }
   return low;
+}
+
+// Round temperatures between two in-band radiances, at the values that the radiances have on a
+// scale: value(radiance). null: the radiances are of no temperatures.
+export function kelvinTicks(limits, low, high, value) {
+  const warmest = bandTemperature(limits, high);
+  const coldest = bandTemperature(limits, low) ?? bandTemperature(limits, 0.02 * high);
+  if (!warmest || !coldest || !(coldest < warmest)) return null;
+  const kelvin = ticks(coldest, warmest, 5);
+  return { unit: "K", at: kelvin.map((k) => value(bandRadiance(limits, k))), labels: tickLabels(kelvin, 1) };
 }

@@ -4,7 +4,7 @@ import { decodeExr } from "./exr.js";
 
 const TARGET = { name: "", unit: "W/(m2 sr)", what: "radiance at the target, without the air" };
 // Layers whose every pixel counts: the others are of the target alone.
-const WHOLE_FRAME = ["at_sensor", "background", "path", "land_emitted", "land_sky",
+const WHOLE_FRAME = ["counts", "at_sensor", "background", "path", "land_emitted", "land_sky",
   "land_sun", "without_air", "land_temperature"];
 const MEANS = ["temperature", "range", "normal_x", "normal_y", "normal_z", "sunlit"];
 export const isWholeFrame = ({ layer }) => WHOLE_FRAME.includes(layer.name);
@@ -29,13 +29,19 @@ function partsOf(answer, count) {
   return { fraction, part, rays, names: answer.part.map((p) => p.name), samples: answer.pixel_samples };
 }
 
-// row: {db, sweep, row}; layer: its name, "" for the target's radiance, which also stands in for a
-// layer that the row has not. An Error says in words why there is no image.
+// Counts of [imager] of the sweep, on the camera's pixels.
+const countsLayer = ({ name, ...more }) => ({ ...more, name: "counts", unit: "counts", stderr: false, what: `counts of ${name}, ${more.bits} bits` });
+
+// row: {db, sweep, row}; layer: its name; "radiance" for the target's, which also stands in for a
+// layer that the row has not; "" for counts where the sweep has an imager, else for that radiance.
+// An Error says in words why there is no image.
 export async function askImage(row, layer) {
   const info = await ask("api/image.json", row);
-  const layers = [{ ...TARGET, stderr: info.stderr, command: info.command }, ...info.layer];
-  const chosen = layers.find((l) => l.name === layer) ?? layers[0];
-  const size = { width: info.width_px, height: info.height_px };
+  const counts = info.counts.map(countsLayer), wanted = layer === "" && counts.length > 0 ? "counts" : layer;
+  const layers = [{ ...TARGET, stderr: info.stderr, command: info.command }, ...counts, ...info.layer];
+  const chosen = layers.find((l) => l.name === wanted) ?? layers[0];
+  const frame = chosen.width_px ? chosen : info;
+  const size = { width: frame.width_px, height: frame.height_px, pixelRad: frame.pixel_rad };
   const pixels = async (more) => {
     try {
       return await decodeExr(await askBytes("api/image.exr", { ...row, layer: chosen.name, ...more }), size);
@@ -43,7 +49,7 @@ export async function askImage(row, layer) {
       throw error.fromServer ? error : new Error(`The stored image of row ${row.row} cannot be shown: ${error.message}.`);
     }
   };
-  const [value, stderr, silhouette] = await Promise.all([pixels({}), chosen.stderr ? pixels({ stderr: "1" }) : null, ask("api/silhouette.json", row)]);
+  const [value, stderr, silhouette] = await Promise.all([pixels({}), chosen.stderr ? pixels({ stderr: "1" }) : null, ask("api/silhouette.json", chosen.name === "counts" ? { ...row, layer: "counts" } : row)]);
   return { ...size, info, layers, layer: chosen, value, stderr, parts: partsOf(silhouette, value.length) };
 }
 
@@ -66,6 +72,7 @@ export function valuesOf(picture) {
 // The radiance of which an apparent temperature is known, and of what it is: the value itself, or,
 // of a target without gas, what it sends from the fraction that it fills. null: of a single cause.
 export function radianceOf({ layer, info, value, parts }, k) {
+  if (layer.name === "counts") return { of: "", radiance: (value[k] - layer.offset_counts) / layer.counts_per_w_m2_sr };
   if (layer.name === "at_sensor" || (layer.name === "" && info.gas)) return { of: "", radiance: value[k] };
   return layer.name === "" && parts.fraction[k] > 0 ? { of: " of the target", radiance: value[k] / parts.fraction[k] } : null;
 }
@@ -73,7 +80,7 @@ export function radianceOf({ layer, info, value, parts }, k) {
 // Of these layers a pixel without target has no value.
 export const isMean = ({ layer }) => MEANS.includes(layer.name);
 
-export const canSubtract = (a, b) => a.width === b.width && a.height === b.height && a.info.pixel_rad === b.info.pixel_rad;
+export const canSubtract = (a, b) => a.width === b.width && a.height === b.height && a.pixelRad === b.pixelRad;
 
 // The picture of B − A; the parts are those of A. The errors of both are taken as independent.
 export function differenceOf(a, b) {

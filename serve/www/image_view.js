@@ -1,5 +1,5 @@
 // Paints one or two images of rows on one colour scale, and says what a pixel holds.
-import { bandTemperature } from "./band_temperature.js";
+import { bandTemperature, kelvinTicks } from "./band_temperature.js";
 import { colorBar } from "./color_bar.js";
 import { ColorScale } from "./colors.js";
 import { isMean, isShown, radianceOf, valuesOf } from "./image.js";
@@ -8,6 +8,13 @@ import { readOut } from "./readout.js";
 
 const LONG_SIDE = 720;  // of the canvas, whose pixels are squares of it
 const unitOf = ({ layer }) => (layer.unit === "1" ? "" : layer.unit.replace("m2", "m²"));
+
+// Temperatures of blackbodies that fill a pixel, beside radiances or counts. null: of other values.
+function kelvinOf({ layer, info, shown }, { low, high }) {
+  if (shown || !["", "at_sensor", "counts"].includes(layer.name) || info.plain_band_um.length !== 2) return null;
+  const gain = layer.counts_per_w_m2_sr ?? 1, offset = layer.offset_counts ?? 0;
+  return kelvinTicks(info.plain_band_um, (low - offset) / gain, (high - offset) / gain, (radiance) => gain * radiance + offset);
+}
 
 // From the 1st to the 99th percentile, so that few hot pixels leave the others their colours; of
 // values that are alike, from the smallest to the largest.
@@ -88,7 +95,7 @@ export class ImageView {
       [canvas.width, canvas.height] = [width * factor, height * factor];
       canvas.setAttribute("aria-label", `${labels[k]}; arrows go from pixel to pixel, with shift ten at a time`);
     });
-    this.bar.replaceChildren(colorBar(this.scale, unitOf(pictures[0])));
+    this.bar.replaceChildren(colorBar(this.scale, unitOf(pictures[0]), false, kelvinOf(pictures[0], this.scale)));
     if (this.place) this.say(this.place);
     else this.readout.textContent = "A pixel is read out under the pointer, or with the arrow keys.";
     this.paint();
@@ -117,8 +124,9 @@ export class ImageView {
     if (isMean(picture) && !shows) return what;
     const out = [stderr ? withError(value[k], stderr[k], unitOf(picture)) : `${brief(value[k])} ${unitOf(picture)}`.trimEnd()];
     if (difference && stderr?.[k] > 0) out.push(`${brief(value[k] / stderr[k], 3)} σ`);
-    const seen = !difference && info.plain_band_um.length === 2 ? radianceOf(picture, k) : null;
-    const kelvin = seen && bandTemperature(info.plain_band_um, seen.radiance);
+    const seen = difference ? null : radianceOf(picture, k);
+    if (seen && picture.layer.name === "counts") out.push(`${brief(seen.radiance)} W/(m² sr)`);
+    const kelvin = seen && info.plain_band_um.length === 2 && bandTemperature(info.plain_band_um, seen.radiance);
     if (kelvin) out.push(`apparent temperature${seen.of} ${brief(kelvin)} K`);
     return [...out, what].join(", ");
   }

@@ -191,15 +191,17 @@ async function showImage(k) {
 function drawImage(where, rows, a, b) {
   const { info, layer, layers, width, height } = a, alike = b && !b.missing && b.layer.name === layer.name;
   const wrong = [b?.missing ? `B has no image: ${b.missing}` : b && !alike ? "The layer is of one of A and B only: shown is A alone." : "",
-    state.layer === layer.name ? "" : `This image has no layer “${state.layer.slice(0, 80)}”: shown is the radiance of the target.`];
+    ["", "radiance", layer.name].includes(state.layer) ? "" : `This image has no layer “${state.layer.slice(0, 80)}”: shown is the radiance of the target.`,
+    info.no_counts ? `[imager] of the sweep is not applied: ${info.no_counts}.` : ""];
   sayOfImage(wrong.filter(Boolean).join(" "));
   imageBody.hidden = imageTools.hidden = false;
   const list = imageChoice("layer"), known = layers.map((l) => l.name).join();
+  const optionOf = (l) => (l.name === "" && info.counts.length > 0 ? "radiance" : l.name);
   if (list.dataset.known !== known) {
-    list.replaceChildren(...layers.map((l) => html("option", { value: l.name }, l.name === "" ? "radiance of the target" : `${l.name.replaceAll("_", " ")}: ${l.what}`)));
+    list.replaceChildren(...layers.map((l) => html("option", { value: optionOf(l) }, l.name === "" ? "radiance of the target" : `${l.name.replaceAll("_", " ")}: ${l.what}`)));
     list.dataset.known = known;
   }
-  list.value = layer.name;
+  list.value = optionOf(layer);
   imageChoice("colours").value = state.colours === "grey" ? "grey" : "";
   imageChoice("outlines").checked = state.outlines === "1";
   const wanted = state.pictures === "difference", difference = wanted && alike && canSubtract(a, b);
@@ -215,7 +217,7 @@ function drawImage(where, rows, a, b) {
   imageView.show(pictures, { names, labels: [`${difference ? "B − A of the" : "The"} target from ${where}`, `The same of B`], grey: state.colours === "grey", withOutlines: state.outlines === "1" });
   const colours = difference ? "B − A, errors as of independent images. Colours to the 99th percentile of the magnitude" : "Colours from the 1st to the 99th percentile";
   const error = !difference && layer.name === "" && info.error_relative > 0 ? ` Standard error of a pixel: ${brief(100 * info.error_relative, 2)} % (root mean square).` : "";
-  imageCaption.textContent = `${where}: ${layer.what}. ${colours}${isWholeFrame(a) ? "" : "; stripes: nothing of the target"}. ${width} × ${height} pixels of ${brief(1e6 * info.pixel_rad, 3)} µrad.${error}`;
+  imageCaption.textContent = `${where}: ${layer.what}. ${colours}${isWholeFrame(a) ? "" : "; stripes: nothing of the target"}. ${width} × ${height} pixels of ${brief(1e6 * a.pixelRad, 3)} µrad.${error}`;
   const png = layer.name === "" ? [["PNG", addressOf("file/image.png", rows[0])]] : [];
   offer(imageTools, alike ? `${layer.command}\n${b.layer.command}` : layer.command, [...png, ["EXR", addressOf("file/image.exr", { ...rows[0], layer: layer.name })]]);
 }

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/image_layers.h"
 #include "core/geo/sun.h"
 #include "jobs/resolve_sweep.h"
 #include "jobs/text/sweep_file.h"
@@ -236,7 +237,8 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
         schema::ImageLayer& layer = *row->add_image_layer();
         layer.set_name(name);
         layer.set_exr(synthetic_exr(128, 40, 20480, random));
-        if (name == "at_sensor") layer.set_stderr_exr(synthetic_exr(128, 40, 4096, random));
+        if (has_standard_error(*image_layer_of(name)))
+          layer.set_stderr_exr(synthetic_exr(128, 40, 4096, random));
       }
       row->set_stop_reason(schema::STOP_REASON_ACCURACY_REACHED);
       row->set_sun_azimuth_deg(150);

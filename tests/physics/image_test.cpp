@@ -4,6 +4,7 @@
 // the target less the one without adds up to the row's contrast, also for targets far below a
 // pixel. Errors are as small as they are asked to be, and true. Source: closed forms; the row.
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/signature/view/pixel_background.h"
@@ -337,6 +338,52 @@ TEST(Image, ErrorsAreAsSmallAsAskedForAndTrue) {
     EXPECT_LE(std::sqrt(relative / inside), 1.3 * 0.004) << b;
     EXPECT_GT(std::sqrt(z / inside), 0.7) << b;
     EXPECT_LT(std::sqrt(z / inside), 1.2) << b;
+  }
+}
+
+// The errors of each cause's light, by the scatter of seeds around a long run.
+TEST(Image, LayersOfLightHaveErrorsThatAreTrue) {
+  Day d = day();
+  d.request.image = framed(64, 40);
+  const auto simulator = simulator_of(d.scene);
+  d.request.image->samples = 4096;
+  const ViewResult reference = simulated(*simulator, d.request);
+  d.request.image->samples = 64;
+  std::vector<std::uint32_t> met(reference.row[0].image_w_m2_sr.size(), 0);
+  for (const TracedPictures::Met& m : reference.seen) met[m.pixel] += m.samples;
+  for (const SignatureResult& row : reference.row)
+    for (const LayerImage& image : row.layer)
+      EXPECT_EQ(image.stderr_.size(), has_standard_error(image.layer) ? met.size() : 0)
+          << name_of(image.layer);
+  struct Sum {
+    double z = 0, within = 0, pixels = 0;
+  };
+  std::map<ImageLayer, Sum> of;
+  for (std::uint64_t seed = 2; seed < 6; ++seed) {
+    d.request.seed = seed;
+    const ViewResult rough = simulated(*simulator, d.request);
+    for (std::size_t b = 0; b < rough.row.size(); ++b)
+      for (std::size_t k = 0; k < rough.row[b].layer.size(); ++k) {
+        const LayerImage &seen = rough.row[b].layer[k], &truth = reference.row[b].layer[k];
+        if (!has_standard_error(seen.layer)) continue;
+        for (std::size_t i = 0; i < met.size(); ++i) {
+          const double error = std::hypot(seen.stderr_[i], truth.stderr_[i]);
+          if (met[i] < reference.pixel_samples || !(error > 0)) continue;
+          const double z = static_cast<double>(seen.value[i] - truth.value[i]) / error;
+          Sum& sum = of[seen.layer];
+          sum.z += z * z;
+          sum.within += std::abs(z) < 1.96 ? 1 : 0;
+          ++sum.pixels;
+        }
+      }
+  }
+  for (const ImageLayer layer : {ImageLayer::kEmitted, ImageLayer::kSun, ImageLayer::kSky,
+                                 ImageLayer::kSurface, ImageLayer::kParts, ImageLayer::kAtSensor}) {
+    const Sum& sum = of[layer];
+    EXPECT_GT(sum.pixels, 500) << name_of(layer);
+    EXPECT_GT(std::sqrt(sum.z / sum.pixels), 0.6) << name_of(layer);
+    EXPECT_LT(std::sqrt(sum.z / sum.pixels), 1.3) << name_of(layer);
+    EXPECT_GT(sum.within / sum.pixels, 0.9) << name_of(layer);
   }
 }
 

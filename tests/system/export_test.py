@@ -284,6 +284,49 @@ white_k = 420
             self.assertEqual(max(map(max, counts)), full)
             self.assertTrue(0 < int(label["saturated_px"]) <= sum(c in (0, full) for line in counts for c in line))
 
+    def test_the_imager_of_a_sweep_is_applied_by_default(self):
+        file = self.path / "of_file.toml"
+        file.write_text(self.IMAGER)
+        tables = self.IMAGER.replace('name = "test"', '[imager]\nname = "test"')
+        for name in ("optics", "detector", "counts"):
+            tables = tables.replace(f"[{name}]", f"[imager.{name}]")
+        sweep, db = self.path / "recorded.toml", self.path / "recorded.sigdb"
+        text = (self.path / "quickstart.toml").read_text()
+        sweep.write_text(text + tables)
+        # A camera computes nothing anew: the rows are those of the sweep without it.
+        shutil.copy(self.db, db)
+        self.assertIn("0 of 3 jobs to compute", irsig("run", sweep, "--db", db, "--workers", "1").stderr)
+        self.assertEqual(*(irsig("digest", d).stdout.split()[0] for d in (self.db, db)))
+        one = lambda *options: {p.name: p.read_bytes() for p in self.exported(db, *options).rglob("*.png")}
+        chosen = ("--thumbnails", "--sweep", "quickstart", "--season", "winter")
+        said = irsig("export", db, *chosen, "--out", self.path / "said").stderr
+        self.assertIn("counts of test as [imager] of the sweep states it", said)
+        by_sweep = {p.name: p.read_bytes() for p in (self.path / "said").rglob("*.png")}
+        self.assertEqual(by_sweep, one(*chosen, "--background", "--imager", file))
+        self.assertEqual(one(*chosen, "--no-imager"), {p.name: p.read_bytes() for p in self.exported(self.db, *chosen).rglob("*.png")})
+        self.assertNotEqual(by_sweep, one(*chosen, "--no-imager", "--background"))
+        # A stored radiance is asked for: it is exported, with words.
+        said = irsig("export", db, *chosen, "--bits", "16", "--out", self.path / "sixteen").stderr
+        self.assertIn("[imager] of the sweep is not applied: --bits", said)
+        # Sweeps whose cameras differ have no common one.
+        said = irsig("export", db, "--thumbnails", "--out", self.path / "no", expect=2).stderr
+        self.assertIn("choose one sweep with --sweep", said)
+        # The picture is of the same counts, and so is its scale.
+        irsig("plot", db, "--sweep", "quickstart", "--kind", "picture", "--row", "1", "--out", self.path / "counts.svg")
+        drawn = (self.path / "counts.svg").read_text()
+        self.assertIn("Counts of test, 16 bits", drawn)
+        irsig("plot", db, "--sweep", "quickstart", "--kind", "picture", "--row", "1", "--no-imager", "--out", self.path / "plain.svg")
+        self.assertNotIn("Counts", (self.path / "plain.svg").read_text())
+        said = irsig("plot", db, "--sweep", "quickstart", "--kind", "picture", "--row", "1", "--pixels", "32", "--out", self.path / "no.svg", expect=2).stderr
+        self.assertIn("--no-imager", said)
+
+    def exported(self, db, *options):
+        """The folder of an export that there was not yet."""
+        self.exports = getattr(self, "exports", 0) + 1
+        folder = self.path / f"exported{self.exports}"
+        irsig("export", db, *options, "--out", folder)
+        return folder
+
     def test_an_imager_that_cannot_be_is_refused(self):
         chosen = self.imager("camera.toml")
         for options, why in (((*chosen, "--bits", "16"), "excludes"), ((*chosen, "--thumbnail-scale", "own"), "excludes"),

@@ -33,6 +33,7 @@ class Picture:
         assert body[:4] == b"IRFL", body[:80]
         width, height, self.state = struct.unpack_from("<3I", body, 4)
         scale, self.ms = struct.unpack_from("<2f", body, 16)
+        self.gain, self.offset = struct.unpack_from("<2f", body, 36)
         pixels = width * height
         assert len(body) == 64 + 3 * pixels
         self.half = numpy.frombuffer(body, "<f2", pixels, 64).reshape(height, width)
@@ -97,11 +98,39 @@ class FramesTest(FlyCase):
                 self.assertLess(first.edge.mean(), 0.15)
                 off = numpy.abs(first.radiance - truth.radiance)
                 noise = numpy.mean((truth.error / 1.645 / truth.radiance)[interior] ** 2)
-                self.assertLess(numpy.sqrt(numpy.mean((off / truth.radiance)[interior] ** 2) - noise), 0.035)
+                self.assertLess(numpy.sqrt(numpy.mean((off / truth.radiance)[interior] ** 2) - noise), 0.03)
                 self.assertGreater((off <= first.error + truth.error)[interior].mean(), 0.9)
                 self.assertGreater((off <= first.error + truth.error)[~first.edge].mean(), 0.9)
                 # Errors that cover everything say nothing.
                 self.assertLess(numpy.median((first.error / first.radiance)[interior]), 0.09)
+
+    def test_a_resting_picture_is_refined_until_it_is_good(self):
+        """2 % rms and 5 % at the 99th percentile, before the stored image is there; how soon is printed."""
+        self.sit_down()
+        view = {**VIEW, "azimuth_deg": 133, "elevation_deg": 30}
+        begin, rounds = time.monotonic(), []
+        while (picture := self.picture(**view)).state != STORED:
+            self.assertLess(time.monotonic() - begin, 300)
+            if picture.state != MOVING and not (rounds and numpy.array_equal(rounds[-1][1].half, picture.half)):
+                rounds.append((time.monotonic() - begin, picture))
+            time.sleep(0.02)
+        self.assertGreaterEqual(len(rounds), 1)
+        seconds, last = rounds[-1]
+        uncertain = last.error > 1.01e-4 * last.radiance  # the background has no error
+        relative = (last.error / 1.645 / last.radiance)[uncertain]
+        print(f"at rest: {len(rounds)} pictures, the last after {seconds:.2f} s, {100 * numpy.sqrt(numpy.mean(relative ** 2)):.2f} % rms, "
+              f"{100 * numpy.quantile(relative, 0.99):.2f} % at the 99th percentile; the stored image after {time.monotonic() - begin:.2f} s")
+        # Bytes of errors are rounded up by at most 3.7 %.
+        self.assertLess(numpy.sqrt(numpy.mean(relative ** 2)), 0.0208)
+        self.assertLess(numpy.quantile(relative, 0.99), 0.052)
+        # They are estimates of one image: they differ by what their errors allow.
+        off = (last.radiance - picture.radiance)[uncertain] / numpy.hypot(last.error, picture.error)[uncertain] * 1.645
+        self.assertLess(numpy.sqrt(numpy.mean(off ** 2)), 1.5)
+        self.assertGreater((numpy.abs(off) < 1.96).mean(), 0.9)
+
+    def test_hot_gas_is_refused_with_a_remedy(self):
+        words = irsig(IRSIG, "fly", SOURCE / "jobs/examples/frigate_plume.toml", code=1)
+        self.assertIn("take [plume] out of a copy of the sweep file, or compute its images with irsig run", words)
 
     def test_what_is_kept_is_what_was_shown(self):
         self.sit_down()
@@ -143,7 +172,86 @@ class FramesTest(FlyCase):
         self.assertAlmostEqual(sum(found[k] for k in ("emitted", "sun", "reflected", "air")), found["total"], delta=1e-5)
 
 
+class LandTest(FlyCase):
+    example = "vehicle_village.toml"
+    changes = {'"../models': f'"{SOURCE.resolve()}/jobs/models', '"land/': f'"{SOURCE.resolve()}/jobs/examples/land/'}
+
+    def test_stated_errors_cover_the_land_from_the_first_frame(self):
+        self.sit_down()
+        view = {"azimuth_deg": 40, "elevation_deg": 12, "range_m": 600, "field_of_view_deg": 12, "width_px": 160, "height_px": 128}
+        first = self.picture(**view)
+        self.assertEqual(first.state, MOVING)
+        begin = time.monotonic()
+        while (truth := self.picture(**view)).state == MOVING:
+            self.assertLess(time.monotonic() - begin, 300)
+            time.sleep(0.1)
+        self.assertLess(first.edge.mean(), 0.15)
+        covered = (numpy.abs(first.radiance - truth.radiance) <= first.error + truth.error)[~first.edge].mean()
+        print(f"land: {100 * covered:.1f} % of pixels are covered, {100 * first.edge.mean():.1f} % lie on edges, "
+              f"stated {100 * numpy.median((first.error / first.radiance)[~first.edge]):.2f} % in the median")
+        self.assertGreater(covered, 0.9)
+        self.assertLess(numpy.median((first.error / first.radiance)[~first.edge]), 0.09)
+
+
+class ImagerTest(FlyCase):
+    changes = {"triangles = 20000": "triangles = 2000", "[accuracy]\n": """[imager]
+name = "test camera"
+[imager.optics]
+aperture_m = 0.05
+f_number = 2
+[imager.detector]
+pitch_m = 40e-6
+netd_k = 0.05
+[imager.counts]
+bits = 14
+black_k = 220
+white_k = 420
+
+[accuracy]
+"""}
+
+    def test_the_imager_records_the_frame(self):
+        self.assertEqual(self.sit_down()["imager"], "test camera")
+        view = {**VIEW, "band": 1, "azimuth_deg": 77}
+        plain, recorded = self.picture(**view), self.picture(**view, imager=1)
+        self.assertEqual((plain.gain, plain.state), (0, MOVING))
+        # 400 urad against 163.7 urad a pixel: 131 x 105 pixels.
+        self.assertEqual(recorded.radiance.shape, (105, 131))
+        counts = recorded.radiance * recorded.gain + recorded.offset
+        self.assertLess(counts.max(), 2 ** 14)
+        # The light is that of the frame; the grid is a little wider than the frame, whose border goes on.
+        self.assertAlmostEqual(recorded.radiance.mean() / plain.radiance.mean(), 1, delta=0.02)
+        self.assertLess(recorded.radiance.max(), plain.radiance.max())
+        # Noise differs from frame to frame, by what the camera states: NETD times dL/dT.
+        again = self.picture(**view, imager=1)
+        noise = (again.radiance - recorded.radiance).std() / 2 ** 0.5
+        um = numpy.linspace(8, 12, 400)
+        c2 = 14387.77 / um / 300
+        per_k = (1.1910429e8 / um ** 5 * c2 / 300 * numpy.exp(c2) / numpy.expm1(c2) ** 2).mean() * 4
+        step = 1 / recorded.gain / 12 ** 0.5
+        self.assertAlmostEqual(noise / numpy.hypot(0.05 * per_k, step), 1, delta=0.1)
+        print(f"imager: {recorded.ms - plain.ms:.0f} ms for a frame of 320 x 256 pixels")
+        words = json.loads(self.ask("frame", code=400, **{**view, "field_of_view_deg": 30}, imager=1))["error"]
+        self.assertIn("expected a field of view of at most 3.66", words)
+
+    def test_a_view_too_wide_for_the_imager_is_kept_without_it(self):
+        self.sit_down()
+        wide = self.ask("sweep", **{**VIEW, "field_of_view_deg": 30}).decode()
+        self.assertTrue(wide.startswith("# [imager] is left out"), wide[:80])
+        self.assertNotIn("netd_k", wide)
+        narrow = self.ask("sweep", **VIEW).decode()
+        self.assertIn("netd_k", narrow)
+        for text in (wide, narrow):
+            file = self.path / "seen.toml"
+            file.write_text(text)
+            self.assertIn("1 job", irsig(IRSIG, "plan", file))
+
+
 class SeatTest(FlyCase):
+    def test_an_imager_that_there_is_not_is_refused(self):
+        self.assertEqual(self.sit_down()["imager"], "")
+        self.assertIn(b"add it to the file", self.ask("frame", code=400, imager=1))
+
     def test_a_second_viewer_is_refused_with_words(self):
         self.sit_down()
         self.picture(**VIEW)
@@ -238,6 +346,44 @@ class PageTest(FlyCase):
         page.screenshot(SHOTS / "fly.png")
         page.call("Emulation.setDeviceMetricsOverride", width=700, height=500, deviceScaleFactor=1, mobile=False)
         page.wait("document.getElementById('picture').getBoundingClientRect().width <= 700")
+        self.assertEqual(page.errors, [])
+
+    def test_latency_and_rate_in_the_browser(self):
+        """Printed, not judged: they are those of a machine that others use, too. Software renders the page here."""
+        page = self.open(1280, 900)
+        page.run("""(() => {
+          const seen = window.irsigTimes = { latency: [], flown: [] };
+          const wait = () => new Promise(requestAnimationFrame);
+          const press = (type) => document.getElementById('picture').dispatchEvent(new KeyboardEvent(type, { key: 'ArrowRight', bubbles: true }));
+          (async () => {
+            for (let k = 0; k < 20; ++k) {
+              await new Promise((done) => setTimeout(done, 120));
+              const before = window.irsigFly.drawn();
+              const begin = performance.now();
+              press('keydown'); press('keyup');
+              const now = window.irsigFly.camera().azimuth;
+              while (window.irsigFly.drawn().azimuth !== now && performance.now() - begin < 5000) await wait();
+              seen.latency.push(performance.now() - begin);
+            }
+            press('keydown');
+            const begin = performance.now();
+            let last = window.irsigFly.frames;
+            while (performance.now() - begin < 3000) {
+              await wait();
+              if (window.irsigFly.frames > last) { last = window.irsigFly.frames; seen.flown.push(performance.now()); }
+            }
+            press('keyup');
+            seen.done = true;
+          })();
+        })()""")
+        page.wait("window.irsigTimes.done === true", "a flight of 3 s")
+        latency, flown = sorted(page.run("window.irsigTimes.latency")), page.run("window.irsigTimes.flown")
+        gaps = sorted(b - a for a, b in zip(flown, flown[1:]))
+        print(f"browser: a key to its picture {latency[len(latency) // 2]:.0f} ms in the median, {latency[-2]:.0f} ms at the 95th percentile; "
+              f"{1000 / gaps[len(gaps) // 2]:.0f} frames/s in the median, {1000 / gaps[int(0.95 * len(gaps))]:.0f} at the 5th percentile")
+        self.assertEqual(len(latency), 20)
+        self.assertLess(latency[-1], 5000)
+        self.assertGreater(len(flown), 3)
         self.assertEqual(page.errors, [])
 
     def test_a_narrow_page_is_flown_by_touch(self):

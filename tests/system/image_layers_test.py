@@ -57,7 +57,12 @@ class ImageLayers(unittest.TestCase):
         self.assertTrue((sum(rows.silhouettes()[0].values())[:, :3] == 0).all())
         self.assertGreater(stderr[:, 0].max(), 1e-6)
         self.assertEqual(rows.images("at_sensr"), [None] * 6)
-        self.assertEqual(rows.images("sun", stderr=True), [None] * 6)
+        self.assertEqual(rows.images("background", stderr=True), [None] * 6)
+        for layer in ("emitted", "sun", "sky", "surface", "parts", "hidden"):
+            for value, error in zip(rows.images(layer), rows.images(layer, stderr=True)):
+                self.assertEqual(error.shape, value.shape)
+                self.assertTrue((error[value != 0] > 0).all(), layer)
+                self.assertLess(numpy.sqrt((error.astype(float) ** 2).sum()), numpy.abs(value).sum(dtype=float) + 1e-9, layer)
         temperature, filled = rows.images("temperature")[0], sum(rows.silhouettes()[0].values())
         self.assertEqual(set(temperature[filled == 0]), {0})
         self.assertTrue(((temperature[filled > 0] > 313) & (temperature[filled > 0] < 400.01)).all())
@@ -89,8 +94,8 @@ class ImageLayers(unittest.TestCase):
         out = self.path / "seen"
         irsig("export", self.db, "--thumbnails", "--background", "--exr", "--bits", "16", "--row", "1", "--out", out)
         layers = (out / "images/0000001.layers.exr").read_bytes()
-        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", *MEANS):
-            self.assertIn(f"{name}.Y\0".encode(), layers[:2000])
+        for name in (*LIGHT, "hidden", "at_sensor", "at_sensor_stderr", "emitted_stderr", "hidden_stderr", *MEANS):
+            self.assertIn(f"{name}.Y\0".encode(), layers[:3000])
         labels = (out / "labels.csv").read_text().splitlines()
         white = float(dict(zip(labels[0].split(","), labels[1].split(",")))["white_w_m2_sr"])
         seen = reader.open(self.db).query(row=1).images("at_sensor")[0]

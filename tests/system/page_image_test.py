@@ -18,7 +18,8 @@ import irsig as irsig_py  # noqa: E402
 import numpy  # noqa: E402
 
 CANVAS = "document.querySelector('#image canvas')"
-UNIT = "document.querySelector('#image .scale svg > text:last-child').textContent"
+# The bar's own unit stands behind its numbers, before those of kelvin.
+UNIT = "[...document.querySelectorAll('#image .scale svg > text:not(.middle)')][0].textContent"
 NUMBER = r"−?[\d.]+(?:e−?\d+)?"
 
 
@@ -32,7 +33,7 @@ def band_radiance(low_um, high_um, kelvin):
         else numpy.trapz(1.1910429723971884e8 / um ** 5 / numpy.expm1(1.4387768775039338e4 / um / kelvin), um)
 
 
-class PageImage(PageCase):
+class ImageCase(PageCase):
     changes = LAYERED
 
     def stored(self, page, layer=None, **condition):
@@ -73,6 +74,8 @@ class PageImage(PageCase):
                         " return [d.filter(p => p !== 0).length, new Set(d).size, d.length]; })"
                         f"(document.querySelectorAll('#image canvas')[{which}])")
 
+
+class PageImage(ImageCase):
     def test_shows_the_pixels_of_the_database(self):
         for name, page in self.each():
             self.open(page, season="summer", band="lwir")
@@ -145,7 +148,8 @@ class PageImage(PageCase):
             self.assertGreater(min(self.colours(page, k)[0] for k in (0, 1)), 0)
             page.run(f"{CANVAS}.focus()")
             words = page.text("#image .readout")
-            column, row, a, _, _, b, *_ = numbers(words)
+            column, row = numbers(words)[:2]
+            a, b = (numbers(re.search(rf"{side} ({NUMBER}) ± {NUMBER} W", words)[1])[0] for side in "AB")
             self.assertIn("; B ", words)
             with irsig_py.open(self.db) as db:
                 for value, pattern, panel in ((a, r"Row (\d+):", "#values .where"), (b, r"B is row (\d+):", "#values .where + .where")):
@@ -173,7 +177,7 @@ class PageImage(PageCase):
                         ((r"Row (\d+):", "#values .where"), (r"B is row (\d+):", "#values .where + .where")))
                 difference, = numpy.subtract(b.images("at_sensor"), a.images("at_sensor"), dtype=float)
                 error, = numpy.hypot(a.images("at_sensor", stderr=True), b.images("at_sensor", stderr=True))
-                emitted, = numpy.subtract(b.images("emitted"), a.images("emitted"), dtype=float)
+                behind, = numpy.subtract(b.images("background"), a.images("background"), dtype=float)
             page.run(f"{CANVAS}.focus()")
             for key in ("ArrowRight", "ArrowDown"):
                 words = page.text("#image .readout")
@@ -188,12 +192,12 @@ class PageImage(PageCase):
             page.screenshot(SHOTS / f"image-difference-{name}.png")
             self.check_layout(page)
             # A layer without errors.
-            page.choose("#image [name=layer]", "emitted")
-            page.wait("document.querySelector('#image .tools a').href.endsWith('layer=emitted')")
+            page.choose("#image [name=layer]", "background")
+            page.wait("document.querySelector('#image .tools a').href.endsWith('layer=background')")
             words = page.text("#image .readout")
             column, row, value = numbers(words.replace("B − A", ""))[:3]
             self.assertNotIn("±", words)
-            self.assertAlmostEqual(value, emitted[int(row), int(column)], delta=6e-5 * abs(emitted).max())
+            self.assertAlmostEqual(value, behind[int(row), int(column)], delta=6e-5 * abs(behind).max())
             page.choose("#image [name=pictures]", "")
             page.wait("document.querySelector('#image .pictures span').textContent === 'A'")
             self.assertTrue(page.run("document.querySelectorAll('#image canvas')[1].checkVisibility()"))
@@ -233,6 +237,59 @@ class PageImage(PageCase):
         self.assertEqual(page.text("#image"), "This sweep was computed without images.")
         self.check_layout(page)
         self.assertFalse([e for e in page.errors if "Failed to load resource" not in e], page.errors)
+
+
+class PageCounts(ImageCase):
+    """A sweep with [imager]: its counts are shown first, on the camera's pixels."""
+    changes = {**LAYERED, "[accuracy]\n": LAYERED["[accuracy]\n"].replace("[accuracy]\n", """[imager]
+name = "test camera"
+[imager.optics]
+aperture_m = 0.05
+f_number = 0.25
+[imager.detector]
+pitch_m = 15e-6
+netd_k = 0.02
+[imager.counts]
+bits = 14
+black_k = 250
+white_k = 420
+
+[accuracy]
+""")}
+
+    def test_counts_are_shown_first_with_radiance_and_kelvin(self):
+        for name, page in self.each():
+            self.open(page, season="summer", band="lwir")
+            self.assertEqual(page.run("document.querySelector('#image [name=layer]').value"), "counts")
+            self.assertEqual(page.run("[...document.querySelector('#image [name=layer]').options].map(o => o.value)"), ["radiance", "counts", *LAYERS])
+            self.assertIn("counts of test camera, 14 bits", page.text("#image figcaption"))
+            row = int(re.match(r"Row (\d+):", page.text("#values .where"))[1])
+            info = self.server.json("/api/image.json", db=0, sweep="quickstart", row=row)
+            (counts,) = info["counts"]
+            self.assertEqual(counts["pixel_rad"], 1.2e-3)
+            self.assertLess(counts["width_px"], info["width_px"] / 2 + 1)
+            page.run(f"{CANVAS}.focus()")
+            for key in ("ArrowRight", "ArrowDown", "ArrowLeft"):
+                words = page.text("#image .readout")
+                said = re.search(rf": ({NUMBER}) counts, ({NUMBER}) W/\(m² sr\), apparent temperature ({NUMBER}) K", words)
+                value, radiance, kelvin = (numbers(n)[0] for n in said.groups())
+                self.assertEqual(value, round(value))
+                self.assertAlmostEqual(radiance / ((value - counts["offset_counts"]) / counts["counts_per_w_m2_sr"]), 1, delta=1e-4)
+                self.assertAlmostEqual(band_radiance(8, 12, kelvin) / radiance, 1, delta=3e-4)
+                page.key(key)
+            # The bar has counts above and kelvin below.
+            bar = page.run("[...document.querySelectorAll('#image .scale svg text')].map(t => t.textContent)")
+            self.assertTrue({"counts", "K"} <= set(bar), bar)
+            page.choose("#image [name=layer]", "radiance")
+            page.wait("document.querySelector('#image .tools a').innerText === 'PNG'")
+            self.check_readout(page)
+            self.check_layout(page)
+        self.assertEqual([e for e in self.pages["wide"].errors if "api/cut" not in e and "readback" not in e], [])
+
+    def test_what_is_wrong_is_told(self):
+        for path, code in (("/api/image.exr?db=0&sweep=quickstart&row=1&layer=counts&stderr=1", 404), ("/api/silhouette.json?db=0&sweep=quickstart&row=1&layer=counts", 200),
+                           ("/api/image.exr?db=0&sweep=quickstart&row=1&layer=counts", 200), ("/api/image.exr?db=0&sweep=quickstart&row=1&layer=count", 400)):
+            self.assertEqual(self.server.request(path)[0], code, path)
 
 
 if __name__ == "__main__":

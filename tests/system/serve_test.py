@@ -316,7 +316,9 @@ class Serve(ServeCase):
                          stored("SELECT width_px, height_px, pixel_rad, error_relative FROM thumbnail"))
         self.assertEqual((said["stderr"], said["gas"], said["plain_band_um"]), (True, False, [3, 5]))
         self.assertEqual([layer["name"] for layer in said["layer"]], LAYERS)
-        self.assertEqual([layer["name"] for layer in said["layer"] if layer["stderr"]], ["at_sensor"])
+        self.assertEqual([layer["name"] for layer in said["layer"] if layer["stderr"]],
+                         ["emitted", "sun", "sky", "surface", "parts", "hidden", "at_sensor"])
+        self.assertEqual((said["counts"], said["no_counts"]), ([], ""))
         self.assertEqual({layer["unit"] for layer in said["layer"]}, {"W/(m2 sr)", "K", "m", "1"})
         printed(next(layer["command"] for layer in said["layer"] if layer["name"] == "sun"))
         self.assertTrue((self.path / "row-3-sun.svg").read_text().startswith("<svg"))
@@ -345,8 +347,9 @@ class Serve(ServeCase):
         def refused(code, words, path="/api/image.exr", **parameters):
             self.assertIn(words, server.json(path, code, **{**row, **parameters})["error"])
 
-        refused(400, "expected one of emitted, sun, sky", layer="x' OR 1=1 --")
+        refused(400, "expected one of counts, emitted, sun, sky", layer="x' OR 1=1 --")
         refused(400, 'layer = "Sun"', layer="Sun")
+        refused(404, "has no counts: its sweep has no [imager]", layer="counts")
         refused(400, "expected 0 or 1", stderr="yes")
         refused(400, "expected a whole number", row="1e3")
         refused(400, "there is no such parameter here", png=1)

@@ -464,7 +464,7 @@ TEST(ExpandJobs, CutsAlongBandLast) {
               ElementsAre("0/0", "0/1", "4/0", "4/1", "1/0", "1/1"));
 }
 
-// Images of 15 MB a row, of which eight stay below 128 MB; of 120 MB, each alone.
+// Images of 16 MB a row, of which eight are 128 MB; of 128 MB, each alone.
 TEST(ExpandJobs, CutsSoThatImagesFitIntoAResult) {
   schema::ResolvedSweep sweep = sixteen_rows(1e9);
   schema::Image& image = *sweep.mutable_sweep()->mutable_image();

@@ -11,8 +11,10 @@
 #include "gtest/gtest.h"
 #include "live/camera.h"
 #include "live/film.h"
+#include "live/joined_frames.h"
 #include "live/own_parts.h"
 #include "live/page/fly_page.h"
+#include "live/recorded_frame.h"
 #include "live/reflected_sky.h"
 #include "live/tile_threads.h"
 
@@ -160,6 +162,147 @@ TEST(OwnParts, SeeNothingOfAConvexTargetAndMostFromTheBottomOfAWell) {
   const OwnParts own = OwnParts::make(*target, nullptr);
   ASSERT_EQ(own.facet.size(), 6u);
   EXPECT_GT(own.facet[0].hidden, 0.7f);
+}
+
+// A floor 4 m wide beside a wall 2 m high, in the sun that shines onto the wall.
+TEST(OwnParts, SunlightOfAWallReachesTheFloorByItsViewFactor) {
+  Mesh mesh;
+  const auto quad = [&](Vec<Body> a, Vec<Body> b, Vec<Body> c, Vec<Body> d) {
+    const auto n = static_cast<std::uint32_t>(mesh.vertex.size());
+    for (const auto& v : {a, b, c, d}) mesh.vertex.push_back(v);
+    for (const auto& t : {std::array<std::uint32_t, 3>{n, n + 1, n + 2}, {n, n + 2, n + 3}}) {
+      mesh.triangle.push_back(t);
+      mesh.triangle_group.push_back(0);
+    }
+  };
+  mesh.group = {"all"};
+  quad({-10, -1, 0}, {-10, 3, 0}, {10, 3, 0}, {10, -1, 0});
+  quad({-10, -1, 0}, {10, -1, 0}, {10, -1, -2}, {-10, -1, -2});
+  const auto target = make_target(mesh, {{"body", {"*"}, 0, true, false}}, widest_isa());
+  ASSERT_TRUE(target.ok()) << target.status();
+  const OwnParts own = OwnParts::make(*target, nullptr);
+  constexpr double kReflectance = 0.4;
+  const auto reflects = [&](std::uint32_t, float cosine) {
+    EXPECT_GT(cosine, 0);
+    return static_cast<float>(kReflectance);
+  };
+  const Vec<Body> sun{0, std::sin(0.5), -std::cos(0.5)};
+  const std::vector<float> seen = own.sunlight(*target, sun, reflects);
+  ASSERT_EQ(seen.size(), 4u);
+  const double of_wall = kReflectance * std::sin(0.5) / std::numbers::pi,
+               of_floor = kReflectance * std::cos(0.5) / std::numbers::pi;
+  for (std::size_t f = 0; f < 4; ++f) {
+    EXPECT_GT(own.facet[f].hidden, 0.05f) << f;
+    EXPECT_NEAR(seen[f], static_cast<double>(own.facet[f].hidden) * (f < 2 ? of_wall : of_floor),
+                1e-6)
+        << f;
+  }
+  // Where the sun stands behind the wall, the floor is in its shade.
+  const std::vector<float> behind =
+      own.sunlight(*target, {0, -std::sin(1.4), -std::cos(1.4)}, reflects);
+  EXPECT_EQ(behind[0], 0) << "the wall's other side is in the sun";
+  EXPECT_EQ(behind[2], 0);
+  EXPECT_EQ(behind[3], 0);
+}
+
+LiveFrame flat_frame(std::uint32_t width, std::uint32_t height, float radiance, float error) {
+  LiveFrame out;
+  out.width_px = width;
+  out.height_px = height;
+  out.radiance_w_m2_sr.assign(std::size_t{width} * height, radiance);
+  out.error.assign(out.radiance_w_m2_sr.size(), error);
+  out.edge.assign(out.radiance_w_m2_sr.size(), 0);
+  out.met.assign(out.radiance_w_m2_sr.size(), 1);
+  return out;
+}
+
+TEST(JoinedFrames, AreTheMeanByRaysWithItsError) {
+  JoinedFrames joined;
+  joined.add(flat_frame(2, 1, 10, 0.8f), 8);
+  joined.add(flat_frame(2, 1, 13, 0.4f), 24);
+  const LiveFrame mean = joined.mean();
+  EXPECT_FLOAT_EQ(mean.radiance_w_m2_sr[1], 12.25f);
+  EXPECT_FLOAT_EQ(mean.error[1], std::hypot(8 * 0.8f, 24 * 0.4f) / 32);
+  const PictureErrors errors = errors_of(mean);
+  EXPECT_NEAR(errors.rms, static_cast<double>(mean.error[0]) / 1.645 / 12.25, 1e-7);
+  EXPECT_NEAR(errors.percentile_99, errors.rms, 1e-12);
+}
+
+TEST(JoinedFrames, OnlyPixelsOfTheTargetCount) {
+  LiveFrame frame = flat_frame(200, 1, 1, 1.645f);
+  frame.met.assign(200, 0);
+  EXPECT_EQ(errors_of(frame).rms, 0);
+  frame.met[0] = frame.met[1] = 1;
+  frame.error[0] = 1.645f * 0.03f;
+  frame.error[1] = 1.645f * 0.04f;
+  EXPECT_NEAR(errors_of(frame).rms, 0.05 / std::sqrt(2.0), 1e-6);
+  EXPECT_NEAR(errors_of(frame).percentile_99, 0.03, 1e-6);
+}
+
+TEST(JoinedFrames, APixelIsTheTargetsIfAnyPictureMetItThere) {
+  JoinedFrames joined;
+  LiveFrame first = flat_frame(2, 1, 1, 0.1f), second = first;
+  first.met = {0, 0};
+  second.met = {0, 1};
+  joined.add(first, 8);
+  joined.add(second, 8);
+  EXPECT_EQ(joined.mean().met, (std::vector<LiveClass>{0, 1}));
+}
+
+Imager test_camera() {
+  Imager out;
+  out.aperture_m = 0.05;
+  out.f_number = 2;
+  out.pitch_m = 40e-6;
+  out.netd_k = 0.05;
+  out.gain = CountsOfTemperatures{220, 420};
+  return out;
+}
+
+TEST(RecordedFrame, KeepsAUniformSceneAndAddsTheNoiseItStates) {
+  const Imager camera = test_camera();
+  const auto figures = imager_in_band(camera, {"lwir", 8, 12, 0.1, {}});
+  ASSERT_TRUE(figures.ok());
+  const LiveFrame scene = flat_frame(320, 256, 40, 0.5f);
+  const auto frame = recorded_frame(camera, *figures, scene, 160e-6, 1);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->width_px, 128u);
+  EXPECT_EQ(frame->height_px, 103u);
+  double sum = 0, squares = 0;
+  for (const float r : frame->radiance_w_m2_sr) {
+    sum += static_cast<double>(r);
+    squares += std::pow(static_cast<double>(r) - 40, 2);
+  }
+  const auto pixels = static_cast<double>(frame->radiance_w_m2_sr.size());
+  const double step = 1 / figures->counts_per_w_m2_sr / std::sqrt(12.0),
+               noise = std::hypot(figures->noise_w_m2_sr, step);
+  EXPECT_NEAR(sum / pixels, 40, 4 * noise / std::sqrt(pixels));
+  EXPECT_NEAR(std::sqrt(squares / pixels) / noise, 1, 4 / std::sqrt(2 * pixels));
+  EXPECT_NEAR(frame->error[77], std::hypot(0.5, 1.645 * noise), 1e-5);
+  EXPECT_EQ(frame->edge[77], 0);
+  // Every radiance is one of a whole number of counts.
+  const double counts =
+      figures->counts_per_w_m2_sr * static_cast<double>(frame->radiance_w_m2_sr[5]) +
+      figures->offset_counts;
+  EXPECT_NEAR(counts, std::round(counts), 0.01);
+  const auto other = recorded_frame(camera, *figures, scene, 160e-6, 2);
+  EXPECT_NE(other->radiance_w_m2_sr, frame->radiance_w_m2_sr);
+}
+
+TEST(RecordedFrame, FlagsWhatEdgesFillAndRefusesCoarsePixels) {
+  const Imager camera = test_camera();
+  const auto figures = imager_in_band(camera, {"lwir", 8, 12, 0.1, {}});
+  LiveFrame scene = flat_frame(64, 64, 40, 0.5f);
+  for (std::size_t y = 0; y < 64; ++y)
+    for (std::size_t x = 0; x < 32; ++x) scene.edge[64 * y + x] = 1;
+  const auto frame = recorded_frame(camera, *figures, scene, 200e-6, 1);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->edge[32 * 10 + 3], 1);
+  EXPECT_EQ(frame->edge[32 * 10 + 28], 0);
+  const auto coarse = recorded_frame(camera, *figures, scene, 201e-6, 1);
+  EXPECT_TRUE(absl::IsInvalidArgument(coarse.status()));
+  // 2 atan(0.25 x 400e-6 x 64)
+  EXPECT_NE(coarse.status().message().find("at most 0.733"), std::string::npos) << coarse.status();
 }
 
 std::uint32_t big_endian(const std::string& bytes, std::size_t at) {

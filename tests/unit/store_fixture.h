@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/image_layers.h"
 #include "schema/store/reader.h"
 #include "schema/store/writer.h"
 #include "tests/fault/synthetic_ledger.h"
@@ -223,7 +224,8 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
         schema::ImageLayer& layer = *row.add_image_layer();
         layer.set_name(name);
         layer.set_exr(synthetic_exr(16, 9, 200, random));
-        if (name == "at_sensor") layer.set_stderr_exr(synthetic_exr(16, 9, 100, random));
+        if (has_standard_error(*image_layer_of(name)))
+          layer.set_stderr_exr(synthetic_exr(16, 9, 100, random));
       }
     }
   }

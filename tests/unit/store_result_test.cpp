@@ -217,8 +217,8 @@ TEST(StoreResult, LayersAreThoseThatTheSweepAsksFor) {
   for (const std::function<void(schema::ImageLayer&)>& change :
        std::vector<std::function<void(schema::ImageLayer&)>>{
            [](auto& l) { l.set_name("sunn"); }, [](auto& l) { l.clear_exr(); },
-           [](auto& l) { l.mutable_exr()->resize(40); },
-           [](auto& l) { l.set_stderr_exr(l.exr()); }}) {
+           [](auto& l) { l.mutable_exr()->resize(40); }, [](auto& l) { l.clear_stderr_exr(); },
+           [](auto& l) { l.set_name("path"); }}) {
     schema::ImageLayer bad = good.view().row(1).image_layer(0);
     change(bad);
     const absl::Status status = check_image_layer(bad, 16, 9, "layer");

@@ -183,6 +183,39 @@ std::string axis_title(ImageLayer layer) {
   }
 }
 
+// Counts are numbers of the camera's own pixels.
+absl::Status check_counts_pixels(const std::optional<std::uint32_t>& long_side_px) {
+  return long_side_px ? absl::InvalidArgumentError(
+                            "--pixels: a picture of counts has the pixels of the sweep's imager; "
+                            "state --no-imager for stored radiance")
+                      : absl::OkStatus();
+}
+
+Pixels pixels_of(const CountsImage& counts) {
+  Pixels out{counts.width_px, counts.height_px, {}};
+  out.radiance_w_m2_sr.assign(counts.counts.begin(), counts.counts.end());
+  return out;
+}
+
+// Colours of counts; beside them the in-band radiance at the sensor.
+absl::Status finish_counts(const SweepImager& imager, const ImagerInBand& figures,
+                           const std::optional<ColorRange>& range, FalseColorPicture& picture) {
+  ASSIGN_OR_RETURN(const auto own, range_of_most(picture.value));
+  picture.range = range.value_or(own);
+  picture.subtitle = fmt::format(
+      "Counts of {}, {} bits. Colours from the 1st to the 99th percentile unless stated",
+      imager.name, imager.imager.bits);
+  picture.axis = bar_axis("Counts", picture.range);
+  const auto radiance = [&](double counts) {
+    return (counts - figures.offset_counts) / figures.counts_per_w_m2_sr;
+  };
+  BarAxis other = bar_axis("In-band radiance at the sensor in W/(m\u00b2 sr)",
+                           {radiance(picture.range.low), radiance(picture.range.high)});
+  for (double& at : other.at) at = figures.counts_per_w_m2_sr * at + figures.offset_counts;
+  picture.other = std::move(other);
+  return absl::OkStatus();
+}
+
 // Title, colours and axes of a picture whose pixels are there.
 absl::Status finish(StoreReader& reader, const StoredSignature& s, const std::string& layer,
                     const std::optional<ColorRange>& range, FalseColorPicture& picture) {
@@ -227,15 +260,25 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
                                                    const std::optional<ColorRange>& range,
                                                    const std::optional<std::uint32_t>& long_side_px,
                                                    const ReadPictures& read,
-                                                   const std::string& layer) {
+                                                   const std::string& layer,
+                                                   const std::optional<SweepImager>& imager) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
   ASSIGN_OR_RETURN(const auto rows, run_query(reader, asked));
   ASSIGN_OR_RETURN(auto image, image_of(reader, rows, layer));
   const StoredSignature s = image.signature;
-  std::vector<StoredImage> images;
-  images.push_back(std::move(image));
-  ASSIGN_OR_RETURN(auto pixels, pixels_of(reader, images, layer, long_side_px, read));
+  std::vector<Pixels> pixels;
+  std::optional<ImagerInBand> figures;
+  if (imager) {
+    RETURN_IF_ERROR(check_counts_pixels(long_side_px));
+    ASSIGN_OR_RETURN(const auto recorded, counts_of_row(reader, *imager, s, read));
+    pixels.push_back(pixels_of(recorded.counts));
+    figures = recorded.figures;
+  } else {
+    std::vector<StoredImage> images;
+    images.push_back(std::move(image));
+    ASSIGN_OR_RETURN(pixels, pixels_of(reader, images, layer, long_side_px, read));
+  }
   FalseColorPicture out;
   out.title = fmt::format("{}, {} {}, {}, {}, {}", s.sweep, s.season, s.time_utc, band_title(s),
                           aspect_title(s), range_title(s.range_m));
@@ -243,15 +286,16 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   out.width_px = pixels[0].width_px;
   out.height_px = pixels[0].height_px;
   out.value = std::move(pixels[0].radiance_w_m2_sr);
-  RETURN_IF_ERROR(finish(reader, s, layer, range, out));
+  RETURN_IF_ERROR(figures ? finish_counts(*imager, *figures, range, out)
+                          : finish(reader, s, layer, range, out));
   return out;
 }
 
 absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query& query,
                                                 const std::optional<ColorRange>& range,
                                                 const std::optional<std::uint32_t>& long_side_px,
-                                                const ReadPictures& read,
-                                                const std::string& layer) {
+                                                const ReadPictures& read, const std::string& layer,
+                                                const std::optional<SweepImager>& imager) {
   if (query.interpolate)
     return absl::InvalidArgumentError("--kind sheet: images are not interpolated, use --nearest");
   ASSIGN_OR_RETURN(const auto rows, run_query(reader, query));
@@ -285,7 +329,18 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
                       rows.size(), kMostPixelsInSheet));
     images.push_back(std::move(image));
   }
-  ASSIGN_OR_RETURN(auto pixels, pixels_of(reader, images, layer, long_side_px, read));
+  std::vector<Pixels> pixels;
+  std::optional<ImagerInBand> figures;
+  if (imager) {
+    RETURN_IF_ERROR(check_counts_pixels(long_side_px));
+    for (const StoredImage& image : images) {
+      ASSIGN_OR_RETURN(const auto recorded, counts_of_row(reader, *imager, image.signature, read));
+      pixels.push_back(pixels_of(recorded.counts));
+      figures = recorded.figures;
+    }
+  } else {
+    ASSIGN_OR_RETURN(pixels, pixels_of(reader, images, layer, long_side_px, read));
+  }
   std::vector<SheetCell> cells;
   for (std::size_t i = 0; i < images.size(); ++i) {
     const StoredSignature& s = images[i].signature;
@@ -308,7 +363,8 @@ absl::StatusOr<FalseColorPicture> sheet_picture(StoreReader& reader, const Query
   if (one_season && one_time) out.title += " " + first.time_utc;
   if (one_place) out.title += ", " + aspect_title(first);
   out.subtitle = subtitle_of(layer);
-  RETURN_IF_ERROR(finish(reader, first, layer, range, out));
+  RETURN_IF_ERROR(figures ? finish_counts(*imager, *figures, range, out)
+                          : finish(reader, first, layer, range, out));
   return out;
 }
 

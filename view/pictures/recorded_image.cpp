@@ -44,25 +44,6 @@ std::vector<Under> under_pixels(std::uint32_t stored_px, std::uint32_t detector_
   return out;
 }
 
-// Pixels of the imager by which an image goes on beyond its border: the point spread reaches no
-// farther than that.
-constexpr double kBeyond = 8;
-
-// The image with its border's pixels repeated beyond it.
-RadianceImage widened(const RadianceImage& image, std::uint32_t by_px) {
-  RadianceImage out{image.width_px + 2 * by_px, image.height_px + 2 * by_px, {}};
-  out.radiance_w_m2_sr.reserve(std::size_t{out.width_px} * out.height_px);
-  const auto within = [&](std::uint32_t at, std::uint32_t size) {
-    return std::min(std::max(at, by_px) - by_px, size - 1);
-  };
-  for (std::uint32_t y = 0; y < out.height_px; ++y)
-    for (std::uint32_t x = 0; x < out.width_px; ++x)
-      out.radiance_w_m2_sr.push_back(
-          image.radiance_w_m2_sr[std::size_t{within(y, image.height_px)} * image.width_px +
-                                 within(x, image.width_px)]);
-  return out;
-}
-
 // A pixel that is filled, in whole numbers that a silhouette holds.
 constexpr std::uint32_t kFilled = 65535;
 
@@ -102,30 +83,42 @@ StoredSilhouette on_detector(const StoredSilhouette& silhouette, const DetectorG
   return out;
 }
 
+absl::StatusOr<DetectorGrid> recorded_grid(const Imager& imager, std::uint32_t width_px,
+                                           std::uint32_t height_px, double pixel_rad,
+                                           bool with_surroundings) {
+  Imager framed = imager;
+  if (with_surroundings) framed.margin_px = 0;
+  return detector_grid(framed, width_px, height_px, pixel_rad);
+}
+
+absl::StatusOr<RecordedCounts> record_counts(const Imager& imager, const ImagerInBand& figures,
+                                             const StoredSignature& row, const RadianceImage& seen,
+                                             double pixel_rad, bool with_surroundings) {
+  ASSIGN_OR_RETURN(const auto grid, recorded_grid(imager, seen.width_px, seen.height_px, pixel_rad,
+                                                  with_surroundings));
+  RecordedCounts out;
+  out.grid = grid;
+  const auto detect = with_surroundings ? detector_image_going_on : detector_image;
+  out.noiseless =
+      detect(imager, figures.wavelength_um, seen, pixel_rad, row.background_radiance_w_m2_sr, grid);
+  out.counts = counts_image(imager, figures, out.noiseless, frame_of(row));
+  return out;
+}
+
 absl::StatusOr<RecordedImage> record_image(const Imager& imager, const ImagerInBand& figures,
                                            const StoredSignature& row, const RadianceImage& seen,
                                            double pixel_rad, const StoredSilhouette& silhouette,
                                            bool with_surroundings) {
-  Imager framed = imager;
-  if (with_surroundings) framed.margin_px = 0;
-  ASSIGN_OR_RETURN(const auto grid,
-                   detector_grid(framed, seen.width_px, seen.height_px, pixel_rad));
-  const std::uint32_t beyond_px =
-      with_surroundings ? static_cast<std::uint32_t>(std::ceil(kBeyond * grid.ratio)) : 0;
-  DetectorGrid within = grid;
-  within.left += beyond_px;
-  within.top += beyond_px;
-  const RadianceImage noiseless =
-      detector_image(framed, figures.wavelength_um, widened(seen, beyond_px), pixel_rad,
-                     row.background_radiance_w_m2_sr, within);
-  const CountsImage counts = counts_image(imager, figures, noiseless, frame_of(row));
+  ASSIGN_OR_RETURN(const auto recorded,
+                   record_counts(imager, figures, row, seen, pixel_rad, with_surroundings));
+  const CountsImage& counts = recorded.counts;
   RecordedImage out;
   out.figures = figures;
   ASSIGN_OR_RETURN(out.png, encode_grey_png(counts.width_px, counts.height_px, counts.counts,
                                             imager.bits == 8 ? 8 : 16));
-  ASSIGN_OR_RETURN(out.noiseless_exr, encode_exr(noiseless));
+  ASSIGN_OR_RETURN(out.noiseless_exr, encode_exr(recorded.noiseless));
   out.saturated_px = counts.saturated_px;
-  out.silhouette = on_detector(silhouette, grid);
+  out.silhouette = on_detector(silhouette, recorded.grid);
   return out;
 }
 

@@ -10,6 +10,22 @@
 
 namespace irsig {
 
+// The counts of a stored image, and the radiance of each of the detector's pixels without noise.
+struct RecordedCounts {
+  DetectorGrid grid;
+  RadianceImage noiseless;
+  CountsImage counts;
+};
+// Returns the detector's pixels of an image; arguments and errors as those of record_image().
+[[nodiscard]] absl::StatusOr<DetectorGrid> recorded_grid(const Imager& imager,
+                                                         std::uint32_t width_px,
+                                                         std::uint32_t height_px, double pixel_rad,
+                                                         bool with_surroundings);
+// Records an image of radiance at the sensor, with the arguments and errors of record_image().
+[[nodiscard]] absl::StatusOr<RecordedCounts> record_counts(
+    const Imager& imager, const ImagerInBand& figures, const StoredSignature& row,
+    const RadianceImage& seen, double pixel_rad, bool with_surroundings);
+
 // A stored image as an imager records it.
 struct RecordedImage {
   ImagerInBand figures;

@@ -68,7 +68,7 @@ TracedPictures PictureWindow::joined(TracedPictures squares, const ImagePlan& pl
   const std::size_t images = plan.images, kinds = images * plan.kinds,
                     values = plan.first_numbers();
   std::vector<double> variance(pixels() * images, 0.0),
-      kind(squares.kind_sum.empty() ? 0 : pixels() * kinds, 0.0);
+      kind(squares.kind_sum.empty() ? 0 : pixels() * kinds, 0.0), kind_variance = kind;
   out.sum.assign(pixels() * images, 0.0);
   out.first_sum.assign(squares.first_sum.empty() ? 0 : pixels() * values, 0.0);
   const auto pixel_of_square = [&](std::size_t square) {
@@ -83,13 +83,17 @@ TracedPictures PictureWindow::joined(TracedPictures squares, const ImagePlan& pl
       variance[pixel * images + k] +=
           std::pow(static_cast<double>(squares.stderr_[s * images + k]), 2);
     }
-    for (std::size_t k = 0; !kind.empty() && k < kinds; ++k)
+    for (std::size_t k = 0; !kind.empty() && k < kinds; ++k) {
       kind[pixel * kinds + k] += static_cast<double>(squares.kind_sum[s * kinds + k]);
+      kind_variance[pixel * kinds + k] +=
+          std::pow(static_cast<double>(squares.kind_stderr[s * kinds + k]), 2);
+    }
     for (std::size_t k = 0; !out.first_sum.empty() && k < values; ++k)
       out.first_sum[pixel * values + k] += squares.first_sum[s * values + k];
   }
   for (const double v : variance) out.stderr_.push_back(static_cast<float>(std::sqrt(v)));
   for (const double v : kind) out.kind_sum.push_back(static_cast<float>(v));
+  for (const double v : kind_variance) out.kind_stderr.push_back(static_cast<float>(std::sqrt(v)));
   using OfPixels = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;
   const auto of_pixels = [&](const std::vector<TracedPictures::Met>& of_squares) {
     OfPixels all;

@@ -4,8 +4,8 @@ import { decode, paint, relativeError, scaleOf } from "./picture.js";
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const STATES = ["moving: 2 rays a pixel", "at rest: the estimator's first rays", "at rest: as stored images are"];
-let scene, camera, frame, scale, asked = "", pointer = null, hourMoved = false, visibilityMoved = false;
-window.irsigFly = { frames: 0, state: () => frame && frame.state, camera: () => camera };  // for tests
+let scene, camera, frame, drawn, scale, asked = "", pointer = null, hourMoved = false, visibilityMoved = false;
+window.irsigFly = { frames: 0, state: () => frame && frame.state, camera: () => camera, drawn: () => drawn };  // for tests
 
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 function trouble(words) {
@@ -17,6 +17,7 @@ function parameters() {
   const [width, height] = $("size").value.split("x");
   const out = { viewer: scene.viewer, ...camera.parameters(), width_px: width, height_px: height,
     condition: $("condition").value, band: $("band").value, light: $("light").value,
+    imager: +$("imager").checked,
     sun: +$("sun").checked, sky: +$("sky").checked, parts: +$("parts").checked };
   if (hourMoved && !scene.keeps_hours) out.minute_utc = $("hour").value;
   if (visibilityMoved) out.visibility_m = Math.round(10 ** $("visibility").value);
@@ -43,6 +44,10 @@ function kelvinOf(radiance) {
   return first * step ** (low + f);
 }
 function amount(radiance, relative) {
+  const counts = frame.gain > 0 ? `${Math.round(frame.gain * radiance + frame.offset)} counts, ` : "";
+  return counts + physical(radiance, relative);
+}
+function physical(radiance, relative) {
   if ($("unit").value === "w") {
     const error = relative === null ? "an edge, no error stated" : `± ${(radiance * relative).toPrecision(2)}`;
     return `${radiance.toPrecision(4)} W/(m² sr) ${error}`;
@@ -71,7 +76,8 @@ function pick() {
   clearTimeout(pickTimer);
   pickTimer = setTimeout(async () => {
     if (!pointer || !frame) return;
-    const x = Math.floor(pointer[0] * frame.width), y = Math.floor(pointer[1] * frame.height);
+    // Pixels of the view, which an imager's are not.
+    const [x, y] = $("size").value.split("x").map((size, k) => Math.min(size - 1, Math.floor(pointer[k] * size)));
     try {
       const found = await (await ask("pick", `${parameters()}&x=${x}&y=${y}`)).json();
       const part = (name) => `${name} ${((100 * found[name]) / found.total).toFixed(0)} %`;
@@ -89,17 +95,21 @@ async function loop() {
   for (;;) {
     const now = parameters();
     if (now === asked && frame) {
-      // At rest: the estimator's pictures come when they are ready; then a sign of life.
-      await pause(frame.state === 2 ? 1000 : 100);
+      // At rest: the estimator's pictures come when they are ready; then a sign of life. A key ends
+      // the pause, so that its picture does not wait for it.
+      const until = performance.now() + (frame.state === 2 ? 1000 : 100);
+      while (performance.now() < until && parameters() === asked) await new Promise(requestAnimationFrame);
       if (parameters() !== asked) continue;
     }
     asked = now;
+    const from = { azimuth: camera.azimuth };  // of the camera as it is asked for
     try {
       const next = decode(await (await ask("frame", now)).arrayBuffer());
       frame = next;
       ++window.irsigFly.frames;
       trouble("");
       show();
+      drawn = from;
     } catch (error) {
       trouble(error.said ? error.message : "The connection is lost: is irsig fly still running? Trying again.");
       asked = "";
@@ -170,6 +180,8 @@ function controls() {
   fill("band", scene.bands, scene.band);
   $("hour-label").hidden = scene.keeps_hours;
   $("visibility-label").hidden = !scene.has_air;
+  $("imager-label").hidden = scene.imager === "";
+  $("imager-name").textContent = `as recorded by ${scene.imager}`;
   const hour = () => ($("hour-text").textContent = hourMoved
     ? `${String(Math.floor($("hour").value / 60)).padStart(2, "0")}:${String($("hour").value % 60).padStart(2, "0")}` : "as written");
   const visibility = () => ($("visibility-text").textContent = visibilityMoved ? `${(10 ** $("visibility").value / 1000).toFixed(1)} km` : "as written");

@@ -15,7 +15,8 @@ export function decode(buffer) {
   for (let i = 0; i < pixels; ++i) radiance[i] = scale * HALF[halves[i]];
   return { width, height, radiance, error: new Uint8Array(buffer, 64 + 2 * pixels, pixels),
     state: view.getUint32(12, true), ms: view.getFloat32(20, true), low: view.getFloat32(24, true),
-    high: view.getFloat32(28, true), edges: view.getFloat32(32, true) };
+    high: view.getFloat32(28, true), edges: view.getFloat32(32, true),
+    gain: view.getFloat32(36, true), offset: view.getFloat32(40, true) };  // counts; gain 0: radiance
 }
 
 // A stated error relative to the radiance; null: the pixel lies on an edge.

@@ -200,7 +200,7 @@ absl::Status check_image_layer(const schema::ImageLayer& layer, std::uint32_t wi
   const auto known = image_layer_of(layer.name());
   if (!known) return wrong_picture(path + ".name", "is none that there is");
   IRSIG_STORE_TRY(check_exr(layer.exr(), width_px, height_px, path + ".exr"));
-  if ((*known == ImageLayer::kAtSensor) == layer.stderr_exr().empty())
+  if (has_standard_error(*known) == layer.stderr_exr().empty())
     return wrong_picture(path + ".stderr_exr", "is there or not, unlike that of other rows");
   return layer.stderr_exr().empty()
              ? absl::OkStatus()

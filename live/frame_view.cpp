@@ -1,0 +1,125 @@
+#include "live/frame_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/constants.h"
+
+namespace irsig {
+namespace {
+
+// Returns the place of a tile's pixel in the picture.
+FrameView::Place pixel_of(std::uint32_t tile_x, std::uint32_t tile_y, std::uint32_t i) {
+  const FrameView::Place in = FrameView::place(i);
+  return {tile_x * kTileSide + in.x, tile_y * kTileSide + in.y};
+}
+
+}  // namespace
+
+FrameView::FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLights& lights,
+                     const ViewRequest& request, PlaceGrid::Seen seen, const ViewFrame& frame,
+                     const PictureFrame& pictures)
+    : scene_(sweep.simulator().scene()),
+      target_(scene_.target),
+      own_(sweep.own_parts()),
+      parts_(lights.choice().effects.parts),
+      of_(lights.frame()),
+      seen_(std::move(seen)),
+      background_(seen_.light.background, seen_.horizon_z),
+      frame_(frame),
+      pictures_(pictures),
+      pixel_m_(pictures.rectangle.width_m / pictures.width_px) {
+  const ConditionSpec& condition = request.condition[lights.choice().condition];
+  if (land != nullptr) {
+    rays_ = land;
+    land_.emplace(request.land, condition.above_surface_m - target_.centre.z, target_.centre,
+                  of_.land_range_m, land->bend_per_m());
+    cos_heading_ = std::cos(request.land->heading_deg * kRadPerDeg);
+    sin_heading_ = std::sin(request.land->heading_deg * kRadPerDeg);
+    surface_m_ = request.land->surface_m + condition.above_surface_m - target_.centre.z;
+    sensor_ = place_of(frame_.sensor);
+    slope_ = {land->bend_per_m() * sensor_.x, land->bend_per_m() * sensor_.y, 0};
+    sensor_.z += dot(slope_, sensor_);
+    land_sun_ = turned(of_.sun);
+  }
+  emitters_ = request.emitters.get();
+  plane_ = request.land != nullptr ? std::nullopt
+                                   : plane_of(boundary_of(condition, scene_.surface_z_m()));
+  sun_ = {static_cast<float>(of_.sun.x), static_cast<float>(of_.sun.y),
+          static_cast<float>(of_.sun.z)};
+  find_target_rectangle();
+}
+
+void FrameView::trace_tile(std::uint32_t tile_x, std::uint32_t tile_y, float sx, float sy,
+                           FrameWorker& worker, const Sample* before, Sample* out) const {
+  Vec<Body> direction[kTilePixels];
+  float z0[kTilePixels], z1[kTilePixels];
+  const bool target = overlaps_target(tile_x, tile_y);
+  for (std::uint32_t i = 0; i < kTilePixels; ++i) {
+    const Place c = pixel_of(tile_x, tile_y, i);
+    direction[i] = direction_at(c.x + static_cast<double>(sx), c.y + static_cast<double>(sy));
+  }
+  if (!land_)
+    for (std::uint32_t i = 0; i < kTilePixels; ++i) {
+      const Place c = pixel_of(tile_x, tile_y, i);
+      z0[i] = static_cast<float>(direction_at(c.x + 0.5, c.y).z);
+      z1[i] = static_cast<float>(direction_at(c.x + 0.5, c.y + 1).z);
+    }
+  if (target) trace_target(direction, worker);
+  if (rays_ != nullptr) trace_land(direction, worker);
+  for (std::uint32_t i = 0; i < kTilePixels; ++i) {
+    out[i] = {};
+    if (target && shade_target(direction[i], worker, i, out[i])) continue;
+    if (rays_ != nullptr && shade_land(direction[i], worker, i, out[i])) continue;
+    const float z = static_cast<float>(direction[i].z);
+    out[i].light = land_ ? total_of(0, 0, background_.mean(z, z), seen_.light.path)
+                         : total_of(0, 0, background_.mean(z0[i], z1[i]), seen_.light.path);
+    out[i].met = 0;
+  }
+  if (target && of_.sun_shines) add_sun(worker, out);
+  if (rays_ != nullptr && of_.sun_shines) add_sun_on_land(worker, direction, before, out);
+}
+
+Vec<Body> FrameView::direction_at(double x_px, double y_px) const {
+  const PlaneRectangle& r = pictures_.rectangle;
+  const double x_m = r.x0_m + x_px * pixel_m_,
+               y_m = r.y0_m + (pictures_.height_px - y_px) * pixel_m_;
+  return normalized(pictures_.plane_m * frame_.forward + x_m * frame_.right + y_m * frame_.up);
+}
+
+void FrameView::find_target_rectangle() {
+  const double depth_m =
+      std::max(-dot(frame_.sensor, frame_.forward) - target_.radius_m, 1e-3 * target_.radius_m);
+  double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+  const auto add = [&](double x_m, double y_m) {
+    x0 = std::min(x0, x_m), x1 = std::max(x1, x_m), y0 = std::min(y0, y_m), y1 = std::max(y1, y_m);
+  };
+  const double across = dot(-1.0 * frame_.sensor, frame_.right),
+               up = dot(-1.0 * frame_.sensor, frame_.up), r = target_.radius_m;
+  for (const double sx : {-r, r})
+    for (const double sy : {-r, r})
+      for (const double d : {depth_m, depth_m + 2 * r})
+        add((across + sx) * pictures_.plane_m / d, (up + sy) * pictures_.plane_m / d);
+  const PlaneRectangle& rect = pictures_.rectangle;
+  target_x0_ = (x0 - rect.x0_m) / pixel_m_;
+  target_x1_ = (x1 - rect.x0_m) / pixel_m_;
+  target_y0_ = pictures_.height_px - (y1 - rect.y0_m) / pixel_m_;
+  target_y1_ = pictures_.height_px - (y0 - rect.y0_m) / pixel_m_;
+}
+
+bool FrameView::overlaps_target(std::uint32_t tile_x, std::uint32_t tile_y) const {
+  const double x = tile_x * kTileSide, y = tile_y * kTileSide;
+  return x <= target_x1_ && x + kTileSide >= target_x0_ && y <= target_y1_ &&
+         y + kTileSide >= target_y0_;
+}
+
+std::string FrameView::name_of(LiveClass met, const schema::Sweep& sweep) const {
+  if (met == 0) return "background";
+  const std::uint32_t material = (met - 1u) / 2;
+  if (material < of_.materials) return sweep.material(static_cast<int>(material)).name();
+  const auto land = static_cast<int>(material - of_.materials);
+  return land < sweep.land().material_size() ? sweep.land().material(land).material() : "land";
+}
+
+}  // namespace irsig

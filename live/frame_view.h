@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/signature/view/prepared_view.h"
+#include "core/signature/view/view_pictures.h"
+#include "core/sources/land.h"
+#include "core/transport/ray_batch.h"
+#include "live/background_table.h"
+#include "live/frame.h"
+
+namespace irsig {
+
+// Pixels of a tile along a side, and of a tile.
+inline constexpr std::uint32_t kTileSide = 8, kTilePixels = kTileSide * kTileSide;
+
+// Packets and sums that a thread needs for itself.
+struct FrameWorker {
+  RayPacket packet[kTilePixels / RayPacket::kSize];  // to the target
+  RayPacket land[kTilePixels / RayPacket::kSize];
+  RayPacket to_sun;
+  LandMix mix;
+  float sun_of[kTilePixels] = {};  // sunlight of land where nothing shades it
+  std::vector<float> brdf;
+};
+
+// One camera's frame, ready to be drawn: what a tile's rays meet, and the light that comes from
+// there. Any number of threads may trace tiles, each with a worker of its own.
+class FrameView {
+ public:
+  // The sweep, the land and the lights outlive this.
+  FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLights& lights,
+            const ViewRequest& request, PlaceGrid::Seen seen, const ViewFrame& frame,
+            const PictureFrame& pictures);
+
+  [[nodiscard]] std::uint32_t columns() const {
+    return (pictures_.width_px + kTileSide - 1) / kTileSide;
+  }
+  [[nodiscard]] std::uint32_t rows() const {
+    return (pictures_.height_px + kTileSide - 1) / kTileSide;
+  }
+
+  using Light = std::array<float, kLiveLights.size()>;  // [LiveLight]
+  struct Sample {
+    Light light{};
+    LiveClass met = 0;
+    std::uint32_t thing = 0;  // of one surface: part and facet's side, or land's
+    double range_m = 0, temperature_k = 0;
+  };
+
+  // Traces the samples of one tile, [pixel of the tile], for one place within pixels.
+  //   before  the tile's samples at another place, or null: land beside them is in the sun as there
+  void trace_tile(std::uint32_t tile_x, std::uint32_t tile_y, float sx, float sy,
+                  FrameWorker& worker, const Sample* before, Sample* out) const;
+
+  struct Place {
+    std::uint32_t x, y;
+  };
+  // Returns the place of a pixel in its tile: packets are blocks of 4 x 4 pixels.
+  [[nodiscard]] static Place place(std::uint32_t i) {
+    const std::uint32_t block = i / 16, in = i % 16;
+    return {(block % 2) * 4 + in % 4, (block / 2) * 4 + in / 4};
+  }
+
+  [[nodiscard]] std::string name_of(LiveClass met, const schema::Sweep& sweep) const;
+
+ private:
+  static Light total_of(float emitted, float sun, float reflected, float air) {
+    return {emitted + sun + reflected + air, emitted, sun, reflected, air};
+  }
+  static void add_sun_to(float sun, Sample& sample) {
+    sample.light[0] += sun;
+    sample.light[static_cast<std::size_t>(LiveLight::kSun)] += sun;
+    ++sample.met;
+  }
+  [[nodiscard]] Vec<Body> direction_at(double x_px, double y_px) const;
+  void find_target_rectangle();
+  [[nodiscard]] bool overlaps_target(std::uint32_t tile_x, std::uint32_t tile_y) const;
+
+  // The target (view_target.cpp).
+  void trace_target(const Vec<Body>* direction, FrameWorker& worker) const;
+  // Returns false if the ray passes the target, or what it meets is hidden.
+  bool shade_target(Vec<Body> d, FrameWorker& worker, std::uint32_t i, Sample& out) const;
+  // Returns what a material of that table reflects of one part of the target all around it.
+  [[nodiscard]] float own_part(std::uint32_t emitter, const float* table, float cos_o) const;
+  // Adds the sun to the samples of a tile that met the target and face it.
+  void add_sun(FrameWorker& worker, Sample* out) const;
+  // Leaves of these lanes those whose point land does not shade; returns their number.
+  int past_land(const RayPacket& packet, std::uint32_t* lane_of, int count, RayPacket& ray) const;
+  [[nodiscard]] Float3 facing(const RayPacket& packet, std::uint32_t lane) const;
+  [[nodiscard]] float reflected_sun(const RayPacket& packet, std::uint32_t lane,
+                                    FrameWorker& worker) const;
+
+  // Land (view_land.cpp). Body to the land's local frame, and places relative to the target's
+  // centre to places there.
+  [[nodiscard]] Vec<Enu> turned(Vec<Body> d) const;
+  [[nodiscard]] Vec<Enu> place_of(Vec<Body> p) const;
+  // A line of sight leaves the sensor higher than a straight one (Land).
+  [[nodiscard]] Vec<Enu> in_sight(Vec<Body> d) const;
+  void trace_land(const Vec<Body>* direction, FrameWorker& worker) const;
+  // Returns false if the ray meets no land.
+  bool shade_land(Vec<Body> d, FrameWorker& worker, std::uint32_t i, Sample& out) const;
+  // Adds the sun to the samples of a tile that met land in the sun.
+  void add_sun_on_land(FrameWorker& worker, const Vec<Body>* direction, const Sample* before,
+                       Sample* out) const;
+  // Adds the sun to samples of land that no land shades, unless the target does.
+  void add_sun_past_target(FrameWorker& worker, const Vec<Body>* direction, const std::uint32_t* of,
+                           int count, Sample* out) const;
+
+  const PreparedScene& scene_;
+  const Target& target_;
+  const OwnParts& own_;
+  bool parts_;
+  const LightFrame& of_;
+  PlaceGrid::Seen seen_;
+  BackgroundTable background_;
+  ViewFrame frame_;
+  PictureFrame pictures_;
+  double pixel_m_;
+  const LandRays* rays_ = nullptr;
+  std::optional<Land> land_;
+  double cos_heading_ = 1, sin_heading_ = 0, surface_m_ = 0;
+  Vec<Enu> sensor_, slope_, land_sun_;  // of the lines of sight over land
+  const Emitters* emitters_ = nullptr;
+  std::optional<Plane> plane_;
+  Float3 sun_{0, 0, 0};
+  double target_x0_ = 0, target_x1_ = 0, target_y0_ = 0, target_y1_ = 0;
+};
+
+}  // namespace irsig
