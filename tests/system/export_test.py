@@ -456,7 +456,7 @@ white_k = 420
             said = irsig("export", self.db, "--out", self.path / "no.csv", *options, expect=2).stderr
             self.assertIn(f"{options[0]}: belongs to the format thumbnails", said)
         for options, why in ((("--category", "ship=*"), "belong to --coco"), (("--coco", "--category", "ship"), "expected NAME=PATTERN,PATTERN"),
-                             (("--validation", "1"), "expected a fraction"), (("--bits", "12"), "12 not in"),
+                             (("--validation", "1"), "expected a fraction"), (("--bits", "12"), "expected one of 8, 16, 32"),
                              (("--coco", "--each-part", "--category", "ship=*"), "excludes")):
             self.assertIn(why, irsig("export", self.db, "--thumbnails", "--out", self.path / "no", *options, expect=2).stderr)
             self.assertFalse((self.path / "no").exists() or (self.path / "no.partial").exists())

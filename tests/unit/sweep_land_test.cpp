@@ -233,7 +233,7 @@ TEST(SweepLand, ObjectsThatCannotStandAreRefused) {
                         "[[land.object.part]], or state material for all other groups"));
   EXPECT_THAT(
       refused(object_of(leaves + "part = [{ match = \"roof\", material = \"leaves\" }]\n" + there)),
-      HasSubstr("land.object[0].part[0].match: = \"roof\" matches no group of the model that an "
+      HasSubstr("land.object[0].part[0].match: \"roof\" matches no group of the model that an "
                 "earlier part leaves; its groups are: \"sides\", \"floor\""));
   EXPECT_THAT(refused(object_of(leaves + there, "wrong.obj")),
               HasSubstr("land.object[0].model: wrong.obj:2:"));
