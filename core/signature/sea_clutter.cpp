@@ -6,11 +6,12 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "core/base/status_macros.h"
 #include "core/environment/sea/sea_surface.h"
-#include "core/environment/sea/sea_texture.h"
 #include "core/signature/background_window.h"
+#include "core/signature/sea_expansion.h"
 #include "core/signature/view/prepared_view.h"
 #include "core/spectral/planck.h"
 
@@ -18,30 +19,10 @@ namespace irsig {
 namespace {
 
 using NodeSpectrum = std::vector<double>;
+using Numbers = SlopeExpansion::Numbers;
 
 // Numerical error of standard deviations and lengths, relative.
 constexpr double kRelativeError = 0.03;
-
-// A rough sea seen along one line: x lies towards the sensor, y to the right of it.
-struct SeaSight {
-  Vec<Body> to_sensor, x, y;
-  double sine = 0;                     // of the sensor's elevation
-  double wind_m_s = 0, deviation = 0;  // of one slope
-
-  SeaSight(Vec<Body> towards, double wind)
-      : to_sensor(towards),
-        sine(-towards.z),
-        wind_m_s(wind),
-        deviation(std::sqrt(0.5 * sea_slope_variance(wind))) {
-    const double level = std::hypot(towards.x, towards.y);
-    x = level > 0 ? Vec<Body>{towards.x / level, towards.y / level, 0} : Vec<Body>{1, 0, 0};
-    y = {-x.y, x.x, 0};
-  }
-  // Upward normal of a facet, times 1 / its z upwards; slopes in standard deviations.
-  [[nodiscard]] Vec<Body> steep_normal(double slope_x, double slope_y) const {
-    return Vec<Body>{0, 0, -1} - deviation * slope_x * x - deviation * slope_y * y;
-  }
-};
 
 // The light of one condition at the sensor.
 class SeaLight {
@@ -126,7 +107,6 @@ class WantedNumbers {
       first += place_.back().bins + 1;
     }
   }
-  using Numbers = std::vector<double>;
   [[nodiscard]] Numbers of(const NodeSpectrum& spectrum) const {
     Numbers out;
     for (const Place& p : place_) {
@@ -153,105 +133,19 @@ class WantedNumbers {
   const SpectralAxis& axis_;
   std::vector<Place> place_;
 };
-using Numbers = WantedNumbers::Numbers;
-
-void add(Numbers& to, double weight, const Numbers& of) {
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * of[i];
-}
-
-// [term] he_a(x) he_b(y)
-std::vector<double> term_values(double x, double y) {
-  const std::vector<double> of_x = hermite_functions(x), of_y = hermite_functions(y);
-  std::vector<double> out;
-  for (const SlopeTerm& t : slope_terms())
-    out.push_back(of_x[static_cast<std::size_t>(t.a)] * of_y[static_cast<std::size_t>(t.b)]);
-  return out;
-}
-
-// The mean of the mirrored sun over the sea, and the slopes that mirror it.
-struct Glint {
-  Numbers mean;
-  double x, y, disk_variance;
-};
-
-// The radiance of the sea as a sum of terms of its slopes.
-struct SlopeExpansion {
-  Numbers mean;
-  std::vector<Numbers> term;  // slope_terms()
-  // Facets without the sun's disk: what each of them adds to the mean, and how often it occurs.
-  struct Facet {
-    double frequency;
-    Numbers excess;
-  };
-  std::vector<Facet> facet;
-  std::optional<Glint> glint;  // with its part in the terms
-};
-
-// What a pixel shows is a mean over the facets in it by their projected areas w, so that facets
-// count with (L - mean) w / mean w.
-SlopeExpansion expansion_of(SeaLight& light, const SeaSight& sight, const WantedNumbers& wanted) {
-  SlopeExpansion out;
-  std::vector<double> seen;                     // [facet]
-  std::vector<std::vector<double>> term_value;  // [facet]
-  double area = 0;
-  for (const SlopeNode& x : slope_nodes())
-    for (const SlopeNode& y : slope_nodes()) {
-      const Vec<Body> normal = sight.steep_normal(x.x, y.x);
-      const double cosine = dot(normal, sight.to_sensor), weight = x.weight * y.weight;
-      if (cosine <= 0) continue;
-      out.facet.push_back({weight, wanted.of(light.of_facet(normalized(normal), sight.to_sensor))});
-      seen.push_back(cosine);
-      term_value.push_back(term_values(x.x, y.x));
-      area += weight * cosine;
-    }
-  out.mean.assign(out.facet.front().excess.size(), 0.0);
-  for (std::size_t f = 0; f < seen.size(); ++f)
-    add(out.mean, out.facet[f].frequency * seen[f] / area, out.facet[f].excess);
-  if (const auto glint = light.glint(sight)) {
-    out.glint = {wanted.of(glint->mean), glint->x, glint->y, glint->disk_variance};
-    add(out.mean, 1, out.glint->mean);
-  }
-  out.term.assign(slope_terms().size(), Numbers(out.mean.size(), 0.0));
-  for (std::size_t f = 0; f < seen.size(); ++f) {
-    Numbers& excess = out.facet[f].excess;
-    add(excess, -1, out.mean);
-    for (double& e : excess) e *= seen[f] / area;
-    for (std::size_t t = 0; t < out.term.size(); ++t)
-      add(out.term[t], out.facet[f].frequency * term_value[f][t], excess);
-  }
-  if (out.glint) {
-    const std::vector<double> value = term_values(out.glint->x, out.glint->y);
-    for (std::size_t t = 0; t < out.term.size(); ++t) add(out.term[t], value[t], out.glint->mean);
-  }
-  return out;
-}
-
-// What of the terms is left in means over a square of the picture; the last is the glint's that no
-// term holds.
-std::vector<double> variances(const SlopeAverages& averages, const std::optional<Glint>& glint) {
-  std::vector<double> out = averages.term();
-  double rest = 0;
-  if (glint) {
-    rest = averages.of_one_slope(glint->x, glint->y, glint->disk_variance);
-    const std::vector<double> value = term_values(glint->x, glint->y);
-    for (std::size_t t = 0; t < out.size(); ++t) rest -= out[t] * value[t] * value[t];
-  }
-  out.push_back(std::max(0.0, rest));
-  return out;
-}
 
 // Skewness of means that vary by `sigma`: that of single facets divided by the root of how many of
 // them a mean has, as if they were independent. An estimate of its size.
 double skewness(const SlopeExpansion& light, const WantedNumbers& wanted, std::size_t band,
                 double sigma) {
   double variance = 0, third = 0;
-  for (const SlopeExpansion::Facet& f : light.facet) {
+  for (const SlopeExpansion::Facet& f : light.facets()) {
     const double excess = wanted.in_band(f.excess, band);
     variance += f.frequency * excess * excess;
     third += f.frequency * excess * excess * excess;
   }
-  if (light.glint) {
-    const Glint& g = *light.glint;
+  if (light.glint()) {
+    const SlopeExpansion::Glint& g = *light.glint();
     const double mean = wanted.in_band(g.mean, band);
     const double lit = 2 * g.disk_variance * std::exp(-0.5 * (g.x * g.x + g.y * g.y));
     variance += mean * mean / lit;
@@ -265,19 +159,6 @@ double sigma(const std::vector<double>& variance, const std::vector<double>& rad
   for (std::size_t t = 0; t < variance.size(); ++t) sum += variance[t] * radiance[t] * radiance[t];
   return std::sqrt(sum);
 }
-
-// The squares of the picture over which a sea is averaged: a pixel, the target's area, the window.
-struct SeaSquares {
-  std::array<SlopeAverages, 3> of;
-  SeaSquares(double wind_m_s, const std::array<double, 3>& side_m, double sine)
-      : SeaSquares(SlopeCorrelation(wind_m_s), side_m, sine) {}
-
- private:
-  SeaSquares(const SlopeCorrelation& sea, const std::array<double, 3>& side_m, double sine)
-      : of{SlopeAverages(sea, side_m[0] / sine, side_m[0]),
-           SlopeAverages(sea, side_m[1] / sine, side_m[1]),
-           SlopeAverages(sea, side_m[2] / sine, side_m[2])} {}
-};
 
 }  // namespace
 
@@ -294,7 +175,9 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
   std::vector<std::uint32_t> wanted, dark;  // dark: the target needs no such light
   for (const std::uint32_t c : request.selected_condition) {
     const SurfaceBoundary& surface = request.environment->surface(c);
-    if (surface.kind != SurfaceBoundary::Kind::kRoughSea || !(surface.wind_speed_m_s > 0)) continue;
+    if (surface.kind != SurfaceBoundary::Kind::kRoughSea || !(surface.wind_speed_m_s > 0) ||
+        request.condition[c].above_surface_m > 0)
+      continue;
     wanted.push_back(c);
     const bool sun = sun_shines(request.condition[c]);
     if (!effects.surroundings() || (sun && !effects.follows_sun(c))) dark.push_back(c);
@@ -313,7 +196,7 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
 
   const std::vector<std::uint32_t>& bands = request.selected_band;
   const WantedNumbers numbers(scene.axis, bands);
-  std::map<double, SeaSquares> seas;  // by wind
+  std::map<double, std::vector<SlopeAverages>> seas;  // by wind: pixel, patch, window
   for (std::size_t w = 0; w < request.selected_condition.size(); ++w) {
     const std::uint32_t c = request.selected_condition[w];
     if (std::find(wanted.begin(), wanted.end(), c) == wanted.end()) continue;
@@ -323,15 +206,23 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
     const SeaSight sight(to_sensor, wind);
     SeaLight light(own ? prepared.environments : *everything, c, request.condition[c],
                    surface.temperature_k, scene.axis.node_um());
-    const SlopeExpansion expansion = expansion_of(light, sight, numbers);
-    const SeaSquares& sea =
-        seas.try_emplace(wind, wind, std::array{window.pixel_m, patch_m, window_m}, sight.sine)
-            .first->second;
-    const std::vector<double> of_pixel = variances(sea.of[0], expansion.glint),
-                              of_patch = variances(sea.of[1], expansion.glint),
-                              of_window = variances(sea.of[2], expansion.glint);
-    std::vector<Numbers> source = expansion.term;
-    source.push_back(expansion.glint ? expansion.glint->mean : Numbers(expansion.mean.size(), 0.0));
+    std::optional<SlopeExpansion::Glint> glint;
+    if (const auto of_sun = light.glint(sight))
+      glint = {numbers.of(of_sun->mean), of_sun->x, of_sun->y, of_sun->disk_variance};
+    const SlopeExpansion expansion(
+        sight, [&](Vec<Body> normal) { return numbers.of(light.of_facet(normal, to_sensor)); },
+        std::move(glint));
+    const auto [at, fresh] = seas.try_emplace(wind);
+    if (fresh) {
+      const SlopeCorrelation correlation(wind);
+      for (const double side_m : {window.pixel_m, patch_m, window_m})
+        at->second.push_back(sight.averages(correlation, side_m));
+    }
+    const std::vector<SlopeAverages>& sea = at->second;
+    const std::vector<double> of_pixel = expansion.variances(sea[0]),
+                              of_patch = expansion.variances(sea[1]),
+                              of_window = expansion.variances(sea[2]);
+    const std::vector<Numbers> source = expansion.sources();
 
     SpectralSet factor(source.size(), std::vector<double>(source.size(), 0.0));
     for (std::size_t t = 0; t < source.size(); ++t) factor[t][t] = std::sqrt(of_patch[t]);
@@ -348,7 +239,7 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
       // A mean over the window varies by 1 / cells of the pixels' variance.
       statistics.cells = large > 0 ? std::max(1.0, pixel * pixel / (large * large)) : 1;
       SignatureResult& row = result.row[w * bands.size() + b];
-      statistics.mean = {numbers.in_band(expansion.mean, b) + row.path_radiance_w_m2_sr, large};
+      statistics.mean = {numbers.in_band(expansion.mean(), b) + row.path_radiance_w_m2_sr, large};
       statistics.sigma = {pixel, kRelativeError * pixel};
       statistics.correlation_m.value = window_m / std::sqrt(statistics.cells * std::numbers::pi);
       statistics.correlation_m.stderr_ = kRelativeError * statistics.correlation_m.value;

@@ -116,6 +116,9 @@ TEST(SeaTexture, AveragesEqualThoseOverRandomPairs) {
 TEST(SeaTexture, LinearTermsEqualThoseOverRandomPairs) {
   const SlopeCorrelation sea(6);
   const SlopeCorrelation::Pair mean = sea.variance_of_mean(2, 1);
+  EXPECT_EQ(SlopeAverages(sea, 2, 1).term()[0], mean.x);
+  EXPECT_EQ(SlopeAverages(sea, 2, 1).term()[1], mean.y);
+  EXPECT_GT(std::abs(mean.x / mean.y - 1), 0.1);
   EXPECT_NEAR(mean.x / over_pairs(2, 1, [&](double x, double y) { return sea.at(x, y).x; }), 1,
               0.02);
   EXPECT_NEAR(mean.y / over_pairs(2, 1, [&](double x, double y) { return sea.at(x, y).y; }), 1,

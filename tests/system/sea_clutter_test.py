@@ -65,12 +65,12 @@ class SeaClutter(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
-    def rows(self, name, *, heading=0, wind=6, material="generic_grey_paint", aspects=((105, 30), (285, 30), (105, 10), (105, 80)), more=""):
-        sweep, database = self.folder / f"{name}.toml", self.folder / f"{name}.sigdb"
+    def rows(self, name, *, heading=0, wind=6, material="generic_grey_paint", aspects=((105, 30), (285, 30), (105, 10), (105, 80)), sweep=SWEEP):
+        file, database = self.folder / f"{name}.toml", self.folder / f"{name}.sigdb"
         views = ", ".join(f"{{ azimuth_deg = {a - heading}, elevation_deg = {e} }}" for a, e in aspects)
-        text = SWEEP.replace("HEADING", str(heading)).replace("WIND", str(wind)).replace("MATERIAL", material).replace("ASPECTS", views)
-        sweep.write_text(text + more)
-        done = subprocess.run([IRSIG, "run", sweep, "--db", database, "--workers", "1"], capture_output=True, text=True)
+        text = sweep.replace("HEADING", str(heading)).replace("WIND", str(wind)).replace("MATERIAL", material).replace("ASPECTS", views)
+        file.write_text(text)
+        done = subprocess.run([IRSIG, "run", file, "--db", database, "--workers", "1"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         out = subprocess.run([IRSIG, "query", database, "--format", "csv"], capture_output=True, text=True, check=True).stdout
         self.database = database
@@ -116,6 +116,12 @@ class SeaClutter(unittest.TestCase):
     def test_level_sensors_have_none(self):
         rows = self.rows("level", aspects=((105, 0), (105, 5)))
         self.assertEqual({r["aspect_elevation_deg"]: r["clutter_sigma_w_m2_sr"] != "" for r in rows}, {0: False, 5: True})
+
+    def test_targets_in_the_air_have_none(self):
+        """The sea behind them is farther away than they are, behind more air."""
+        text = SWEEP.replace("heading_deg = HEADING", "heading_deg = HEADING\nabove_surface_m = 300")
+        rows = self.rows("air", sweep=text, aspects=((105, 30),))
+        self.assertEqual({r["clutter_sigma_w_m2_sr"] for r in rows}, {""})
 
     def test_bands_are_chosen_in_it(self):
         self.rows("bands")
