@@ -17,7 +17,7 @@ struct OwnParts {
     std::uint32_t emitter = 0;  // that most of the hidden rays meet
   };
   std::vector<Facet> facet;  // empty: the target is convex
-  // What the hidden rays meet: those of facet f from first_met[f] up to first_met[f + 1].
+  // Hits of the hidden rays: those of facet f from first_met[f] up to first_met[f + 1].
   struct Met {
     std::uint32_t facet;
     bool from_behind;
