@@ -84,7 +84,11 @@ def key_pages(keys, page):
     for heading, tables, rows in sections(page):
         name = (tables[0] or "top-level").replace(".", "-")
         anchor = f"#{anchor_of(heading)}" if len(heading) < 80 else ""  # lines of pages are short
-        lines = [NOTE + f"# {heading}", "", f"Explained in [sweep-file.md](../sweep-file.md{anchor}).", "",
+        first, *others = heading.split(", ") if len(heading) > 80 else [heading]
+        alike = [f"- {table}" for table in others]
+        title = f"{first} and tables alike" if alike else heading
+        same = ["The same keys have:", "", *alike, ""] if alike else []
+        lines = [NOTE + f"# {title}", "", *same, f"Explained in [sweep-file.md](../sweep-file.md{anchor}).", "",
                  "| Key | Type | Unit | Range, with its reason | Default | Meaning | Example |", "|---|---|---|---|---|---|---|"]
         for key, (unit, default, meaning, example) in rows.items():
             row = by_key[tables[0], key]
