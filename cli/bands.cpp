@@ -20,6 +20,7 @@
 #include "jobs/files/detector_file.h"
 #include "jobs/files/response_file.h"
 #include "jobs/text/number_bounds.h"
+#include "planning/amount_text.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "view/bands/band_tables.h"

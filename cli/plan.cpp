@@ -17,6 +17,7 @@
 #include "fmt/format.h"
 #include "fmt/ostream.h"
 #include "fmt/ranges.h"
+#include "planning/amount_text.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"

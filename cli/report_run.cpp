@@ -16,6 +16,7 @@
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
+#include "planning/amount_text.h"
 #include "planning/prediction.h"
 #include "schema/shard.h"
 #include "view/base/print.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "fmt/format.h"
-#include "planning/prediction.h"
+#include "planning/amount_text.h"
 
 namespace irsig {
 std::uint32_t usable_cores() {

@@ -2,10 +2,10 @@
 
 #include <chrono>
 
-#include "coordinator/client/progress_text.h"
 #include "core/base/status_macros.h"
 #include "fmt/format.h"
 #include "jobs/keys/expand.h"
+#include "planning/amount_text.h"
 #include "schema/store/writer.h"
 
 namespace irsig {
@@ -70,19 +70,6 @@ schema::Prediction as_message(const StoredPrediction& p) {
   message.set_job_cpu_quartile3_s(p.job_cpu_quartile3_s);
   message.set_database_bytes(p.database_bytes);
   return message;
-}
-
-std::string seconds_text(double seconds) {
-  if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
-  return seconds < 120 ? fmt::format("{:.3g} s", seconds) : duration_text(seconds);
-}
-
-std::string bytes_text(double bytes) {
-  for (const char* unit : {"B", "kB", "MB", "GB"}) {
-    if (bytes < 1000) return fmt::format("{:.3g} {}", bytes, unit);
-    bytes /= 1000;
-  }
-  return fmt::format("{:.3g} TB", bytes);
 }
 
 }  // namespace irsig

@@ -25,9 +25,4 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> store_in(const std::string& db_path,
                                                    const StoredPrediction& prediction);
 
-// "43 ms", "8.31 s", "1:02:03".
-[[nodiscard]] std::string seconds_text(double seconds);
-// "38.2 MB"
-[[nodiscard]] std::string bytes_text(double bytes);
-
 }  // namespace irsig

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fmt/format.h"
-#include "planning/prediction.h"
+#include "planning/amount_text.h"
 #include "schema/image_size.h"
 #include "schema/shard.h"
 

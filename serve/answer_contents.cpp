@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "core/base/status_macros.h"
+#include "schema/store/whole_file.h"
 #include "serve/answer_parts.h"
 #include "serve/json_text.h"
 #include "view/report/compare.h"

@@ -5,7 +5,9 @@
 
 #include "absl/status/statusor.h"
 #include "schema/store/reader.h"
-#include "serve/answers.h"
+#include "serve/page_reply.h"
+#include "serve/page_sources.h"
+#include "serve/question.h"
 #include "view/report/compare.h"
 
 namespace irsig {
@@ -69,7 +71,5 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> one_row(const PageSources& sources,
                                                             StoreReader& reader,
                                                             const Question& question);
-
-[[nodiscard]] PageReply json_reply(std::string body);
 
 }  // namespace irsig

@@ -12,8 +12,6 @@
 namespace irsig {
 namespace {
 
-constexpr const char* kJson = "application/json; charset=utf-8";
-
 int http_status(const absl::Status& status) {
   switch (status.code()) {
     case absl::StatusCode::kInvalidArgument:
@@ -93,14 +91,6 @@ absl::StatusOr<PageReply> find_answer(const PageSources& sources, const std::str
 }
 
 }  // namespace
-
-PageReply error_reply(int status, std::string_view words) {
-  JsonObject body;
-  body.text("error", words);
-  return {status, kJson, body.finish(), ""};
-}
-
-PageReply json_reply(std::string body) { return {200, kJson, std::move(body), ""}; }
 
 absl::StatusOr<std::unique_ptr<StoreReader>> open_database(const PageSources& sources,
                                                            std::size_t database) {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "serve/answers.h"
 #include "serve/hosts.h"
+#include "serve/page_reply.h"
 #include "serve/target.h"
 
 namespace irsig {

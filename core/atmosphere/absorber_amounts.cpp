@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/gas_table.h"
+#include "core/atmosphere/line_loops.h"
 #include "core/base/check.h"
 #include "core/base/work_counts.h"
 

@@ -2,26 +2,13 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
-
-#include "core/atmosphere/gas_table.h"
 
 namespace irsig {
 
 // The loops over bands in which the air's time goes, for the widest vectors of the processor. The
 // same bits whatever their width. Arrays are per band and of one range of neighbouring bands, `n`
 // long, unless said otherwise. Private to core/atmosphere.
-
-// t[band] *= the lines' transmittance. Amounts: per entry of the gas table.
-//   t  kAirBandCount + 1 bands
-void multiply_lines(const LineTerms& lines, const double* scaled, const double* plain, double* t);
-
-// Adds a stretch's amounts to the entries of a group.
-//   warmth    T / T0 - 1
-//   kg_m2     of the gas
-void add_to_lines(const GasTable& table, std::size_t group, double ln_pressure, double warmth,
-                  double kg_m2, double* scaled, double* plain);
 
 // depth += k exp(a (ln p - ln p0)) (1 + b x + c x^2) density x length
 struct ContinuumBands {

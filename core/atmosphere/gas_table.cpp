@@ -10,6 +10,7 @@
 
 #include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/embedded.h"
+#include "core/atmosphere/line_loops.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
 

@@ -9,7 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/base/csv_rows.h"
-#include "core/gas/gas_spectrum.h"
+#include "core/gas/gas_bands.h"
 
 namespace irsig {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "core/accuracy/pilot_samples.h"
 #include "core/accuracy/replicates.h"
-#include "core/signature/make_plan.h"
 #include "core/signature/row_bounds/row_bounds.h"
+#include "core/signature/view_seed.h"
 
 namespace irsig {
 namespace {

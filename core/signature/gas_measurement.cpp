@@ -6,8 +6,8 @@
 
 #include "core/base/ordered_dot.h"
 #include "core/base/status_macros.h"
-#include "core/signature/make_plan.h"
 #include "core/signature/view/unseen.h"
+#include "core/signature/view_seed.h"
 
 namespace irsig {
 namespace {

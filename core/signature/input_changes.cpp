@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "core/base/status_macros.h"
-#include "core/signature/make_plan.h"
 #include "core/signature/view/shading.h"
 #include "core/signature/view/trace_view.h"
+#include "core/signature/view_seed.h"
 #include "core/sources/view_sources.h"
 
 namespace irsig {

@@ -16,7 +16,7 @@
 #include "core/signature/measured_view.h"
 #include "core/signature/row_bounds/row_bounds.h"
 #include "core/signature/view/in_sight.h"
-#include "core/signature/view/scene_hash.h"
+#include "core/signature/view_seed.h"
 
 namespace irsig {
 namespace {
@@ -361,16 +361,6 @@ absl::Status check_land(const PreparedScene& scene, const ViewRequest& request) 
 }
 
 }  // namespace
-
-std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request) {
-  Hash hash;
-  hash.add(scene.hash);
-  hash.add(request.viewpoint.aspect_azimuth_deg);
-  hash.add(request.viewpoint.aspect_elevation_deg);
-  hash.add(request.viewpoint.range_m);
-  hash.add(request.seed);
-  return hash.value();
-}
 
 absl::Status check_request(const PreparedScene& scene, const ViewRequest& request) {
   const Viewpoint& viewpoint = request.viewpoint;

@@ -12,11 +12,6 @@
 
 namespace irsig {
 
-// Random numbers: of the job, and of what is traced for it.
-[[nodiscard]] std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request);
-inline constexpr std::uint64_t kFirstPilotStage = 1, kSecondPilotStage = 2, kStoredStage = 4,
-                               kEmissionStage = 5, kPictureStage = 0x91c;
-
 // Returns the error of a request that is meaningless for this scene.
 [[nodiscard]] absl::Status check_request(const PreparedScene& scene, const ViewRequest& request);
 

@@ -11,6 +11,7 @@
 #include "core/signature/row_pictures.h"
 #include "core/signature/sea_clutter.h"
 #include "core/signature/view/view_pictures.h"
+#include "core/signature/view_seed.h"
 
 namespace irsig {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/accuracy/replicates.h"
-#include "core/signature/make_plan.h"
 #include "core/signature/row_bounds/row_bounds.h"
+#include "core/signature/view_seed.h"
 
 namespace irsig {
 namespace {

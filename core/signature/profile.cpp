@@ -11,8 +11,8 @@
 #include "core/accuracy/pilot_samples.h"
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
-#include "core/signature/make_plan.h"
 #include "core/signature/view/prepared_view.h"
+#include "core/signature/view_seed.h"
 #include "core/sources/view_sources.h"
 
 namespace irsig {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/base/status_macros.h"
-#include "core/signature/make_plan.h"
 #include "core/signature/view/picture_window.h"
 #include "core/signature/view/pixel_background.h"
 #include "core/signature/view/pixel_errors.h"
+#include "core/signature/view_seed.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "core/thermal/heat_solver.h"
+#include "core/thermal/heat_request.h"
 
 namespace irsig {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/thermal/heat_solver.h"
+#include "core/thermal/heat_request.h"
 #include "core/thermal/heat_steps.h"
 
 namespace irsig {

@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "schema/store/reader.h"
 #include "schema/store/tables/database.h"
+#include "schema/store/tables/filters.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

@@ -3,8 +3,9 @@
 #include <cstdint>
 
 #include "absl/status/statusor.h"
-#include "schema/store/reader.h"
 #include "schema/store/tables/database.h"
+#include "schema/store/tables/filters.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 

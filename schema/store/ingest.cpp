@@ -337,16 +337,6 @@ double worst_relative_error(const schema::JobResult& result) {
   return worst;
 }
 
-absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
-  std::vector<std::int64_t> ids;
-  ASSIGN_OR_RETURN(Rows row, database.query(sql::part_ids, sweep_id));
-  for (;;) {
-    ASSIGN_OR_RETURN(const bool found, row.next());
-    if (!found) return ids;
-    ids.push_back(row.integer());
-  }
-}
-
 absl::Status store_result(Database& database, const LeasedJob& job, const schema::JobResult& result,
                           const std::string& worker_name, const std::string& content) {
   switch (job.kind) {

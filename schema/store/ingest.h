@@ -20,10 +20,6 @@ namespace irsig {
                                         const std::string& worker_name,
                                         const std::string& content_sha256);
 
-// Returns the ids of the sweep's parts, in order.
-[[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database,
-                                                                 std::int64_t sweep_id);
-
 // The largest numerical error of a result's rows, relative to their intensities; 0 without rows.
 [[nodiscard]] double worst_relative_error(const schema::JobResult& result);
 

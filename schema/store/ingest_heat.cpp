@@ -11,7 +11,6 @@
 #include "absl/strings/str_join.h"
 #include "core/base/status_macros.h"
 #include "schema/store/check/check_heat_result.h"
-#include "schema/store/ingest.h"
 #include "schema/store/tables/sha256.h"
 #include "schema/store/tables/statements.h"
 #include "schema/store/tables/stored_asset.h"

@@ -207,6 +207,16 @@ absl::StatusOr<std::int64_t> sweep_id_of(Database& database, const std::string& 
   return database.integer(sql::sweep_id_by_sha256, sweep_sha256);
 }
 
+absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
+  std::vector<std::int64_t> ids;
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::part_ids, sweep_id));
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool found, row.next());
+    if (!found) return ids;
+    ids.push_back(row.integer());
+  }
+}
+
 absl::StatusOr<std::uint64_t> cancel_sweep(Database& database, const std::string& sweep_sha256) {
   const absl::StatusOr<std::int64_t> sweep_id = sweep_id_of(database, sweep_sha256);
   if (absl::IsNotFound(sweep_id.status())) {

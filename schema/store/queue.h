@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "schema/store/tables/database.h"
-#include "schema/store/writer.h"
+#include "schema/store/tables/rows.h"
 
 namespace irsig {
 
@@ -79,6 +79,9 @@ struct LeasedJob {
 [[nodiscard]] absl::Status release_all_leases(Database& database);
 [[nodiscard]] absl::StatusOr<std::int64_t> sweep_id_of(Database& database,
                                                        const std::string& sweep_sha256);
+// Returns the ids of the sweep's parts, in order.
+[[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database,
+                                                                 std::int64_t sweep_id);
 [[nodiscard]] absl::StatusOr<std::uint64_t> cancel_sweep(Database& database,
                                                          const std::string& sweep_sha256);
 

@@ -91,8 +91,4 @@ class StoreReader {
   std::unique_ptr<Database> database_;
 };
 
-// Returns true if the lock of a writer lies beside the database, links followed. The lock of a
-// killed writer stays there until the next writer ends.
-[[nodiscard]] bool has_writer_lock(const std::string& path);
-
 }  // namespace irsig

@@ -457,11 +457,10 @@ class SweepUpdate {
 
 }  // namespace
 
-absl::StatusOr<StoreWriter::Added> store_sweep(Database& database,
-                                               const schema::ResolvedSweep& sweep,
-                                               const std::string& sweep_sha256,
-                                               const std::vector<schema::JobSpec>& jobs,
-                                               const std::vector<Asset>& assets) {
+absl::StatusOr<AddedJobs> store_sweep(Database& database, const schema::ResolvedSweep& sweep,
+                                      const std::string& sweep_sha256,
+                                      const std::vector<schema::JobSpec>& jobs,
+                                      const std::vector<Asset>& assets) {
   IRSIG_STORE_TRY(check_sweep(sweep, sweep_sha256, jobs));
   ASSIGN_OR_RETURN(std::unique_ptr<Savepoint> savepoint, Savepoint::open(database));
   SweepUpdate update(database, sweep);
@@ -476,7 +475,7 @@ absl::StatusOr<StoreWriter::Added> store_sweep(Database& database,
   IRSIG_STORE_TRY(update.remove_what_is_gone());
   ASSIGN_OR_RETURN(const std::uint64_t to_compute, update.count_jobs_to_compute());
   IRSIG_STORE_TRY(savepoint->keep());
-  return StoreWriter::Added{.jobs = jobs.size(), .to_compute = to_compute};
+  return AddedJobs{.jobs = jobs.size(), .to_compute = to_compute};
 }
 
 UnitVector unit_vector(double aspect_azimuth_deg, double aspect_elevation_deg) {

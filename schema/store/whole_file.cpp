@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/status_macros.h"
-#include "schema/store/reader.h"
 #include "schema/store/tables/database.h"
 #include "schema/store/tables/writer_lock.h"
 

@@ -18,6 +18,10 @@ namespace irsig {
 // does not count: a program that only reads leaves one beside an incomplete copy.
 [[nodiscard]] bool has_journal(const std::string& path);
 
+// Returns true if the lock of a writer lies beside the database, links followed. The lock of a
+// killed writer stays there until the next writer ends.
+[[nodiscard]] bool has_writer_lock(const std::string& path);
+
 // INVALID_ARGUMENT: the header asks for a journal, and there is neither one nor a writer. What is
 // missing cannot be told from such a file alone: it is an incomplete copy, or a hard link whose
 // journal lies beside another name, or whole (another SQLite program folded the journal in after

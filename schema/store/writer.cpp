@@ -62,16 +62,16 @@ absl::Status StoreWriter::undo_request() {
   return database_.run("RELEASE request");
 }
 
-absl::StatusOr<StoreWriter::Added> StoreWriter::add_sweep(const schema::ResolvedSweep& sweep,
-                                                          const std::string& sweep_sha256,
-                                                          const std::vector<schema::JobSpec>& jobs,
-                                                          const std::vector<Asset>& assets) {
+absl::StatusOr<AddedJobs> StoreWriter::add_sweep(const schema::ResolvedSweep& sweep,
+                                                 const std::string& sweep_sha256,
+                                                 const std::vector<schema::JobSpec>& jobs,
+                                                 const std::vector<Asset>& assets) {
   IRSIG_STORE_TRY(require_transaction());
   // Its keys are hashes: the index grows everywhere at once, and pages that do not fit are
   // written and read again, and again.
   const bool large = jobs.size() > 10000;
   if (large) IRSIG_STORE_TRY(database_.script("PRAGMA cache_size = -262144"));
-  const absl::StatusOr<Added> added = store_sweep(database_, sweep, sweep_sha256, jobs, assets);
+  const absl::StatusOr<AddedJobs> added = store_sweep(database_, sweep, sweep_sha256, jobs, assets);
   if (large) IRSIG_STORE_TRY(database_.script("PRAGMA cache_size = -16384; PRAGMA shrink_memory"));
   if (added.ok()) IRSIG_STORE_TRY(counters_->recount(database_, sweep_sha256));
   return added;

@@ -51,20 +51,16 @@ class StoreWriter {
   absl::Status keep_request();
   absl::Status undo_request();
 
-  struct Added {
-    std::uint64_t jobs;
-    std::uint64_t to_compute;  // missing or stale ones
-  };
   // Adds a sweep, its viewpoints, conditions, bands, parts, assets and jobs, or updates the one
   // with the same name: jobs whose key is already done keep their rows; rows of jobs that the sweep
   // no longer has are removed when their replacement is stored (rows whose viewpoint, season, time
   // or band is gone: now). Quarantined and cancelled jobs wait again. INVALID_ARGUMENT: the jobs do
   // not cover viewpoints x conditions x bands exactly once, something comes twice, an asset's bytes
   // are not those of its hash, or the model file is missing; then nothing was changed.
-  absl::StatusOr<Added> add_sweep(const schema::ResolvedSweep& sweep,
-                                  const std::string& sweep_sha256,
-                                  const std::vector<schema::JobSpec>& jobs,
-                                  const std::vector<Asset>& assets);
+  absl::StatusOr<AddedJobs> add_sweep(const schema::ResolvedSweep& sweep,
+                                      const std::string& sweep_sha256,
+                                      const std::vector<schema::JobSpec>& jobs,
+                                      const std::vector<Asset>& assets);
 
   // The bytes of an asset, also of one that a job has left; under a sweep_sha256: the serialized
   // ResolvedSweep. DATA_LOSS: an asset's bytes are not those of its hash.

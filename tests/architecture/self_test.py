@@ -137,6 +137,17 @@ class Layers(TreeTest):
                      "namespace irsig {\nstruct Field::Row {\n"):
             self.assertEqual(self.layers({**first, "core/scene/scene.h": text}), [])
 
+    def test_four_files_that_include_each_other(self):
+        def circle(length):
+            names = [f"core/base/{letter}" for letter in "abcd"[:length]]
+            headers = {f"{name}.h": f'#include "{names[0]}.h"\n' for name in names}
+            return headers | {f"{name}.cpp": f'#include "{there}.h"\n' for name, there in zip(names, names[1:])}
+
+        layers = LAYERS.replace("core/base/base.cpp", "core/base/base.cpp " + " ".join(circle(4)))
+        self.assertEqual(self.layers(circle(3), layers), [])
+        self.expect("core/base/a: 4 files include each other, at most 3 may: "
+                    "core/base/a core/base/b core/base/c core/base/d", circle(4), layers)
+
     def test_ray_tracer_in_one_file_only(self):
         self.assertEqual(len(self.layers({"core/scene/scene.h": "#include <embree3/rtcore.h>\n"})), 1)
         self.assertEqual(len(self.layers({"tests/unit/base_test.cpp": "#include <embree3/rtcore.h>\n"})), 1)

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/base/constants.h"
+#include "core/thermal/heat_solver.h"
 #include "core/thermal/weather_course.h"
 #include "heat_days.h"
 #include "heat_scene.h"

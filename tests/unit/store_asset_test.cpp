@@ -21,9 +21,9 @@ class StoreAsset : public ::testing::Test {
     writer_ = StoreWriter::open(path_).value();
     ASSERT_OK(add(sweep_, {{sweep_.model_sha256(), model_}}).status());
   }
-  absl::StatusOr<StoreWriter::Added> add(const schema::ResolvedSweep& sweep,
-                                         const std::vector<Asset>& assets,
-                                         const std::string& sha256 = "sweep-a") {
+  absl::StatusOr<AddedJobs> add(const schema::ResolvedSweep& sweep,
+                                const std::vector<Asset>& assets,
+                                const std::string& sha256 = "sweep-a") {
     if (auto status = writer_->begin(); !status.ok()) return status;
     auto added = writer_->add_sweep(sweep, sha256, make_heat_jobs(sweep, sha256), assets);
     if (!added.ok()) {

@@ -247,9 +247,8 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
   return result;
 }
 
-inline absl::StatusOr<StoreWriter::Added> submit(StoreWriter& writer,
-                                                 const schema::ResolvedSweep& sweep,
-                                                 const std::string& sweep_sha256) {
+inline absl::StatusOr<AddedJobs> submit(StoreWriter& writer, const schema::ResolvedSweep& sweep,
+                                        const std::string& sweep_sha256) {
   if (auto status = writer.begin(); !status.ok()) return status;
   auto added = writer.add_sweep(sweep, sweep_sha256, make_jobs(sweep, sweep_sha256), {});
   if (!added.ok()) {

@@ -19,9 +19,9 @@ class StoreHeat : public ::testing::Test {
     writer_ = *std::move(writer);
     ASSERT_OK(submit_heat(sweep_, "sweep-a").status());
   }
-  absl::StatusOr<StoreWriter::Added> submit_heat(const schema::ResolvedSweep& sweep,
-                                                 const std::string& sha256,
-                                                 const std::string& build_up = "steel") {
+  absl::StatusOr<AddedJobs> submit_heat(const schema::ResolvedSweep& sweep,
+                                        const std::string& sha256,
+                                        const std::string& build_up = "steel") {
     if (auto status = writer_->begin(); !status.ok()) return status;
     auto added = writer_->add_sweep(sweep, sha256, make_heat_jobs(sweep, sha256, build_up), {});
     if (!added.ok()) {

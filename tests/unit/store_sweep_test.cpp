@@ -11,7 +11,7 @@ class StoreSweep : public ::testing::Test {
  protected:
   void SetUp() override { writer_ = StoreWriter::open(path_).value(); }
 
-  StoreWriter::Added add(const SweepShape& shape, const std::string& sha256) {
+  AddedJobs add(const SweepShape& shape, const std::string& sha256) {
     const auto added = submit(*writer_, make_sweep(shape), sha256);
     EXPECT_TRUE(added.ok()) << added.status();
     return *added;

@@ -14,6 +14,7 @@
 #include "schema/store/whole/examine.h"
 #include "schema/store/whole/merge.h"
 #include "schema/store/whole/slice.h"
+#include "schema/store/whole_file.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/thermal/day_schedule.h"
-#include "core/thermal/scene/scene_heat.h"
+#include "core/thermal/scene/scene_heat_request.h"
 #include "core/thermal/weather_course.h"
 
 namespace irsig {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/thermal/scene/radiosity.h"
-#include "core/thermal/scene/scene_heat.h"
+#include "core/thermal/scene/scene_heat_request.h"
 #include "core/thermal/scene/thermal_faces.h"
 
 namespace irsig {

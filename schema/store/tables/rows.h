@@ -29,6 +29,12 @@ enum class JobState : int {
   kCancelled = 4
 };
 
+// The jobs of a sweep that was added, and those of them that are missing or stale.
+struct AddedJobs {
+  std::uint64_t jobs;
+  std::uint64_t to_compute;
+};
+
 struct Asset {
   std::string sha256;  // hex
   std::string bytes;
