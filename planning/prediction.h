@@ -14,14 +14,14 @@ namespace irsig {
                                              const schema::ResolvedSweep& sweep,
                                              std::uint32_t workers);
 
-// "predicted: 191 jobs, ...", one line.
+// Returns one line, "predicted: 191 jobs, ...".
 [[nodiscard]] std::string prediction_line(const StoredPrediction& prediction);
 
 // Returns the prediction as a message for the program that submits the sweep.
 [[nodiscard]] schema::Prediction as_message(const StoredPrediction& prediction);
 
-// Into a database that nobody else writes; made if it does not exist.
-// Returns what the user should know of it; empty: nothing.
+// Stores a prediction in a database that no other program writes, and makes the file if it does not
+// exist. Returns a message for the user, or an empty text.
 [[nodiscard]] absl::StatusOr<std::string> store_in(const std::string& db_path,
                                                    const StoredPrediction& prediction);
 

@@ -29,7 +29,8 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> bands_csv(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> bands_svg(const PageSources& sources, const Question& q);
 
-// Every viewpoint as the others have it. FAILED_PRECONDITION: too many for a page.
+// Returns every viewpoint as interpolated from the others. FAILED_PRECONDITION: too many for a
+// page.
 [[nodiscard]] absl::StatusOr<PageReply> answer_left_out(const PageSources& sources,
                                                         const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> left_out_csv(const PageSources& sources,
@@ -55,19 +56,19 @@ namespace irsig {
                                                     const std::string& file,
                                                     const Parameters& parameters);
 
-// UNAVAILABLE: it cannot be opened (any more), with the reason.
+// Opens a database of the page. UNAVAILABLE with the reason: it cannot be opened (any more).
 [[nodiscard]] absl::StatusOr<std::unique_ptr<StoreReader>> open_database(const PageSources& sources,
                                                                          std::size_t database);
 
-// The values of a selection. NOT_FOUND: there are none, in words.
+// Returns the values of a selection. NOT_FOUND in words: there are none.
 [[nodiscard]] absl::StatusOr<std::vector<StoredValue>> values_of_selection(
     StoreReader& reader, const Selection& selection, SignatureQuantity quantity);
 
-// b - a. NOT_FOUND: they have no aspect in common.
+// Computes b - a. NOT_FOUND: they have no aspect in common.
 [[nodiscard]] absl::StatusOr<Comparison> compare_selections(const PageSources& sources,
                                                             const Question& question);
 
-// The one row of a question. NOT_FOUND.
+// Returns the one row of a question. NOT_FOUND.
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> one_row(const PageSources& sources,
                                                             StoreReader& reader,
                                                             const Question& question);

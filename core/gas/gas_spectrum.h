@@ -18,7 +18,7 @@ struct GasSpectrum {
   std::vector<double> radiance_w_m2_sr_um;  // at the first segment's near end, at the band's centre
 };
 
-// Absorption and emission without scattering, gases as factors; a segment is isothermal:
+// Computes absorption and emission without scattering, gases as factors; a segment is isothermal:
 //   L = sum over segments of (T_before - T_after) B(T_segment)
 // Layers of different temperature: carbon dioxide at 1970-2460 and monoxide at 1750-2350 cm-1 bin
 // by bin (hot_lines.h), all else by Curtis and Godson (gas_loops.h).
@@ -43,7 +43,8 @@ struct GasThroughAir {
   std::vector<double> water_correlation_error_w_m2_sr_um;
 };
 
-// Errors: as above, and INVALID_ARGUMENT for bands that the air has not.
+// Computes the spectrum behind air. Errors: as above, and INVALID_ARGUMENT for bands that the air
+// has not.
 [[nodiscard]] absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasLayer> path,
                                                             const AbsorberAmounts& air,
                                                             GasBands bands = kAirGasBands);

@@ -11,7 +11,7 @@ namespace irsig {
 // core/thermal.
 [[nodiscard]] absl::Status check_request(const HeatRequest& request);
 
-// InvalidArgument "name = value, expected ...".
+// Returns INVALID_ARGUMENT "name = value, expected ...".
 [[nodiscard]] absl::Status wrong_number(const std::string& name, double value,
                                         const std::string& expected);
 

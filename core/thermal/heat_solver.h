@@ -12,9 +12,9 @@ namespace irsig {
 // element's result depends on nothing else: not on its neighbours in the request, not on their
 // number, to the last bit.
 
-// InvalidArgument names what is wrong in the request, or the interval, the element and the number
-// that an exposure has wrong. An element that does not reach its tolerance at max_level is no
-// error: its error_k says so.
+// Computes the temperatures of a request. INVALID_ARGUMENT names the fault of the request, or the
+// interval, the element and the wrong number of an exposure. An element that does not reach its
+// tolerance at max_level is no error: error_k states it.
 [[nodiscard]] absl::StatusOr<HeatResult> solve_heat(const HeatRequest& request,
                                                     const ExposureOf& exposure_of);
 

@@ -20,7 +20,8 @@ namespace irsig {
                                         const std::string& worker_name,
                                         const std::string& content_sha256);
 
-// The largest numerical error of a result's rows, relative to their intensities; 0 without rows.
+// Returns the largest numerical error of a result's rows, relative to their intensities; 0 without
+// rows.
 [[nodiscard]] double worst_relative_error(const schema::JobResult& result);
 
 }  // namespace irsig

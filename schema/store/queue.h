@@ -42,7 +42,7 @@ struct LeasedJob {
   std::uint32_t heat_index = 0;  // of a heat job: its run in ResolvedSweep.heat
 };
 
-// Index lists are stored as JSON arrays: "[0,1,2]".
+// Formats an index list as the stored JSON array "[0,1,2]", and parses it.
 [[nodiscard]] std::string index_list_text(
     const google::protobuf::RepeatedField<std::uint32_t>& list);
 [[nodiscard]] absl::StatusOr<std::vector<std::uint32_t>> index_list(const std::string& text);
@@ -50,7 +50,7 @@ struct LeasedJob {
 [[nodiscard]] absl::StatusOr<std::optional<QueuedJob>> lease_next_job(Database& database,
                                                                       const std::string& worker_id,
                                                                       double now_s);
-// FAILED_PRECONDITION: the token is not that of a current lease.
+// Returns the job under a lease. FAILED_PRECONDITION: the token is not that of a current lease.
 [[nodiscard]] absl::StatusOr<LeasedJob> leased_job(Database& database, std::uint64_t fencing_token);
 // Ends the attempt and moves its job to `state`.
 [[nodiscard]] absl::Status end_lease(Database& database, std::uint64_t fencing_token,
@@ -66,7 +66,7 @@ struct LeasedJob {
                                                        const LeasedJob& job,
                                                        const std::string& worker_name,
                                                        const std::string& message, bool for_good);
-// As in StoreWriter.
+// Implement the functions of StoreWriter.
 [[nodiscard]] absl::StatusOr<std::optional<KnownJob>> known_job(Database& database,
                                                                 const std::string& sweep_sha256,
                                                                 const std::string& job_key);

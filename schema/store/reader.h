@@ -34,7 +34,7 @@ class StoreReader {
 
   // Returns signatures in row order; with a direction: nearest first.
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter);
-  // The signature_ids of find(), in its order, for streaming large results.
+  // Returns the signature_ids of find(), in its order, for streaming large results.
   absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter);
   // Returns signatures in the order of the ids. NOT_FOUND: one has been replaced or removed since.
   absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids);
@@ -42,10 +42,10 @@ class StoreReader {
   absl::StatusOr<std::vector<SweepContents>> contents();
   // Returns values in row order; of a row and its superseded predecessor the newer one.
   absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter);
-  // Arrays that were not computed are empty.
+  // Returns the spectra of a signature; arrays that were not computed are empty.
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id);
-  // NOT_FOUND: no sweep of that name. DATA_LOSS: one of the files has other bytes than its SHA-256
-  // says.
+  // Returns a stored sweep. NOT_FOUND: no sweep of that name. DATA_LOSS: the bytes of a file differ
+  // from its SHA-256.
   absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles files = SweepFiles::kAll);
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id);
   // Returns the spectra of the background around the target; nullopt: it was not measured.
@@ -65,9 +65,9 @@ class StoreReader {
   absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter);
   absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep);
   absl::StatusOr<std::vector<SweepProgress>> progress();
-  // nullopt: none was stored.
+  // Returns the prediction of a sweep; nullopt if none was stored.
   absl::StatusOr<std::optional<StoredPrediction>> prediction(const std::string& sweep_sha256);
-  // The costs of the sweep's done jobs, in the order of its jobs.
+  // Returns the costs of the sweep's done jobs, in the order of its jobs.
   absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep);
   // Returns temperatures in the order of sweeps, heat runs, times and parts.
   absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
@@ -76,12 +76,12 @@ class StoreReader {
   absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep);
   // Counts the stored rows of a sweep, without superseded ones.
   absl::StatusOr<StoredOutcome> outcome(const std::string& sweep);
-  // The number of stored rows by job key; superseded jobs included.
+  // Returns the number of stored rows by job key, superseded jobs included.
   absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(const std::string& sweep);
-  // Size of the database as one plain file.
+  // Returns the size of the database as one plain file.
   absl::StatusOr<std::uint64_t> bytes();
-  // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was
-  // computed, in key order: schema/README.md.
+  // Returns the SHA-256 over all stored content that does not depend on time, place, worker and
+  // order of the computation, in key order (schema/README.md).
   absl::StatusOr<std::string> digest();
 
  private:

@@ -22,15 +22,16 @@ namespace irsig {
 // killed writer stays there until the next writer ends.
 [[nodiscard]] bool has_writer_lock(const std::string& path);
 
-// INVALID_ARGUMENT: the header asks for a journal, and there is neither one nor a writer. What is
-// missing cannot be told from such a file alone: it is an incomplete copy, or a hard link whose
-// journal lies beside another name, or whole (another SQLite program folded the journal in after
-// a kill). holds_lock: the caller is the writer.
+// Refuses a file whose journal is missing. INVALID_ARGUMENT: the header asks for a journal, and
+// neither a journal nor a writer is there. Such a file does not show what is missing: it is an
+// incomplete copy, or a hard link whose journal lies beside another name, or whole (another SQLite
+// program folded the journal in after a kill).
+//   holds_lock  the caller is the writer
 [[nodiscard]] absl::Status check_has_its_journal(const std::string& name, const std::string& path,
                                                  bool holds_lock = false);
 
-// INVALID_ARGUMENT: the file has several names (hard links). Each name would have a journal and a
-// lock of its own.
+// Refuses a file with several names (hard links), since each name would have a journal and a lock
+// of its own: INVALID_ARGUMENT.
 [[nodiscard]] absl::Status check_has_one_name(const std::string& name, const std::string& path);
 
 }  // namespace irsig

@@ -21,7 +21,7 @@ struct WritableDatabase;
 
 // Priorities of a sweep are -kMostPriority to kMostPriority.
 inline constexpr int kMostPriority = 1000;
-// INVALID_ARGUMENT: the priority is beyond them.
+// Returns INVALID_ARGUMENT for a priority beyond +-kMostPriority.
 [[nodiscard]] absl::Status check_priority(int priority);
 
 // The writing side of a signature database: the coordinator is its only user. Not thread-safe: one
@@ -44,8 +44,8 @@ class StoreWriter {
   absl::Status commit();
   void rollback();
 
-  // One request among those that share a transaction: begun, then either kept or undone, so that a
-  // statement that fails takes the others along no more. FAILED_PRECONDITION from undo_request():
+  // Begins one request among those that share a transaction, which is then either kept or undone,
+  // so that a failed statement does not undo the others. FAILED_PRECONDITION from undo_request():
   // the whole transaction is gone (the disk is full).
   absl::Status begin_request();
   absl::Status keep_request();
@@ -62,8 +62,8 @@ class StoreWriter {
                                       const std::vector<schema::JobSpec>& jobs,
                                       const std::vector<Asset>& assets);
 
-  // The bytes of an asset, also of one that a job has left; under a sweep_sha256: the serialized
-  // ResolvedSweep. DATA_LOSS: an asset's bytes are not those of its hash.
+  // Returns the bytes of an asset, also of one that a job has left; under a sweep_sha256 the
+  // serialized ResolvedSweep. DATA_LOSS: an asset's bytes differ from its hash.
   absl::StatusOr<std::string> asset(const std::string& sha256);
 
   // Replaces an earlier prediction of the same sweep, which need not have been added yet.
@@ -75,7 +75,8 @@ class StoreWriter {
   absl::StatusOr<std::optional<QueuedJob>> lease_next(const std::string& worker_id, double now_s);
   // Lets the job wait again, unless the token is no longer the job's (FAILED_PRECONDITION).
   absl::Status release(std::uint64_t fencing_token, const std::string& reason);
-  // NOT_FOUND: no sweep has this hash. nullopt: it does not have this job (any more).
+  // Finds a job of a sweep; nullopt if the sweep does not have it (any more). NOT_FOUND: no sweep
+  // has this hash.
   absl::StatusOr<std::optional<KnownJob>> find_job(const std::string& sweep_sha256,
                                                    const std::string& job_key);
   // Leases this job to who has its result already; its token. FAILED_PRECONDITION unless the job
@@ -91,14 +92,14 @@ class StoreWriter {
                                                 const std::string& content_sha256,
                                                 const std::string& worker_name, double now_s);
   absl::StatusOr<std::uint64_t> results_aside();
-  // A done job waits again: another result than the stored one turned out to be right.
+  // Lets a done job wait again, because another result than the stored one turned out to be right.
   absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key);
   // Reopens every job that this worker has computed, and the jobs that need one of them; returns
   // their number. Their stored results stay until they are replaced.
   absl::StatusOr<std::uint64_t> reopen_all_of(const std::string& worker_name);
-  // The tokens of all current leases.
+  // Returns the tokens of all current leases.
   absl::StatusOr<std::vector<std::uint64_t>> running_tokens();
-  // Every lease of an earlier coordinator goes back to waiting: called once after open.
+  // Lets every job under a lease of an earlier coordinator wait again; called once after open.
   absl::Status release_all();
   // Counts a failure on this worker; after failures on 3 distinct workers, or 6 in all, the job is
   // quarantined; for_good: at once.
@@ -118,15 +119,15 @@ class StoreWriter {
   // never taken over: their rows are of their own sweep's places.
   absl::StatusOr<bool> take_over(std::uint64_t fencing_token, const std::string& determinism_class);
   absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256);
-  // The physics version that the keys of a sweep were made with; 0: not known.
+  // Stores the physics version with which the keys of a sweep were made; 0: not known.
   absl::Status set_physics_version(const std::string& sweep_sha256, std::uint32_t version);
   absl::StatusOr<std::uint32_t> physics_version(const std::string& sweep_sha256);
   // Sets the priority of this sweep's jobs against those of others, from the next lease on; new
   // sweeps have 0. NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
   absl::Status set_priority(const std::string& sweep_sha256, int priority);
   absl::StatusOr<std::vector<SweepProgress>> progress();
-  // The determinism class that this database's unfinished sweeps are bound to; empty: not bound
-  // yet.
+  // Returns the determinism class to which this database's unfinished sweeps are bound; empty: not
+  // bound yet.
   absl::StatusOr<std::string> determinism_class();
   absl::Status bind_determinism_class(const std::string& determinism_class);
   // Checkpoints the journal, so that one plain file remains. UNAVAILABLE: a reader has the file

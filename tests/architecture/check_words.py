@@ -4,7 +4,8 @@ usage: check_words.py <source root>
 
 Checked in every text file: paths of one machine or of one workplace, marks of unfinished work, and names that have been
 replaced by a term of the field.
-Checked in headers: no comment opens as a fragment ("Of ...", "What ...", "Whether ...", "The same ...").
+Checked in headers: no comment opens as a fragment ("Of ...", "What ...", "Whether ...", "The same ..."),
+and a comment of a function begins with a verb ("Returns ...", or "Return ..." for several functions).
 Checked in Markdown: no line above 120 columns (rows of tables, headings and pictures cannot be broken, and are exempt).
 Checked in Markdown and comments: files of the tree that are named exist.
 Checked in names: folders and files that say nothing (STYLE: a folder is a noun and a layer).
@@ -44,6 +45,13 @@ FRAGMENT = re.compile(r"(Of|What|Whether|The same)\b")
 FRAGMENTS_ALLOWED_IN = ("tests/",)
 COMMENT = re.compile(r"^\s*///?\s?(.*)$")
 
+# A function's comment begins with a verb in the third person, "Like f(), ..." or, for several functions, "Return ...".
+VERB = re.compile(r"([A-Z][a-z]+s\b(?!:)|Like |(Return|Compute|Implement|Encode|Add|Read|Write|Set)\b)")
+FUNCTION = re.compile(r"(template <.*?> )?(\[\[nodiscard\]\] )?((static|virtual|explicit|inline|friend|constexpr) )*"
+                      r"(?!struct |class |enum |using |namespace |const |constexpr |inline constexpr )"
+                      r"[\w:<>,&* ]+?[ &*]\w+\(")
+CONSTRUCTOR = re.compile(r"(explicit )?[A-Z]\w*\(")
+
 COLUMNS = 120
 UNBREAKABLE = re.compile(r"^\s*(\||#|!\[[^]]*\]\([^)]*\)$)")
 
@@ -68,6 +76,22 @@ def fragments(path):
             yield number, opening
         # A comment behind code goes on in lines that hold a comment alone, far to the right.
         inside = bool(whole) or (inside and not line.strip()) or bool(opening and "  // " in line)
+
+
+def without_verb(path):
+    """(number, line) of comments of functions that do not begin with a verb; lists of parameters alone are exempt."""
+    lines = path.read_text().splitlines()
+    start = None
+    for number, line in enumerate(lines):
+        if whole := COMMENT.match(line):
+            if start is None:
+                start, opening = number, whole[1]
+            continue
+        if start is not None and not opening.startswith("  ") and not VERB.match(opening):
+            code = " ".join(part.strip() for part in lines[number:number + 3])
+            if FUNCTION.match(code) and not CONSTRUCTOR.match(code):
+                yield start + 1, opening
+        start = None
 
 
 def long_lines(text):
@@ -122,6 +146,8 @@ def check(root):
         if path.suffix == ".h" and not str(name).startswith(FRAGMENTS_ALLOWED_IN):
             findings += [f"{name}:{number}: a comment opens as a fragment; begin with \"Returns ...\" or a noun with its "
                          f"unit: {line[:50]}" for number, line in fragments(path)]
+            findings += [f"{name}:{number}: a function's comment begins without a verb; begin with \"Returns ...\": {line[:50]}"
+                         for number, line in without_verb(path)]
         if path.suffix == ".md":
             findings += [f"{name}:{number}: {length} columns, more than {COLUMNS} (only rows of tables, headings and "
                          f"pictures may be longer)" for number, length in long_lines(text)]

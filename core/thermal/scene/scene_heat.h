@@ -26,32 +26,33 @@ struct SceneHeatResult {
   double closure_w_m2 = 0;     // of all walls (HeatResult)
 };
 
-// Two computations: of all knots, and of every second one with half the rays and other points.
-// error_k is the sum of what conduction is not sure of; what further passes would change; the
-// difference of the two computations (or its root mean square over the three hours around, if
-// larger: one difference may be small by luck; or, if that is more, what blocks of a face's rays
-// differ by); how much places of a facet differ that the sun does
-// not reach alike, or that see more or less of the sky, of the ground and of what is stated hot or
-// cold, and the neighbours in its plane (difference / sqrt(2)): its temperature is not
-// that of all of it; and, of sheets, half of what their two faces differ. An estimate; of the
-// stated model alone.
+// Computes temperatures twice: at all knots, and at every second one with half the rays and other
+// points. error_k estimates the error of the stated model alone. It is the sum of
+//   - the error of conduction, and the change that further passes would bring;
+//   - the difference of the two computations, or its root mean square over the three hours around
+//     if that is larger (one difference may be small by luck), or the scatter of blocks of a face's
+//     rays;
+//   - the difference between places of a facet that sun, sky, ground or a stated temperature
+//     reaches unequally, and from the neighbours in its plane (difference / sqrt(2)), since one
+//     temperature stands for all of it;
+//   - half of the difference between the two faces of a sheet.
 //
-// INVALID_ARGUMENT: what is wrong in the request or in a build-up, by name; more faces x knots than
-// fit into memory; an effect is off whose bound is not known.
+// INVALID_ARGUMENT names the fault of the request or of a build-up, and refuses more faces x knots
+// than fit into memory, or an effect that is off and whose bound is not known.
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                                const SceneHeatRequest& request);
 
 // Changes of temperatures under other requests (of the same faces, knots and outputs: another
 // weather, other walls). [output][facet], not a number as above  [K]
 using TemperatureChange = std::vector<std::vector<float>>;
-// Where a moved request is of the model (SceneHeatRequest::of_model), a change is at least as large
-// as its root mean square over the 24 h around, with its own sign: twice a day a change of
-// convection or moisture passes through zero, and the model is not right there for that.
+// Computes the changes from every second knot, with half the rays, as the second computation above.
+// Both sides of each difference have the errors of that computation, which cancel but for their
+// effect on the difference. Each computation begins at the temperatures of `request`, so that few
+// rounds are left. Errors as above.
 //
-// Computes the changes from every second knot, with half the rays, as the second computation above:
-// both sides of each difference have its errors, which cancel but for their effect on the
-// difference. Each computation begins at the temperatures of `request`, so that few rounds are
-// left. Errors as above.
+// If a moved request is of the model (SceneHeatRequest::of_model), a change is at least as large as
+// its root mean square over the 24 h around, with its own sign: twice a day a change of convection
+// or moisture passes through zero, where the model is not better than elsewhere.
 [[nodiscard]] absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
     const Target& target, const SceneHeatRequest& request, std::span<const SceneHeatRequest> moved);
 
