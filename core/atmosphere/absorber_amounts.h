@@ -22,7 +22,7 @@ using AirSpectrum = std::vector<double>;  // kAirBandCount band means
 [[nodiscard]] double air_band_centre_cm1(std::size_t band);
 [[nodiscard]] double air_band_lambda_um(std::size_t band);  // 1e4 / centre
 
-// OUT_OF_RANGE outside [1e4 / 3400, 1e4 / 650] um.
+// Returns the band of a wavelength. OUT_OF_RANGE outside [1e4 / 3400, 1e4 / 650] um.
 [[nodiscard]] absl::StatusOr<std::size_t> air_band(double lambda_um);
 
 // Gases with line structure, in the order of the table.
@@ -69,7 +69,7 @@ struct AbsorberAmounts {
 };
 [[nodiscard]] AbsorberAmounts operator+(AbsorberAmounts a, const AbsorberAmounts& b);
 
-// Band means of the transmittance, in [0, 1]; exactly 1 for no amounts.
+// Computes band means of the transmittance, in [0, 1]; exactly 1 for no amounts.
 //
 // Accuracy, against MODTRAN: docs/evidence/validation.md, "Atmosphere". Numerics: relative 1e-13 of
 // the sum of exponentials for optical depths up to 700, 0 beyond.
@@ -81,6 +81,7 @@ struct LineTerms;
 class BandChoice {
  public:
   BandChoice();  // all
+  // Chooses some bands.
   //   wanted  [band]: not 0
   explicit BandChoice(const std::vector<unsigned char>& wanted);
 
@@ -109,15 +110,15 @@ class BandChoice {
 };
 [[nodiscard]] inline bool chosen(const BandChoice& bands, std::size_t band) { return bands[band]; }
 
-// A spectrum in the bands that are wanted, in order, behind what `to` holds already; and back from
-// there, other bands as they were: returns what follows.
+// Packs a spectrum's wanted bands, in order, behind the content of `to`; unpack() reverses it,
+// leaves other bands as they were, and returns the pointer behind the numbers that it read.
 void pack(std::vector<double>& to, const AirSpectrum& of, const BandChoice& bands);
 const double* unpack(AirSpectrum& to, const double* from, const BandChoice& bands);
 
 // Like transmittance(amounts), but 0 in bands that are not wanted.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands);
 
-// sum = a + b (which may be the sum itself), in those bands; others are left.
+// Sets sum = a + b, which may be the sum itself, in those bands. Others are left.
 void set_sum(AbsorberAmounts& sum, const AbsorberAmounts& a, const AbsorberAmounts& b,
              const BandChoice& bands);
 
@@ -134,18 +135,18 @@ class PackedAmounts {
                       const BandChoice& bands);
   std::vector<double> value_;
 };
-// sum = a + b, as above.
+// Sets sum = a + b, as above.
 void set_sum(AbsorberAmounts& sum, const PackedAmounts& a, const AbsorberAmounts& b,
              const BandChoice& bands);
 
-// sum += what lies a fraction of the way from low to high, at least 0; in those bands.
+// Adds to a sum the amounts at a fraction of the way from low to high, at least 0, in those bands.
 void add_between(AbsorberAmounts& sum, const AbsorberAmounts& low, const AbsorberAmounts& high,
                  double fraction, const BandChoice& bands);
 
 // Returns one gas's factor of the transmittance alone.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, Gas gas);
 
-// Sum of the two scattering depths.
+// Returns the sum of the two scattering depths.
 [[nodiscard]] AirSpectrum scattering_optical_depth(const AbsorberAmounts& amounts);
 
 }  // namespace irsig

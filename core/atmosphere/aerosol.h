@@ -53,14 +53,14 @@ struct AerosolOptics {
   AirSpectrum asymmetry;  // mean cosine of the scattering angle, [-1, 1]
 };
 
-// Vertical optical depth of all particles at 0.55 um, from the ground to 100 km. As aerosol_optics
-// has them.
+// Computes the vertical optical depth of all particles at 0.55 um, from the ground to 100 km.
+// Limits of humidity as in aerosol_optics.
 [[nodiscard]] double aerosol_depth_550(const AerosolSpec& spec, double surface_humidity_percent);
 
-// Extinction, absorption and asymmetry are tabulated against wavelength and humidity
-// (log(100 - humidity), the Navy model's in humidity; logarithms of the coefficients); extinction
-// at 0.55 um against height and visibility. Humidities above 99 % (Navy model: 98 %) are taken as
-// that.
+// Looks up the optical properties of the particles at a height. Extinction, absorption and
+// asymmetry are tabulated against wavelength and humidity (log(100 - humidity), the Navy model's in
+// humidity; logarithms of the coefficients), and extinction at 0.55 um against height and
+// visibility. Humidities above 99 % (Navy model: 98 %) count as 99 % (98 %).
 //   relative_humidity_percent  of the air at that height
 //   surface_humidity_percent   at the surface, on which alone the Navy model depends
 //   bands                      0 in others

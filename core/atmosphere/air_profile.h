@@ -25,15 +25,16 @@ struct AirProfile {
   std::vector<AirLevel> level;
 };
 
-// INVALID_ARGUMENT unless the profile has at least two levels, with increasing heights and
-// decreasing pressures, all quantities in range and water vapour at most saturated over water (by 1
-// % of relative humidity, and only up to 20 km).
+// Checks a profile. INVALID_ARGUMENT unless it has at least two levels, increasing heights,
+// decreasing pressures, all quantities in range, and water vapour at most saturated over water
+// (within 1 % of relative humidity, and only up to 20 km).
 [[nodiscard]] absl::Status check_profile(const AirProfile& profile);
 
-// The air at a height inside the profile; outside, the nearest level's.
+// Returns the air at a height inside the profile; outside, the nearest level's.
 [[nodiscard]] AirLevel air_at(const AirProfile& profile, double height_m);
 
-// Saturation over water, also below 0 C, as meteorology defines relative humidity.    [sonntag1990]
+// Returns the saturation pressure over water, also below 0 C, as meteorology defines relative
+// humidity. [sonntag1990]
 [[nodiscard]] double saturation_pressure_pa(double temperature_k);
 [[nodiscard]] double relative_humidity_percent(const AirLevel& level);
 
@@ -63,8 +64,8 @@ enum class AfglProfile {
 // The standard atmospheres of LOWTRAN's GNDALT and of 6S are cut at the ground in the same way.
 [[nodiscard]] absl::StatusOr<AirProfile> profile_above(const AirProfile& profile, double place_m);
 
-// A radiosonde or other profile in CSV. Lines that start with # are comments; the first other line
-// names the columns with their units:
+// Parses a radiosonde or other profile in CSV. Lines that start with # are comments; the first
+// other line names the columns with their units:
 //   height_m | height_km
 //   pressure_pa | pressure_hpa
 //   temperature_k | temperature_c
@@ -88,7 +89,7 @@ struct SurfaceWeather {
   double pressure_pa;
 };
 
-// The profile whose surface is the weather's: below 2 km temperature and relative humidity are
+// Bends a profile to the weather at its surface. Below 2 km temperature and relative humidity are
 // shifted by the difference at the surface times (1 - height / 2 km), and the pressure follows from
 // the surface's by hydrostatic balance; above 2 km only the pressure is scaled to join.
 // INVALID_ARGUMENT: temperatures outside 180-340 K, humidity outside 0-100 %, pressure outside

@@ -80,7 +80,7 @@ class Atmosphere {
   [[nodiscard]] std::optional<AbsorberAmounts> sun_amounts(
       double height_m, double zenith_deg, const BandChoice& bands = BandChoice()) const;
 
-  // Radiance and transmittance at the observer.
+  // Computes radiance and transmittance at the observer.
   //   L = sum over steps of (T_(l+1) - T_l) B(T_air), B linear in optical depth inside a step, by
   //       absorption only, + sun: sum of E0 T(u_l + u_sun) P(angle) x scattering depth
   //       (Henyey-Greenstein with the tabulated asymmetry; Rayleigh's for molecules).
@@ -89,19 +89,21 @@ class Atmosphere {
   [[nodiscard]] PathRadiance radiance(const LightPath& path, const PathLight& light = {},
                                       const AbsorberAmounts* near = nullptr) const;
 
-  // The sky from a height, in a direction (or, below the horizon, the air in front of the surface).
+  // Computes the sky from a height in a direction, or, below the horizon, the air in front of the
+  // surface.
   [[nodiscard]] PathRadiance sky_radiance(double height_m, double zenith_deg,
                                           const PathLight& light = {},
                                           const AbsorberAmounts* near = nullptr) const;
 
-  // Direct sunlight on a plane normal to the beam, at a height.             [W m^-2 um^-1]
-  // 0 when the Earth is in the way. `near`: further air before the light is seen (a reflection's
-  // way to the sensor), by summed amounts.
+  // Computes direct sunlight on a plane normal to the beam, at a height; 0 if the Earth is in the
+  // way. [W m^-2 um^-1]
+  //   near  further air before the light is seen (a reflection's way to the sensor), by summed
+  //         amounts
   [[nodiscard]] AirSpectrum sun_irradiance_w_m2_um(double height_m, const SunPlace& sun,
                                                    const AbsorberAmounts* near = nullptr) const;
 
-  // Downward irradiance of the sky on a horizontal plane, without the sun's disk: Gauss-Legendre
-  // over `zeniths` cosines and 16 azimuths.                                  [W m^-2 um^-1]
+  // Computes the downward irradiance of the sky on a horizontal plane, without the sun's disk:
+  // Gauss-Legendre over `zeniths` cosines, and 16 azimuths. [W m^-2 um^-1]
   [[nodiscard]] AirSpectrum sky_irradiance_w_m2_um(double height_m, const PathLight& light = {},
                                                    int zeniths = 8) const;
 

@@ -19,7 +19,7 @@ struct ScatteredRadiance {
   AirSpectrum mean, slope;  // slope: of particles without their forward peak
   AirSpectrum asymmetry;    // of these
 
-  // Never negative.
+  // Returns the scattered radiance towards a direction, never negative.
   //   peak  of the particles in the ray: with all that they scatter the slope is that of the whole
   //         phase function
   [[nodiscard]] AirSpectrum towards(double cosine, ForwardPeak peak) const;
@@ -37,7 +37,7 @@ class CloudLight {
   CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, bool refraction,
              const BandChoice& bands);
 
-  // At a height; outside the levels that of the nearest boundary.
+  // Returns the thermal light at a height; outside the levels that of the nearest boundary.
   [[nodiscard]] ScatteredRadiance thermal(double height_m) const;
 
   // Optical properties of the column, for the sun of a condition.
@@ -70,7 +70,7 @@ class CloudSunlight {
   //   zenith_deg  of the sun, above them
   CloudSunlight(const CloudLight& cloud, const SunAmounts& sun, double zenith_deg);
 
-  // Per sr, at a height.
+  // Returns the scattered sunlight at a height. [1/sr]
   [[nodiscard]] ScatteredRadiance scattered(double height_m) const;
 
  private:

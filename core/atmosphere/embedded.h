@@ -5,7 +5,7 @@
 
 namespace irsig {
 
-// The data files of this module, as they stand in data/.
+// Return the data files of this module, as they stand in data/.
 [[nodiscard]] std::string_view embedded_gas_table();
 [[nodiscard]] std::string_view embedded_afgl_profiles();
 [[nodiscard]] std::string_view embedded_aerosol_optics();
@@ -18,7 +18,7 @@ namespace irsig {
 [[nodiscard]] std::vector<std::vector<std::string_view>> csv_rows(std::string_view text);
 [[nodiscard]] double number(std::string_view field);
 
-// The next space-separated word, taken off the front of `text`; empty at its end.
+// Takes the next space-separated word off the front of `text`; empty at its end.
 std::string_view take_word(std::string_view& text);
 
 }  // namespace irsig

@@ -39,14 +39,15 @@ struct LightPath {
 [[nodiscard]] LightPath look(const AirProfile& air, double height_m, double zenith_deg,
                              double range_m, bool refraction = true);
 
-// A path that follows the Earth's curvature at one height: what other codes call horizontal. A
-// single step; the air is the same all along it.
+// Makes a path of a single step that follows the Earth's curvature at one height ("horizontal" in
+// other codes); the air is the same all along it.
 [[nodiscard]] LightPath level_path(double height_m, double range_m);
 
-// Between two points given by their heights and their distance along the straight line; the path
-// starts at the observer and bends as the air has it. range_m 0 gives a path without steps.
-// INVALID_ARGUMENT if the range is less than the difference of heights or more than the distance of
-// points on opposite sides of the Earth; OUT_OF_RANGE if the Earth hides one point from the other.
+// Makes a path between two points given by their heights and their distance along the straight
+// line. It starts at the observer and bends as the air has it; range_m 0 gives a path without
+// steps. INVALID_ARGUMENT: the range is less than the difference of heights, or more than the
+// distance of points on opposite sides of the Earth. OUT_OF_RANGE: the Earth hides one point from
+// the other.
 [[nodiscard]] absl::StatusOr<LightPath> look_between(const AirProfile& air,
                                                      double observer_height_m,
                                                      double target_height_m, double range_m,
@@ -64,13 +65,13 @@ class GrazingRay {
   GrazingRay() = default;  // without air, above a sphere of the Earth's radius
   explicit GrazingRay(const AirProfile& air, bool refraction = true);
 
-  // Central angle from where it touches to where it is so high.                          [rad]
+  // Returns the central angle from the tangent point to a height. [rad]
   [[nodiscard]] double angle_rad(double height_m) const;
   [[nodiscard]] double height_m(double angle_rad) const;
-  // Elevation of the ray above the local horizontal at a height: the dip of the horizon seen from
-  // there.  [rad]
+  // Returns the elevation of the ray above the local horizontal at a height: the dip of the horizon
+  // seen from there. [rad]
   [[nodiscard]] double dip_rad(double height_m) const;
-  // Bending of the ray between its tangent point and a height.  [rad]
+  // Returns the bending of the ray between its tangent point and a height. [rad]
   [[nodiscard]] double bending_rad(double height_m) const;
   [[nodiscard]] double bottom_m() const { return bottom_m_; }
   [[nodiscard]] bool straight() const { return point_.empty(); }

@@ -23,7 +23,7 @@ struct StepScattering {
   AirSpectrum cloud_depth, cloud_asymmetry;
 };
 
-// Mean of a quantity that decays exponentially from a to b.
+// Returns the mean of a quantity that decays exponentially from a to b.
 [[nodiscard]] double logarithmic_mean(double a, double b);
 // Like logarithmic_mean(), over a stretch of at least grey_depth; b = 0: the decay exceeds the
 // range of a double.
@@ -105,7 +105,8 @@ struct ModelError {
 // Rayleigh's for molecules. Their integral over all directions is 1.
 class PhaseMean {
  public:
-  // cosine: of the angle between the direction of sight, away from the observer, and the sun.
+  // Adds a scattering angle with a weight.
+  //   cosine  of the angle between the direction of sight, away from the observer, and the sun
   void add(double weight, double cosine);
 
   [[nodiscard]] double aerosol_per_sr(double asymmetry) const;
@@ -155,7 +156,7 @@ class PathLayers {
   // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
   AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_fraction;
   [[nodiscard]] AbsorberAmounts amounts() const { return node_.back().amounts.unpacked(bands_); }
-  // True for a ray that misses the air or has no length.
+  // Returns true for a ray that misses the air or has no length.
   [[nodiscard]] bool empty() const { return layer_.empty(); }
   [[nodiscard]] double warmest_k() const { return warmest_k_; }
 
@@ -166,7 +167,8 @@ class PathLayers {
     double cosine;               // of the zenith angle where the path enters the layer
     double begins_m;             // height there
   };
-  // nullopt: the path falls, or ends below the layer. The heights are ends of the path's steps.
+  // Finds where the path crosses a layer between two heights, which are ends of the path's steps.
+  // nullopt: the path falls, or ends below the layer.
   [[nodiscard]] std::optional<Crossing> crossing(double base_m, double top_m) const;
 
   // The path's emission as seen through near air.
@@ -176,10 +178,11 @@ class PathLayers {
   struct Behind : Emission {
     AirSpectrum transmittance;  // of near air and path together
   };
+  // Computes the path's light behind near air.
   //   through_near  transmittance of the near air
   [[nodiscard]] Behind behind(const AbsorberAmounts& near, const AirSpectrum& through_near) const;
 
-  // Sunlight that the path scatters once to the observer, behind near air if any.
+  // Computes the sunlight that the path scatters once to the observer, behind near air if any.
   //   cloud  mean radiance of sunlight in the cloud
   [[nodiscard]] ScatteredSun scattered(const SunAmounts& sun, const AbsorberAmounts* near = nullptr,
                                        const CloudSunlight* cloud = nullptr) const;

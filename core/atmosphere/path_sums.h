@@ -11,7 +11,7 @@ namespace irsig {
 void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere& atmosphere,
               const LightPath& path, std::size_t step, const BandChoice& bands = BandChoice());
 
-// Planck's function at the bands' centres.
+// Computes Planck's function at the bands' centres.
 void planck_spectrum(AirSpectrum& out, double temperature_k, const BandChoice& bands);
 
 // Adds a step's thermal radiance to the radiance behind the step. t: transmittance from the
@@ -30,10 +30,10 @@ void add_cloud_source(AirSpectrum& planck_near, AirSpectrum& planck_far,
                       const StepScattering& scattering, const AirSpectrum& t_near,
                       const AirSpectrum& t_far, const AirSpectrum& mean_near,
                       const AirSpectrum& mean_far, const BandChoice& bands);
-// The share of the surroundings' mean radiance that the step scatters to the observer.
+// Adds the part of the surroundings' mean radiance that the step scatters to the observer.
 void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
                       const AirSpectrum& t_far, const BandChoice& bands);
-// mean_of_decay of all bands; mean_of_sunlight likewise.
+// Computes mean_of_decay of all bands.
 void mean_of_decay(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
                    const AirSpectrum& grey_depth, const BandChoice& bands);
 // Adds a depth to a sum of depths, and its asymmetry to their mean.
@@ -41,7 +41,7 @@ void add_scattering(double& sum, double& mean_asymmetry, double depth, double as
 // Adds a step to the sum of the steps in front of it.
 void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands);
 
-// Phase functions: their integral over all directions is 1.
+// Return phase functions, whose integral over all directions is 1.
 [[nodiscard]] double henyey_greenstein_per_sr(double asymmetry, double cosine);
 [[nodiscard]] double rayleigh_per_sr(double cosine);
 
@@ -57,7 +57,8 @@ class PathSums {
   void add_scattered(std::size_t step, const AirSpectrum& source_near,
                      const AirSpectrum& source_far);
   void planck_at(AirSpectrum& out, std::size_t node) const;
-  // Irradiance that arrives at the observer after a turn at the node, per band; 0 in shadow.
+  // Returns the irradiance that arrives at the observer after a turn at the node, per band; 0 in
+  // shadow.
   [[nodiscard]] AirSpectrum sunlight_by(std::size_t node, const AbsorberAmounts& to_node) const;
   void prepare_sun();
   // Adds the two neighbouring nodes between which the Earth's shadow ends.

@@ -4,10 +4,11 @@
 
 namespace irsig {
 
-// A hash of what the C library's functions (exp, sin, pow, ... in double and float) and the
-// processor's approximate reciprocals, which the ray tracer starts from, return for a few thousand
-// fixed arguments on this machine, now. avx512: with the wide approximate reciprocals, which
-// are used where AVX-512 is; where there is none it changes nothing.
+// Returns a hash of the results of the C library's functions (exp, sin, pow, ... in double and
+// float) and of the processor's approximate reciprocals, from which the ray tracer starts, for a
+// few thousand fixed arguments on this machine.
+//   avx512  includes the wide approximate reciprocals of AVX-512; without AVX-512 it changes
+//           nothing
 //
 // Libraries choose their code by the processor (glibc has variants with and without fused
 // multiply-add), and the last bit differs between them; approximate reciprocals differ by maker and

@@ -19,9 +19,10 @@ class CsvRows {
  public:
   explicit CsvRows(std::string_view text) : text_(text) {}
 
-  // The next line that is neither empty nor a remark ('#'); false at the end of the text.
+  // Moves to the next line that is neither empty nor a remark ('#'). Returns false at the end of
+  // the text.
   bool next();
-  // The next one that is not empty, remarks included.
+  // Moves to the next line that is not empty, remarks included.
   bool next_with_remarks();
   [[nodiscard]] std::string_view whole() const { return whole_; }
   [[nodiscard]] std::size_t line() const { return line_; }
@@ -35,7 +36,7 @@ class CsvRows {
   std::vector<CsvCell> cell_;
 };
 
-// The whole text as a finite number; nothing if it is none.
+// Returns the whole text as a finite number, or nothing if it is none.
 [[nodiscard]] std::optional<double> finite_number(std::string_view text);
 
 }  // namespace irsig

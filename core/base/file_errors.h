@@ -16,11 +16,12 @@ class FileErrors {
  public:
   explicit FileErrors(std::string_view file_name) : file_name_(file_name) {}
 
-  // line, column: from 1. what: may quote the file, whatever stands there; it becomes one line.
+  // Adds an error at a line and column, both from 1. `what` may quote the file and becomes one
+  // line.
   void add(std::size_t line, std::size_t column, std::string_view what);
   [[nodiscard]] bool any() const { return !found_.empty(); }
   [[nodiscard]] bool full() const { return found_.size() >= 10; }
-  // INVALID_ARGUMENT, a problem (problems.h) for each; OK if there are none.
+  // Returns INVALID_ARGUMENT with a problem (problems.h) for each error, or OK without errors.
   [[nodiscard]] absl::Status status() const;
 
  private:

@@ -16,8 +16,8 @@ class NextLarge {
     std::copy(value.begin(), value.end(), most_.begin() + static_cast<std::ptrdiff_t>(leaves_));
     for (std::size_t i = leaves_; i-- > 1;) most_[i] = std::max(most_[2 * i], most_[2 * i + 1]);
   }
-  // The place of the first from `from` on; the list's length if there is none. Of two numbers the
-  // larger one is enough where the other is.
+  // Returns the place of the first sufficient element from `from` on, or the list's length.
+  // `enough` is monotonic: of two numbers the larger one is enough where the smaller one is.
   template <typename Enough>
   [[nodiscard]] std::size_t next(std::size_t from, const Enough& enough) const {
     std::size_t i = from + leaves_;

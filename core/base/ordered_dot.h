@@ -4,9 +4,8 @@
 
 namespace irsig {
 
-// Sum of a[i] b[i]. Its order is fixed by n alone: the same bits on every machine. From 32 numbers
-// on in sixteen partial sums, which can be kept in vectors; below, that would cost more than it
-// saves.
+// Returns the sum of a[i] b[i]. The order of summation depends on n alone, so that all machines
+// give the same bits. From 32 numbers on the sum has sixteen partial sums, which fit into vectors.
 [[nodiscard]] double long_ordered_dot(const double* a, const double* b, std::size_t n);
 
 [[nodiscard]] inline double ordered_dot(const double* a, const double* b, std::size_t n) {

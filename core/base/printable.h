@@ -19,8 +19,8 @@ namespace irsig {
 // Returns true if one_line() would leave the text unchanged.
 [[nodiscard]] bool is_one_line(std::string_view text);
 
-// The text as a string of JSON, quotes included: plain ASCII for every control character, U+FFFD
-// for each byte that is not UTF-8.
+// Returns the text as a JSON string with its quotes: plain ASCII for every control character,
+// U+FFFD for each byte that is not UTF-8.
 [[nodiscard]] std::string json_string(std::string_view text);
 
 // The length of the UTF-8 character at the beginning of `text`, 0 if there is none (overlong forms

@@ -18,10 +18,10 @@ struct Problem {
   std::string text;   // names the key where there is one
 };
 
-// INVALID_ARGUMENT with a line "place: text" for each problem; OK if there are none.
+// Returns INVALID_ARGUMENT with a line "place: text" for each problem, or OK without problems.
 [[nodiscard]] absl::Status problem_status(const std::vector<Problem>& problems);
 
-// The status of one problem: "place: text"; "key: what".
+// Returns the status of one problem: "place: text", or "key: what".
 [[nodiscard]] absl::Status placed_problem(const std::string& place, absl::string_view text);
 [[nodiscard]] absl::Status keyed_problem(const std::string& key, absl::string_view what);
 

@@ -19,7 +19,7 @@ struct ApartLimits {
 };
 [[nodiscard]] ApartLimits apart_limits(std::uint64_t file_bytes);
 
-// The path of a program in the folder of this executable.
+// Returns the path of a program in the folder of this executable.
 [[nodiscard]] std::string program_beside(const std::string& name);
 
 // Starts a program, sends it `bytes` on its standard input and returns what it wrote on its

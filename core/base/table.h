@@ -12,20 +12,22 @@ struct TablePosition {
   double fraction;    // [0, 1]
 };
 
-// Finite and strictly increasing, at least two of them: what the functions below require.
+// Returns true if the numbers are finite, strictly increasing and at least two, as the functions
+// below require.
 [[nodiscard]] bool is_abscissa(std::span<const double> x);
 
-// x.front() <= at <= x.back() is the caller's to guarantee: outside there is no position, and what
-// stands in for it (0, the edge value, an error) is a decision of physics.
+// Finds the position of a number in the table. The caller guarantees x.front() <= at <= x.back(),
+// since the value beyond the ends (0, the edge's value, an error) is a decision of physics.
 [[nodiscard]] TablePosition locate(std::span<const double> x, double at);
 
 // Like locate(), for x = first + i step, i = 0 .. count - 1, without a search.
 [[nodiscard]] TablePosition locate_uniform(double first, double step, std::size_t count, double at);
 
-// Exactly y[i] at x[i]; between two points never outside their two values.
+// Interpolates linearly: exactly y[i] at x[i], and between two points never outside their values.
 [[nodiscard]] double interpolate(std::span<const double> y, TablePosition position);
 
-// interpolate(y, locate(x, at)) inside the table; `outside` beyond its ends and for a NaN.
+// Returns interpolate(y, locate(x, at)) inside the table, and `outside` beyond its ends and for a
+// NaN.
 [[nodiscard]] double interpolate_or(std::span<const double> x, std::span<const double> y, double at,
                                     double outside);
 

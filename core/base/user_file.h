@@ -14,10 +14,10 @@ inline constexpr std::uint64_t kMostSpecBytes = 8'000'000;       // a sweep or g
 inline constexpr std::uint64_t kMostTableBytes = 64'000'000;     // optical data, weather, spectra
 inline constexpr std::uint64_t kMostModelBytes = 1'000'000'000;  // what a coordinator takes
 
-// The content of a file that a user names: whatever opens one opens it here. Only a regular file
-// (or a link to one) is read, since others may have no end (devices) or never begin (a FIFO), and
-// never more than most_bytes, even where it grows meanwhile. INVALID_ARGUMENT says why it cannot be
-// had, without the file's name.
+// Reads a file that a user names; all such files are opened here. Reads only regular files and
+// links to them, since others may have no end (devices) or never begin (a FIFO), and never more
+// than most_bytes, even if the file grows meanwhile. INVALID_ARGUMENT states the reason, without
+// the file's name.
 [[nodiscard]] absl::StatusOr<std::string> read_user_file(const std::string& path,
                                                          std::uint64_t most_bytes);
 
@@ -27,7 +27,7 @@ inline constexpr std::uint64_t kMostModelBytes = 1'000'000'000;  // what a coord
                                                            const std::string& name,
                                                            std::uint64_t most_bytes);
 
-// The first bytes of such a file, at most so many, whatever its size.
+// Returns the first bytes of such a file, at most `bytes`, whatever the file's size.
 [[nodiscard]] absl::StatusOr<std::string> front_of_user_file(const std::string& path,
                                                              std::uint64_t bytes);
 

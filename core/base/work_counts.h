@@ -25,7 +25,7 @@ inline constexpr std::array<const char*, 8> kWorkNames = {
 
 using WorkCounts = std::array<std::uint64_t, kWorkNames.size()>;
 
-// Since the thread began. May be set to 0.
+// Returns the counts since this thread began. The caller may reset them to 0.
 [[nodiscard]] inline WorkCounts& work_counts() {
   thread_local WorkCounts counts{};
   return counts;

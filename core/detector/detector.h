@@ -46,9 +46,9 @@ struct DetectorIntegrals {
   std::vector<SpectralPoint> signal, photons;
   double constant = 0, well = 0;  // well: 0, none
 
-  // Variance of the noise beside a signal; argument and result refer to the full integration time.
-  // Where the well is full earlier, the detector integrates k = N / w times as often, and v = k^2
-  // constant + k N.
+  // Returns the variance of the noise beside a signal. Argument and result refer to the full
+  // integration time. If the well is full earlier, the detector integrates k = N / w times as
+  // often, and v = k^2 constant + k N.
   [[nodiscard]] double variance(double photons_sum) const {
     const double k = well > 0 && photons_sum > well ? photons_sum / well : 1;
     return k * (k * constant + photons_sum);
@@ -56,21 +56,21 @@ struct DetectorIntegrals {
 };
 [[nodiscard]] DetectorIntegrals integrals_of(const Detector& detector);
 
-// Two responses one after another, where both are stated; empty: they have nothing in common. Its
+// Returns the product of two responses where both are stated; empty without a common range. Its
 // points lie densely enough for 1e-7 of any integral.
 [[nodiscard]] std::vector<SpectralPoint> product(const std::vector<SpectralPoint>& a,
                                                  const std::vector<SpectralPoint>& b);
 
-// A noise-equivalent irradiance from other figures of detectors.
+// Computes a noise-equivalent irradiance from other figures of detectors.
 //
 // NETD of an extended scene at temperature_k, at stated_f_number; noise-equivalent radiance goes as
 // F^2:  NEI = NETD (F / F_stated)^2 Omega integral of r dL/dT,  Omega the solid angle of a pixel.
 [[nodiscard]] double nei_of_netd_w_m2(const std::vector<SpectralPoint>& response, double netd_k,
                                       double temperature_k, double stated_f_number, double f_number,
                                       double pixel_sr);
-// Specific detectivity at its peak, of an area and a bandwidth:
+// Computes it from the specific detectivity at its peak, an area and a bandwidth:
 //   NEI = sqrt(A_d B) / (D* A tau),  A = pi D^2 / 4
-// d_star_m_hz05_w: 1 cm sqrt(Hz) / W = 0.01 m sqrt(Hz) / W.
+//   d_star_m_hz05_w  1 cm sqrt(Hz) / W = 0.01 m sqrt(Hz) / W
 [[nodiscard]] double nei_of_d_star_w_m2(double d_star_m_hz05_w, double detector_m2,
                                         double bandwidth_hz, double aperture_m,
                                         double transmittance);

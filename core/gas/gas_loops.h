@@ -45,16 +45,17 @@ void line_decay(std::size_t points, const std::int32_t* thousandth_ln, const Hot
 struct LineStep {
   double from, by;
 };
-// left: weight exp(-depth) of each point; becomes that behind the segment.
+// Takes light through the lines of a segment.
+//   left  weight exp(-depth) of each point; becomes the one behind the segment
 [[nodiscard]] LineStep through_lines(std::size_t points, const double* decay, double* left);
 
-// step *= factor
+// Multiplies a step by a factor.
 void multiply(std::size_t bands, const Steps& step, const Steps& factor);
-// factor of soot: depth becomes that behind the segment.
+// Multiplies by the factor of soot; `depth` becomes the one behind the segment.
 void soot_step(std::size_t bands, double volume_fraction_m, const double* per_m, double* depth,
                const Steps& through);
 
-// Planck's function, mean of two temperatures; scale: c1L / lambda^5.
+// Computes Planck's function as the mean of two temperatures; scale: c1L / lambda^5.
 void planck_mean(std::size_t bands, const double* lambda_um, const double* scale, double t1,
                  double t2, double* out);
 
@@ -87,6 +88,7 @@ struct HotLevels {
 struct HotBandSums {
   double weak[kGasLanes] = {}, strong[kGasLanes] = {};
 };
+// Adds the sums over hot bands at kGasLanes wavenumbers.
 //   scale  of each wavenumber
 void add_hot_bands(const HotLevels& levels, double temperature_k, const double* wavenumber_cm1,
                    const double* scale, HotBandSums& sums);

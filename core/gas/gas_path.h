@@ -24,7 +24,7 @@ struct JointLines {
 // The air between the eye and gas, prepared once for any number of paths of gas.
 class ForegroundAir {
  public:
-  // INVALID_ARGUMENT for bands that the air has not.
+  // Prepares the air. INVALID_ARGUMENT for bands that the air has not.
   [[nodiscard]] static absl::StatusOr<ForegroundAir> make(const AbsorberAmounts& air,
                                                           GasBands bands);
 
@@ -49,12 +49,12 @@ class ForegroundAir {
 // Formulas: gas_spectrum.h.
 class GasPath {
  public:
-  // Errors: those of check_gas, with the segment's number (from 1); INVALID_ARGUMENT for bands that
-  // do not exist.
+  // Prepares a path. Errors: those of check_gas, with the segment's number (from 1);
+  // INVALID_ARGUMENT for bands that do not exist.
   [[nodiscard]] static absl::StatusOr<GasPath> make(std::span<const GasLayer> path, GasBands bands);
 
   [[nodiscard]] const GasSpectrum& alone() const { return alone_; }
-  // of: air for the same bands
+  // Returns the path's light behind air of the same bands.
   [[nodiscard]] GasThroughAir through(const ForegroundAir& of) const;
 
  private:

@@ -28,8 +28,8 @@ inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 3000;
 inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
 inline constexpr double kGasSootMax = 1e-3;
 
-// OUT_OF_RANGE or INVALID_ARGUMENT, with the quantity and its value: temperature and pressure
-// outside of the above, a mole fraction outside [0, 1] or all of them above 1 together, a soot
+// Checks a state. OUT_OF_RANGE or INVALID_ARGUMENT names the quantity and its value: temperature or
+// pressure beyond the limits above, a mole fraction outside [0, 1] or a sum of them above 1, a soot
 // volume fraction outside [0, 1e-3], a length that is negative or not finite.
 [[nodiscard]] absl::Status check_gas(const GasState& state);
 [[nodiscard]] absl::Status check_gas(const GasLayer& segment);

@@ -21,7 +21,8 @@ struct NarrowBand {
   double lines_per_cm1 = 1;        // 1/d, of the lines that count
 };
 
-// False: at no temperature has the gas lines at random there (hot_lines.h may have others).
+// Returns false if the gas has no lines at random there, at any temperature (hot_lines.h may have
+// others).
 [[nodiscard]] bool narrow_band_exists(HotGas gas, double wavenumber_cm1);
 
 // Computes the parameters at some wavenumbers (centres of bands of 5 to 25 cm-1) and one
@@ -29,8 +30,8 @@ struct NarrowBand {
 void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double temperature_k,
                   std::span<NarrowBand> out);
 
-// Half widths at half height of the gas's lines.                                   [1/cm]
-// Lorentz: collisions with H2O, CO2, CO, N2 (the rest), and with its own kind in resonance.
+// Return half widths at half height of the gas's lines, Lorentz's by collisions with H2O, CO2, CO
+// and N2 (the rest), and with its own kind in resonance. [1/cm]
 [[nodiscard]] double lorentz_width_cm1(HotGas gas, const GasState& state);
 [[nodiscard]] double doppler_width_cm1(HotGas gas, double wavenumber_cm1, double temperature_k);
 
@@ -39,7 +40,7 @@ void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double tem
 // gases the state's own.                                                            [Pa]
 [[nodiscard]] double line_pressure_pa(HotGas gas, const GasState& state);
 
-// Partial pressure x length, at 273 K.                                             [cm atm]
+// Returns partial pressure x length, at 273 K. [cm atm]
 [[nodiscard]] double amount_cm_atm(HotGas gas, const GasLayer& segment);
 
 }  // namespace irsig

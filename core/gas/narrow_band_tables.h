@@ -13,7 +13,7 @@ namespace irsig {
 class StrengthTable {
  public:
   explicit StrengthTable(std::string_view csv);
-  // 0 outside the wavenumbers of the table.                                        [1/(cm atm)]
+  // Interpolates the table; 0 outside its wavenumbers. [1/(cm atm)]
   [[nodiscard]] double at(double wavenumber_cm1, double temperature_k) const;
 
  private:
@@ -31,7 +31,7 @@ inline constexpr double kRadcalC2CmK = 1.4388, kRadcalT0K = 300;
 // Rotation of carbon dioxide, and its change with v3.                                 [cm-1]
 inline constexpr double kCo2RotationCm1 = 0.391635, kCo2RotationChangeCm1 = 0.0030875;
 
-// One gas each.
+// Compute the narrow bands of one gas each.
 void h2o_bands(std::span<const double> wavenumber_cm1, double temperature_k,
                std::span<NarrowBand> out);
 void co2_bands(std::span<const double> wavenumber_cm1, double temperature_k,

@@ -2,8 +2,9 @@
 
 namespace irsig {
 
-// Absorption coefficient of soot per volume fraction, particles much smaller than the wavelength;
-// they scatter less than they absorb by the cube of size over wavelength, which is left out. [1/m]
+// Returns the absorption coefficient of soot per volume fraction, for particles much smaller than
+// the wavelength. Scattering, less than absorption by the cube of size over wavelength, is left
+// out. [1/m]
 //
 //   36 pi n k / (lambda ((n^2 - k^2 + 2)^2 + (2 n k)^2)), n and k of flame soot    [chang1990]
 //

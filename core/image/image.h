@@ -62,7 +62,7 @@ struct SeenFrom {
   std::vector<float> filled;               // [pixel] the fraction of it that is target
 };
 
-// The image as the sensor has it:
+// Returns the image at the sensor:
 //   filled x (path radiance) + gain x radiance + (1 - filled) x background
 // INVALID_ARGUMENT: the fractions are not one for each pixel.
 [[nodiscard]] absl::StatusOr<RadianceImage> seen_from(const RadianceImage& image,

@@ -32,7 +32,7 @@ struct Imager {
   std::uint32_t bits = 14;
   std::variant<CountsOfTemperatures, CountsOfRadiance> gain;
 
-  // Angle between the centres of two pixels.
+  // Returns the angle between the centres of two pixels.
   [[nodiscard]] double ifov_rad() const { return pitch_m / (f_number * aperture_m); }
   [[nodiscard]] double full_scale_counts() const;
 };
@@ -47,8 +47,8 @@ struct ImagerInBand {
   double noise_w_m2_sr, fixed_pattern_w_m2_sr;
   double counts_per_w_m2_sr, offset_counts;
 };
-// INVALID_ARGUMENT: the band is none (core/spectral/band.h), or its radiance at black_k and white_k
-// gives no finite gain.
+// Computes the imager's response in a band. INVALID_ARGUMENT: the band is invalid
+// (core/spectral/band.h), or its radiance at black_k and white_k gives no finite gain.
 [[nodiscard]] absl::StatusOr<ImagerInBand> imager_in_band(const Imager& imager, const Band& band);
 
 // Returns the transfer function of the optics, aperture x jitter, at a spatial frequency f in
@@ -70,8 +70,9 @@ struct DetectorGrid {
   std::uint32_t width_px, height_px;
   double ratio, left, top;
 };
-// INVALID_ARGUMENT: the stored pixels are wider than half a pixel of the detector, or the detector
-// needs more than 4096 pixels along a side.
+// Returns the grid of the detector for a stored image. INVALID_ARGUMENT: the stored pixels are
+// wider than half a pixel of the detector, or the detector needs more than 4096 pixels along a
+// side.
 [[nodiscard]] absl::StatusOr<DetectorGrid> detector_grid(const Imager& imager,
                                                          std::uint32_t width_px,
                                                          std::uint32_t height_px, double pixel_rad);
@@ -87,8 +88,8 @@ struct DetectorGrid {
                                            const RadianceImage& stored, double pixel_rad,
                                            double outside_w_m2_sr, const DetectorGrid& grid);
 
-// Likewise for an image whose surroundings go on beyond its border: its border's pixels are
-// repeated there, as far as the point spread reaches.
+// Like detector_image(), for an image whose surroundings continue beyond its border: repeats the
+// border's pixels as far as the point spread reaches.
 [[nodiscard]] RadianceImage detector_image_going_on(const Imager& imager, double wavelength_um,
                                                     const RadianceImage& stored, double pixel_rad,
                                                     double outside_w_m2_sr,

@@ -56,9 +56,9 @@ struct LandHit {
 // Memory: 4.6 bytes a cell. Immutable; may be used by several threads at once.
 class HeightField {
  public:
-  // INVALID_ARGUMENT: a size of 0, more than kMostLandVertices, heights that are not finite or of
-  // another number, an inset that is not aligned with the cells of the outer grid. The outermost
-  // vertices of the inset move onto the edges of the outer cells around it.
+  // Makes a height field. The outermost vertices of the inset move onto the edges of the outer
+  // cells around it. INVALID_ARGUMENT: a size of 0, more than kMostLandVertices, heights that are
+  // not finite or of another number, an inset that is not aligned with the cells of the outer grid.
   [[nodiscard]] static absl::StatusOr<HeightField> create(
       HeightGrid outer, std::optional<HeightGrid> inset = std::nullopt);
   HeightField(HeightField&&) noexcept;

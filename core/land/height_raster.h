@@ -19,7 +19,8 @@ struct LocalMetres {};        // x and y of the land's local frame
 struct GeographicDegrees {};  // longitude and latitude on WGS 84 (EPSG 4326)
 using MapSystem = std::variant<LocalMetres, GeographicDegrees, UtmZone>;
 
-// INVALID_ARGUMENT: a system other than EPSG 4326, 32601 to 32660 and 32701 to 32760.
+// Returns the map system of an EPSG code. INVALID_ARGUMENT: a system other than EPSG 4326, 32601 to
+// 32660 and 32701 to 32760.
 [[nodiscard]] absl::StatusOr<MapSystem> map_system(std::uint64_t epsg);
 
 // Heights as a file has them. Sample (column, row) lies at x = x0 + column x_step,

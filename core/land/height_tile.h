@@ -31,9 +31,10 @@ class HeightTile {
   [[nodiscard]] const HeightGrid& grid() const { return grid_; }
   [[nodiscard]] int columns() const { return static_cast<int>(grid_.columns); }
   [[nodiscard]] int rows() const { return static_cast<int>(grid_.rows); }
-  // The level of the one block that holds the whole grid; level 0 are the cells.
+  // Returns the level of the one block that holds the whole grid; level 0 are the cells.
   [[nodiscard]] int top() const { return static_cast<int>(level_.size()); }
-  // The range of block (column >> (kBits level), row >> (kBits level)), level >= 1.
+  // Returns the range of heights of block (column >> (kBits level), row >> (kBits level)), level >=
+  // 1.
   [[nodiscard]] HeightRange range(int level, int block_column, int block_row) const {
     const Level& of = level_[static_cast<std::size_t>(level - 1)];
     return of.range[static_cast<std::size_t>(block_row) * static_cast<std::size_t>(of.columns) +

@@ -48,7 +48,7 @@ class LandCover {
                                                         const HeightField& field,
                                                         const GeodeticPosition& origin);
 
-  // The number of layers, those of objects included.
+  // Returns the number of layers, including those of objects.
   [[nodiscard]] std::uint32_t materials() const { return materials_; }
 
   // Computes the fractions of the materials at (x, y) of the land's local frame: those of the

@@ -21,9 +21,9 @@ inline constexpr std::uint32_t kMostLandHorizons = 8;
 struct LandHorizon {
   std::array<float, kHorizonAzimuths> elevation_rad{}, lid_low_rad{}, lid_high_rad{};
   [[nodiscard]] double at(double azimuth_rad) const;
-  // Share of a small disk, such as the sun's, that is not hidden.
+  // Returns the fraction of a small disk, such as the sun's, that is not hidden.
   [[nodiscard]] double seen_of_disk(double azimuth_rad, double disk_rad, double radius_rad) const;
-  // Index of the nearest azimuth.
+  // Returns the index of the nearest azimuth.
   [[nodiscard]] static std::uint32_t nearest(double azimuth_rad);
 };
 
@@ -91,14 +91,14 @@ struct LandKinds {
   //   object    a face of an object: its horizon is taken as free
   void at(double x_m, double y_m, Vec<Enu> normal, bool object, std::span<const float> fraction,
           std::vector<KindShare>& out) const;
-  // Likewise, of one material with a horizon.
+  // Finds the kinds likewise, of one material with a horizon.
   void at(std::uint32_t material, std::uint32_t horizon, Vec<Enu> normal, bool object, float share,
           std::vector<KindShare>& out) const;
-  // The kind that is level under the freest horizon of a material.
+  // Returns the kind that is level under the freest horizon of a material.
   [[nodiscard]] std::uint32_t level_of(std::uint32_t material) const {
     return first_ground_[material * horizon.size()];
   }
-  // The horizon of a place; that of the nearest cell beyond all squares.
+  // Returns the horizon of a place; beyond all squares that of the nearest cell.
   [[nodiscard]] std::uint32_t horizon_at(double x_m, double y_m) const;
 
  private:

@@ -19,8 +19,9 @@ namespace irsig {
     std::string_view bytes, const std::string& file,
     const std::optional<MapSystem>& system = std::nullopt);
 
-// Both sides of the exchange with irsig-heights. DATA_LOSS: the bytes are not what encode_raster
-// writes. INVALID_ARGUMENT: the error that it was given.
+// Encodes one side of the exchange with irsig-heights; decode_raster() reads it. DATA_LOSS: the
+// bytes differ from those of encode_raster. INVALID_ARGUMENT: the error that encode_raster was
+// given.
 [[nodiscard]] std::string encode_raster(const absl::StatusOr<HeightRaster>& raster);
 [[nodiscard]] absl::StatusOr<HeightRaster> decode_raster(std::string_view bytes);
 

@@ -30,8 +30,9 @@ struct PlumeStation {
 // briggs1984]
 inline constexpr double kEntrainmentAlong = 0.11, kEntrainmentAcross = 0.6;
 
-// The axis of a buoyant plume in a wind, by the integral model of Hoult, Fay and Forney
-// [hoult1969]: steady fluxes (divided by pi) of mass m = rho u R^2, of momentum and of heat,
+// Computes the axis of a buoyant plume in a wind, from the opening to where it is length_m long, by
+// the integral model of Hoult, Fay and Forney [hoult1969]: steady fluxes (divided by pi) of mass m
+// = rho u R^2, of momentum and of heat,
 //
 //   dm/ds = 2 R rho_a (alpha |u - U cos theta| + beta U |sin theta|)
 //   d(m u cos theta)/ds = U dm/ds,  d(m u sin theta)/ds = g (rho_a - rho) R^2
@@ -40,19 +41,19 @@ inline constexpr double kEntrainmentAlong = 0.11, kEntrainmentAcross = 0.6;
 // heat capacity, adiabatic mixing, no stratification, no downwash behind the funnel. Not
 // Boussinesq.
 //
-// From the opening to where the axis is length_m long. Steps are a share of the radius (Runge and
-// Kutta, fourth order): halving them changes nothing by more than 1e-7.
-// INVALID_ARGUMENT: dimensions that are none, gas that is not hotter than the air, more than 3000
-// K, slower than 0.1 m/s or faster than 500 m/s (the model is incompressible).
+// Steps are a fraction of the radius (Runge and Kutta, fourth order): halving them changes nothing
+// by more than 1e-7. INVALID_ARGUMENT: dimensions that are not positive, gas that is not hotter
+// than the air, more than 3000 K, slower than 0.1 m/s or faster than 500 m/s (the model is
+// incompressible).
 [[nodiscard]] absl::StatusOr<std::vector<PlumeStation>> bent_plume(const PlumeExit& exit,
                                                                    const PlumeAir& air,
                                                                    double length_m,
                                                                    double step_fraction = 0.02);
 
-// F = g w R^2 (T_0 - T_a) / T_0, [m4/s3]: of Briggs' formula.
+// Returns Briggs' flux of buoyancy F = g w R^2 (T_0 - T_a) / T_0. [m4/s3]
 [[nodiscard]] double buoyancy_flux_m4_s3(const PlumeExit& exit, const PlumeAir& air);
 
-// kg/m3 of air at the pressure of `air` (and of exhaust, see above).
+// Returns the density of air at the pressure of `air` (and of exhaust, see above). [kg/m3]
 [[nodiscard]] double density_kg_m3(const PlumeAir& air, double temperature_k);
 
 }  // namespace irsig

@@ -15,11 +15,11 @@ class BlockTree {
  public:
   using Cell = std::array<std::int32_t, 3>;
 
-  // Order of blocks by their place in the tree; both are origins, multiples of 8.
+  // Orders blocks by their place in the tree; both are origins, multiples of 8.
   [[nodiscard]] static bool before(const Cell& a, const Cell& b);
 
   BlockTree() = default;
-  // origins: sorted by before(), none twice.
+  // Builds the tree. origins: sorted by before(), none twice.
   explicit BlockTree(const std::vector<Cell>& origins);
 
   // Content of a cell: the block in which it lies (its place in `origins`), or the size of the

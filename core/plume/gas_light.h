@@ -14,9 +14,9 @@ struct SegmentSource {
   double mean = 0, change = 0, spread = 0;  // of a radiance, or of whatever is to be had
 };
 
-// The source of a segment from a blackbody function of temperature, taken at one standard deviation
-// below and above the mean: exact for a source that is quadratic in the temperature, and so, with
-// the mean, change and spread that segments carry, of third order in their step.
+// Computes the source of a segment from a blackbody function of temperature, taken at one standard
+// deviation below and above the mean. It is exact for a source that is quadratic in the
+// temperature, and so, with the mean, change and spread of segments, of third order in their step.
 [[nodiscard]] SegmentSource segment_source(const GasSegment& segment,
                                            const std::function<double(double)>& blackbody);
 
@@ -39,10 +39,10 @@ struct GasLight {
 [[nodiscard]] GasLight light_through(std::span<const double> optical_depth,
                                      std::span<const SegmentSource> source, double background = 0);
 
-// An estimate of what the finite steps of segments cost `emitted`, one sigma: each coarse step
-// (coarser() in gas_segments.h) shaded as one against the segments that it stands for, and for each
-// segment a third of (spread / mean)^3 of what it emits, the first term that mean and spread leave
-// out: where a temperature rises and falls symmetrically, merging changes nothing. All as
+// Estimates the error of `emitted` from the finite steps of segments, one sigma: each coarse step
+// (coarser() in gas_segments.h) shaded as one against its segments, and for each segment a third of
+// (spread / mean)^3 of its emission, the first term that mean and spread leave out (where a
+// temperature rises and falls symmetrically, merging changes nothing). All count as
 // independent errors.
 [[nodiscard]] double step_error(std::span<const double> optical_depth,
                                 std::span<const SegmentSource> source,
@@ -50,7 +50,7 @@ struct GasLight {
                                 std::span<const double> coarse_optical_depth,
                                 std::span<const SegmentSource> coarse_source);
 
-// G(tau) above.
+// Returns G(tau) above.
 [[nodiscard]] double linear_source_fraction(double optical_depth);
 
 }  // namespace irsig

@@ -95,7 +95,7 @@ struct TemperatureCourse {
 };
 [[nodiscard]] TemperatureCourse course_of(const GasSegment& segment);
 
-// b lies behind a.
+// Merges two segments; b lies behind a.
 [[nodiscard]] GasSegment merged(const GasSegment& a, const GasSegment& b);
 
 // Returns segments with steps twice as large: neighbours are merged two by two, and a remaining one

@@ -32,11 +32,11 @@ struct FunnelPlume {
   double voxel_m = 0;
 };
 
-// The bent plume (bent_plume.h) with a profile across: the share of exhaust gas is
-// f0 exp(-(r / b)^m), with flux and second moment of the uniform section: f0 = 1 and m from a top
-// hat down to 2 near the opening, then a Gaussian (m = 2) whose f0 falls. Cut where it is a
-// thousandth of f0, and at both ends. Voxels hold means of 2^3 points, amounts and their
-// temperatures. Mole fractions are the exhaust's own, without what the air has of CO2 and H2O.
+// Generates the bent plume (bent_plume.h) with a profile across: the fraction of exhaust gas is f0
+// exp(-(r / b)^m), with flux and second moment of the uniform section. Near the opening f0 = 1 and
+// m falls from a top hat to 2; then the profile is Gaussian (m = 2) and f0 falls. The plume is cut
+// where it is a thousandth of f0, and at both ends. Voxels hold means of 2^3 points, amounts and
+// their temperatures. Mole fractions are the exhaust's own, without the air's CO2 and H2O.
 // INVALID_ARGUMENT: as bent_plume and exhaust_gas; voxels larger than the opening; more than
 // kMostGeneratedBlocks.
 [[nodiscard]] absl::StatusOr<GeneratedPlume> generate_funnel_plume(const FunnelPlume& plume);
@@ -56,7 +56,7 @@ struct UniformPlume {
 // 8^3 voxels each: 0.5 to 1 GB of file.
 inline constexpr std::uint64_t kMostGeneratedBlocks = 100'000;
 
-// The relative wind that such a ship feels, as a vector that says where it blows: x forward,
+// Returns the relative wind that such a ship feels, as a vector towards which it blows: x forward,
 // y starboard. [m/s]
 [[nodiscard]] Vec<Body> relative_wind(double wind_m_s, double wind_from_deg, double ship_speed_m_s);
 

@@ -13,8 +13,8 @@ class GeneratedVolume {
   // fraction: CO2, H2O, CO, soot of undiluted gas. Faces of voxels lie at multiples of voxel_m.
   GeneratedVolume(double voxel_m, double pressure_pa,
                   const std::array<double, kPlumeSpecies>& fraction);
-  // A voxel of the block to be added: share of the mole fractions and of the soot's volume
-  // fraction.
+  // Sets a voxel of the block to be added; `share` multiplies the mole fractions, `soot_fraction`
+  // the soot's volume fraction.
   void set(unsigned offset, double temperature_k, double share, double soot_fraction);
   void add_block(std::array<std::int32_t, 3> origin);
   void finish(GeneratedPlume& out);

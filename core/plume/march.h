@@ -20,8 +20,8 @@ struct MarchCounts {
   std::uint64_t skips = 0;   // steps through what is empty, of 1 to 4096 voxels
 };
 
-// The gas that a ray meets between start_m and end_m, from near to far. A function of field, ray
-// and steps alone.
+// Returns the gas that a ray meets between start_m and end_m, from near to far, as a function of
+// field, ray and steps alone.
 //
 // The ray goes through the tree of cells (block_tree.h) by steps of 4096, 128, 8 and 1; in a cell
 // that holds gas amounts are cubic polynomials along it (kLinear) or constants, integrated exactly

@@ -52,16 +52,16 @@ struct PlumePoint {
 // bytes a voxel with all channels, and 200 bytes a block.
 class PlumeField {
  public:
-  // INVALID_ARGUMENT names the grid, what is there and the first voxel: not finite, temperatures of
-  // 0 to 1, gas colder than kLeastPlumeK, a fraction outside 0 to 1 or a sum of mole fractions
-  // above 1, gas without temperature or pressure, a species whose background is not 0, no gas at
-  // all; a singular or badly conditioned lattice, one larger than 1e6 m.
+  // Makes the field. INVALID_ARGUMENT names the grid, the value and the first voxel: not finite,
+  // temperatures of 0 to 1, gas colder than kLeastPlumeK, a fraction outside 0 to 1 or a sum of
+  // mole fractions above 1, gas without temperature or pressure, a species whose background is not
+  // 0, no gas at all; a singular or badly conditioned lattice, or one larger than 1e6 m.
   static absl::StatusOr<std::shared_ptr<const PlumeField>> make(VoxelVolume volume,
                                                                 const PlumeReading& reading);
 
   [[nodiscard]] const PlumeReport& report() const { return report_; }
   [[nodiscard]] PlumeInterpolation interpolation() const { return interpolation_; }
-  // Index coordinates of a place or direction: voxel (i, j, k) is centred at (i, j, k).
+  // Return index coordinates of a place or direction: voxel (i, j, k) is centred at (i, j, k).
   [[nodiscard]] std::array<double, 3> index_from_body(Vec<Body> at) const;
   [[nodiscard]] std::array<double, 3> index_direction(Vec<Body> direction) const;
   [[nodiscard]] Vec<Body> body_from_index(const std::array<double, 3>& at) const;
@@ -132,7 +132,7 @@ class PlumeField {
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const PlumeField>> import_plume(
     std::string_view file, const std::string& file_name, const PlumeGrids& grids);
 
-// The field of a volume that a generator made, as a file of it would be read.
+// Makes the field of a generated volume, as a file of the volume would be read.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const PlumeField>> plume_of(VoxelVolume volume,
                                                                          const PlumeGrids& grids);
 

@@ -62,10 +62,10 @@ struct PlumeReading {
   std::array<double, 12> body_from_world{};  // three rows of four, in metres
 };
 
-// INVALID_ARGUMENT with all that is wrong, a line for each: a quantity with neither or both of grid
-// and constant, an unknown unit, one grid for two quantities, a constant out of range (temperature
-// 100 to 5000 K, pressure 100 Pa to 10 MPa, fractions 0 to 1), no species at all, axes that are
-// none.
+// Checks the grids. INVALID_ARGUMENT lists all faults, a line each: a quantity with neither or both
+// of grid and constant, an unknown unit, one grid for two quantities, a constant out of range
+// (temperature 100 to 5000 K, pressure 100 Pa to 10 MPa, fractions 0 to 1), no species at all,
+// invalid axes.
 [[nodiscard]] absl::StatusOr<PlumeReading> check_plume_grids(const PlumeGrids& grids);
 
 // Bounds of both constants and voxels. Below 100 K there is no exhaust; above 5000 K no molecule.

@@ -18,7 +18,7 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<VoxelVolume> read_vdb_apart(std::string_view file,
                                                          const std::vector<std::string>& grids);
 
-// The bytes of a VDB file with a grid for each channel.
+// Returns the bytes of a VDB file with a grid for each channel.
 [[nodiscard]] absl::StatusOr<std::string> write_vdb_apart(const VoxelVolume& volume);
 
 // Encodes the reply of irsig-volume: the bytes of a file, or the error.

@@ -46,7 +46,7 @@ struct VoxelVolume {
   std::vector<float> value;
 };
 
-// The voxels of block b that any channel holds.
+// Returns the voxels of block b that any channel holds.
 [[nodiscard]] VoxelMask held_by_any(const VoxelVolume& volume, std::size_t b);
 // Returns the number of voxels of a block that have values.
 [[nodiscard]] std::size_t stored_voxels(VoxelBlock::Form form, const VoxelMask& held);
@@ -55,10 +55,11 @@ struct VoxelVolume {
 class VolumeWriter {
  public:
   explicit VolumeWriter(VoxelVolume& volume) : volume_(volume) {}
-  // mask: [channel]; value: [voxel of 512][channel]. Nothing is added where no voxel is active.
+  // Adds a block; nothing where no voxel is active. mask: [channel]; value: [voxel of
+  // 512][channel].
   void add(std::array<std::int32_t, 3> origin, const std::vector<VoxelMask>& mask,
            const std::vector<float>& value);
-  // All 512 voxels active with the same values.
+  // Adds a block with all 512 voxels active and the same values.
   void add_uniform(std::array<std::int32_t, 3> origin, const std::vector<float>& value);
 
  private:

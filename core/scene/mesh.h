@@ -24,10 +24,10 @@ struct Mesh {
   std::uint64_t degenerate_triangles = 0;
 };
 
-// A group is one combination of the names that the file gives to a triangle, joined by "/" from the
-// widest to the most specific, repeated names once: OBJ "o/g/usemtl", STL the solid's name, glTF
-// "node/mesh/material"; "default" where the file names nothing. A pattern with * and ? matches the
-// whole of it or any one of the names: "ship/hull/steel" is matched by "hull", "st*" and "ship/*".
+// Returns true if a pattern with * and ? matches the whole group, or any one of its names: "hull",
+// "st*" and "ship/*" match "ship/hull/steel". A group joins by "/", from the widest to the most
+// specific, the names that the file gives to a triangle, repeated names once: OBJ "o/g/usemtl", STL
+// the solid's name, glTF "node/mesh/material"; "default" without a name.
 [[nodiscard]] bool group_matches(std::string_view group, std::string_view pattern);
 
 // Position of a mesh in the body frame, after MeshImport::reference.
@@ -37,9 +37,9 @@ struct MeshPlacement {
 };
 void place(Mesh& mesh, const MeshPlacement& where);
 
-// Wavefront OBJ, x forward, y PORT, z up (a right-handed frame of the usual kind), one object per
-// group; numbers are the shortest that read back as the same double (at most 17 digits):
-// import_mesh(write_obj(mesh)) gives the mesh back.
+// Writes Wavefront OBJ, x forward, y PORT, z up (a right-handed frame of the usual kind), one
+// object for each group. Numbers are the shortest that read back as the same double, so that
+// import_mesh(write_obj(mesh)) returns the mesh.
 [[nodiscard]] std::string write_obj(const Mesh& mesh);
 
 }  // namespace irsig

@@ -41,9 +41,10 @@ struct ComparedValue {
   [[nodiscard]] double allowed_w_sr() const {
     return omitted_bound_w_sr + 4 * paired_stderr_w_sr + rounding_w_sr;
   }
-  // |difference| / what is allowed: out of bound above 1.
+  // Returns |difference| / allowance; above 1 the difference is out of bound.
   [[nodiscard]] double of_allowed() const;
-  // |chosen - reference| / sqrt(numerical error^2 + the reference's standard error^2 + rounding^2).
+  // Returns |chosen - reference| / sqrt(numerical error^2 + the reference's standard error^2 +
+  // rounding^2).
   [[nodiscard]] double of_numerical_error() const;
 };
 
@@ -54,7 +55,7 @@ struct CheckedRow {
   std::uint32_t reflections = 0;                   // the most that its paths were given
 
   [[nodiscard]] bool is_off(Effect effect) const;
-  // Some reflected light or all further reflections are left out.
+  // Returns true if some reflected light, or all further reflections, are left out.
   [[nodiscard]] bool drops_reflections() const;
 };
 
@@ -79,7 +80,8 @@ struct EffectsCheckOptions {
   std::uint64_t most_reference_samples = 1u << 19;  // of a replicate
 };
 
-// One view: the request's choice of effects against all. Errors: those of the simulator.
+// Computes one view with the request's choice of effects and with all. The errors are those of the
+// simulator.
 [[nodiscard]] absl::StatusOr<CheckedView> check_effects(const Simulator& simulator,
                                                         ViewRequest request,
                                                         const EffectsCheckOptions& options,

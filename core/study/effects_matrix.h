@@ -32,21 +32,21 @@ struct MatrixCell {
 inline constexpr std::array<const char*, 7> kMatrixFactors = {
     "sun", "band", "surface", "shape", "temperature", "below", "range"};
 
-// night/day x MWIR/LWIR x matt/mirror-like x convex/cavity x hot/cold x sea/land x 0.5/5/50 km, the
-// last the fastest: 192 cells of four viewpoints.
+// Returns night/day x MWIR/LWIR x matt/mirror-like x convex/cavity x hot/cold x sea/land x 0.5/5/50
+// km, the last the fastest: 192 cells of four viewpoints.
 [[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> factorial_cells();
 
-// A tiny hot spot seen and seen in a mirror only, a mirror that throws the sun into one of the
-// viewpoints, a cavity of more than 20 reflections, thermal crossover, the sun at 1 deg, a target
-// before the sky, ...
+// Returns hard cells: a tiny hot spot, seen directly or in a mirror only; a mirror that throws the
+// sun into one of the viewpoints; a cavity of more than 20 reflections; thermal crossover; the sun
+// at 1 deg; a target before the sky; and others.
 [[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> hard_cells();
 
 // Gas of 700 and 1200 K above a matt and a mirror-like deck, MWIR and LWIR, through 0.1, 5 and 50
 // km of air: 24 cells of three viewpoints.
 [[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> plume_cells();
 
-// All of the above; small: the hard cells, six of the factorial's and three with hot gas, two
-// viewpoints each.
+// Returns all cells above. small: the hard cells, six of the factorial's and three with hot gas,
+// two viewpoints each.
 [[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> matrix_cells(bool small);
 
 struct MatrixOptions {

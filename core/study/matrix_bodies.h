@@ -14,27 +14,27 @@ struct HalfSize {
   double x_m, y_m, z_m;
 };
 
-// A convex drum along x, centred, closed, of about 300 facets. Group "body".
+// Makes a convex, closed, centred drum along x, of about 300 facets. Group "body".
 [[nodiscard]] Mesh drum(double radius_m, double length_m);
 
-// A box of twelve facets. Group "body".
+// Makes a box of twelve facets. Group "body".
 [[nodiscard]] Mesh block(HalfSize half);
 
-// A box with a bay that opens to starboard (+y) through a hole in a wall 0.2 m thick: `recess` and
-// `hole` are centred on the box's axis, hole.y_m is not used, recess.y_m is half of the bay's
-// depth. Groups "outside" and "inside"; one closed surface.
+// Makes a closed box with a bay that opens to starboard (+y) through a hole in a wall 0.2 m thick.
+// Groups "outside" and "inside". `recess` and `hole` are centred on the box's axis; recess.y_m is
+// half of the bay's depth, and hole.y_m is not used.
 [[nodiscard]] Mesh bay(HalfSize outer, HalfSize recess, HalfSize hole);
 
-// A box whose starboard face holds a square of 2 * half_spot_m in a group of its own, "spot".
+// Makes a box whose starboard face holds a square of 2 half_spot_m in a group of its own, "spot".
 [[nodiscard]] Mesh block_with_spot(HalfSize half, double half_spot_m);
 
-// A box whose starboard face is the group "mirror", the rest "body".
+// Makes a box whose starboard face is the group "mirror", the rest "body".
 [[nodiscard]] Mesh block_with_mirror(HalfSize half);
 
 [[nodiscard]] Mesh shifted(Mesh mesh, Vec<Body> by);
-// About the x axis: what faces starboard faces upwards by the angle.
+// Turns a mesh about the x axis: a face to starboard faces upwards by the angle.
 [[nodiscard]] Mesh tilted(Mesh mesh, double up_deg);
-// Both; groups of the same name become one.
+// Joins two meshes; groups of the same name become one.
 [[nodiscard]] Mesh together(Mesh a, const Mesh& b);
 [[nodiscard]] Mesh with_group(Mesh mesh, const std::string& name);
 

@@ -14,11 +14,11 @@ namespace irsig {
 [[nodiscard]] Band long_wave_band();  // 8-12 um
 
 [[nodiscard]] MaterialSpec matt_paint(double emissivity);  // Lambert, the same at all wavelengths
-// The library's, of another roughness if that is > 0.
+// Returns the library's aluminium, with another roughness if that is > 0.
 [[nodiscard]] absl::StatusOr<MaterialSpec> bare_aluminium(double roughness = 0);
 
-// A summer's day of 23 km visibility: a sea of 288 K under a wind of 5 m/s, or land of 290 K and
-// an emissivity of 0.95.
+// Returns a summer's day of 23 km visibility: a sea of 288 K under a wind of 5 m/s, or land of 290
+// K with an emissivity of 0.95.
 [[nodiscard]] WeatherSpec open_sea();
 [[nodiscard]] WeatherSpec bare_land();
 [[nodiscard]] WeatherSpec sea_fog(double visibility_m);
@@ -29,7 +29,7 @@ namespace irsig {
 void add_sun(ConditionSpec& condition, double azimuth_deg, double elevation_deg);  // as an aspect
 void add_sun(ConditionSpec& condition, Vec<Body> direction);
 
-// Azimuth and elevation of each.
+// Returns viewpoints from an azimuth and an elevation each.
 [[nodiscard]] std::vector<Viewpoint> grid_of(const std::vector<std::array<double, 2>>& aspect_deg,
                                              double range_m);
 

@@ -17,11 +17,11 @@ struct MeshValue {
 // A relative difference between two meshes, and the error of both together.   [1]
 struct MeshDeviation {
   double value = 0, error = 0;
-  // |value| / error. Where the error is 0: 0 if there is no difference, else infinite.
+  // Returns |value| / error. If the error is 0: 0 without a difference, else infinite.
   [[nodiscard]] double significance() const;
 };
 
-// of / from - 1, the errors of both independent. `from` is not 0; both 0: no deviation.
+// Returns of / from - 1, with independent errors. `from` is not 0; if both are 0, no deviation.
 [[nodiscard]] MeshDeviation deviation(const MeshValue& of, const MeshValue& from);
 
 // Deviations of one mesh over views. rms_error: what rms would be if there were nothing but errors.
@@ -34,8 +34,8 @@ struct DeviationSummary {
 // Summarises at least one deviation.
 [[nodiscard]] DeviationSummary summary_of(std::span<const MeshDeviation> deviations);
 
-// Chi-square of so many degrees of freedom is by 5 of its standard deviations too large for values
-// with nothing but errors: of 2 degrees of freedom 1 in 400 is, of more fewer.
+// Returns true if chi-square exceeds its expectation by 5 of its standard deviations. Of values
+// with nothing but errors 1 in 400 does with 2 degrees of freedom, and fewer with more.
 [[nodiscard]] bool beyond_errors(double chi_square, std::size_t degrees_of_freedom);
 
 // Returns true if the values depend on the mesh beyond their errors.   value: [view][mesh], none of
@@ -58,16 +58,18 @@ struct MeshLimit {
   std::vector<double> off_at_finest;  // [view] finest mesh - limit, as fitted; unit of the value
   double most_facets = 0;             // of the finest mesh
 
-  // The fitted values at so many facets, over the limit, - 1: root mean square over the views.  [1]
+  // Returns the root mean square over the views of the fitted values at so many facets, over the
+  // limit, - 1. [1]
   [[nodiscard]] double rms_off(double facets) const;
 };
 
 inline constexpr double kLeastOrder = 0.2, kMostOrder = 4;
 
+// Fits the limit of values over the number of facets. Returns none for fewer than 3 different
+// numbers of facets, and for an order that may be less than kLeastOrder, with which the limit may
+// be anywhere.
 //   facets  [mesh]
-//   value   [view][mesh], none of them 0, errors independent, that vary
-// None: fewer than 3 different numbers of facets, or an order that may be less than kLeastOrder,
-// with which the limit may be anywhere.
+//   value   [view][mesh], none of them 0, with independent errors that vary
 [[nodiscard]] std::optional<MeshLimit> mesh_limit(std::span<const double> facets,
                                                   std::span<const std::vector<MeshValue>> value);
 

@@ -23,7 +23,7 @@ struct PrecomputeCase {
   double air_temperature_k;           // T_e
 };
 
-// Apparent spectral radiant intensity I(lambda).            [W sr^-1 um^-1]
+// Computes the apparent spectral radiant intensity I(lambda).            [W sr^-1 um^-1]
 //
 //   I = sum over both areas of A/pi (eps pi L_b(lambda, T) + (1 - eps) E) exp(-kappa s P / (R T_e))
 //                                                           [zhou2026, Eq. 12]

@@ -24,8 +24,8 @@ struct StatedValue {
   double rounding = 0;  // by which the value may differ because of how it is stored or summed
   double reference = 0, reference_stderr = 0;
 
-  // |value - reference| beyond rounding, in stated standard errors and in numerical errors. Where
-  // the error is 0: 0 if there is no such difference, else infinite.
+  // Returns |value - reference| beyond rounding, in stated standard errors; the second function in
+  // numerical errors. If the error is 0: 0 without such a difference, else infinite.
   [[nodiscard]] double of_stderr() const;
   [[nodiscard]] double of_numerical_error() const;
 };
@@ -50,8 +50,9 @@ struct CheckedErrors {
   std::uint64_t samples = 0;  // primary rays of the longer run
 };
 
-// The rows of one view; the request is the one that they were computed for, of any selection.
-// FAILED_PRECONDITION: its plan is not theirs (another version of the program made them).
+// Compares the rows of one view with a longer run. The request is the one that they were computed
+// for, of any selection. FAILED_PRECONDITION: its plan differs from theirs (another version of the
+// program made them).
 [[nodiscard]] absl::StatusOr<CheckedErrors> check_stated_errors(const Simulator& simulator,
                                                                 ViewRequest request,
                                                                 std::vector<StatedRow> rows,

@@ -25,10 +25,11 @@ struct EstimatorOptions {
   bool wide_roulette = true;  // off: survival with probability throughput x DHR, and no splitting
 };
 
-// Reverse Monte Carlo as the ship paper does it, as far as it is told: every wavelength by itself,
-// pseudo-random numbers, one path for each ray, absorbed or reflected by chance. Two things are
-// kept that the paper does not have, both to its advantage: directions are drawn from the lobe with
-// the right density, and the sun's disk is aimed at (a random direction meets it 2e-5 times).
+// Returns the options of the ship paper's reverse Monte Carlo, as far as the paper states it: every
+// wavelength by itself, pseudo-random numbers, one path for each ray, absorbed or reflected by
+// chance. Two properties that the paper does not have are kept, both to its advantage: directions
+// are drawn from the lobe with the right density, and rays are aimed at the sun's disk (a random
+// direction meets it 2e-5 times).
 [[nodiscard]] EstimatorOptions plain_monte_carlo(std::uint32_t max_reflections);
 
 struct ViewRow {
@@ -53,19 +54,20 @@ struct ViewValue {
 // number of threads may estimate.
 class ViewEstimator {
  public:
-  // conditions: those that rows will name. INVALID_ARGUMENT as Environment::view() has it.
+  // Prepares an estimator. conditions: all that rows will name. INVALID_ARGUMENT as in
+  // Environment::view().
   static absl::StatusOr<std::unique_ptr<ViewEstimator>> create(
       const Simulator& simulator, const ViewRequest& request,
       std::vector<std::uint32_t> conditions);
 
-  // All rows from the same paths, traced once. stderr: of the replicates' spread (0 where each
-  // wavelength is traced by itself, which has one replicate only).
+  // Estimates all rows from the same paths, traced once. stderr: from the replicates' spread; 0
+  // where each wavelength is traced by itself, with one replicate only.
   [[nodiscard]] ViewValue estimate(const EstimatorOptions& knobs, std::span<const ViewRow> rows,
                                    std::uint64_t samples_per_replicate, std::uint64_t seed) const;
 
  private:
   ViewEstimator(const Simulator& simulator, const ViewRequest& request);
-  // conditions: those whose light is wanted.
+  // Returns the sources of the wanted conditions.
   [[nodiscard]] ViewSources sources_of(std::span<const std::uint32_t> conditions,
                                        bool contrast) const;
   [[nodiscard]] PathSettings settings(const EstimatorOptions& knobs) const;

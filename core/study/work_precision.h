@@ -87,13 +87,13 @@ struct WholeRunMethod {
     const WholeRunMethod& method, std::span<const double> relative_errors,
     const ReferenceValue& reference, const WorkBudget& budget, const CpuClock& cpu_s);
 
-// A row of a whole run.
+// Returns a row of a whole run.
 [[nodiscard]] EstimateRun run_of(const ViewResult& view, std::size_t row);
-// The i-th row of a view as a run.
+// Returns the i-th row of a view as a run.
 [[nodiscard]] EstimateRun run_of(const ViewValue& view, std::size_t row);
 
-// Mean over runs of `estimator` with seeds that no work_curve uses, of `samples_per_replicate`
-// each, until the budget is spent (at least two runs).
+// Returns the mean over runs of `estimator` with seeds that no work_curve uses, of
+// `samples_per_replicate` each, until the budget is spent (at least two runs).
 [[nodiscard]] ReferenceValue reference_value(const ViewEstimator& estimator,
                                              const EstimatorOptions& knobs, ViewRow row,
                                              std::uint64_t samples_per_replicate,
@@ -104,19 +104,20 @@ struct WholeRunMethod {
 struct WorkError {
   double work, error;  // both > 0
 };
-// Error of the quantity against CPU time, or against primary rays.
+// Returns the error of the quantity against CPU time, or against primary rays.
 [[nodiscard]] std::vector<WorkError> against_time(const std::vector<WorkPoint>& points,
                                                   StudiedQuantity what);
 [[nodiscard]] std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points,
                                                      StudiedQuantity what);
-// The random part of the error (relative_stderr; where there is none, relative_error) against the
-// samples of the main stratum in each replicate, which alone set the rate of convergence: strata of
-// hot parts have a least number of samples.
+// Returns the random part of the error (relative_stderr; relative_error without one) against the
+// samples of the main stratum in each replicate. These alone set the rate of convergence, since
+// strata of hot parts have a least number of samples.
 [[nodiscard]] std::vector<WorkError> against_main_samples(const std::vector<WorkPoint>& points,
                                                           StudiedQuantity what);
 
-// Exponent of error ~ work^slope: least squares of the logarithms over the points whose error is at
-// least `floor` (what the reference's own error leaves; 0: all). None for fewer than 3 points.
+// Fits the exponent of error ~ work^slope: least squares of the logarithms over the points whose
+// error is at least `floor` (the reference's own error; 0: all points). Returns none for fewer than
+// 3 points.
 [[nodiscard]] std::optional<double> error_slope(const std::vector<WorkError>& curve, double floor);
 
 // The work at which the error comes down to `target` and stays below it, linear in the logarithms
@@ -129,7 +130,7 @@ struct WorkToTarget {
 [[nodiscard]] std::optional<WorkToTarget> work_to_target(const std::vector<WorkError>& curve,
                                                          double target, double floor);
 
-// The error at a given work, likewise; none outside the curve.
+// Interpolates the error at a given work; none outside the curve.
 [[nodiscard]] std::optional<double> error_at_work(const std::vector<WorkError>& curve, double work);
 
 }  // namespace irsig

@@ -34,7 +34,7 @@ struct ImportedPaths {
   std::vector<ImportedPath> path;
 };
 
-// INVALID_ARGUMENT lists every error as file:line:column: ...
+// Parses imported paths. INVALID_ARGUMENT lists every error as file:line:column: ...
 [[nodiscard]] absl::StatusOr<ImportedPaths> parse_imported_paths(std::string_view text,
                                                                  std::string_view file);
 
@@ -43,16 +43,16 @@ struct ConditionFacts {
   double sun_zenith_deg, latitude_deg, longitude_deg, ground_temperature_k;
   int day_of_year;
 };
-// Sun 0.5 deg, place 0.1 deg, day 3 days, temperature 1 K: FAILED_PRECONDITION names both values of
-// everything that differs by more.
+// Checks that the paths were computed for a condition, within 0.5 deg of the sun, 0.1 deg of the
+// place, 3 days and 1 K. FAILED_PRECONDITION names both values of each larger difference.
 [[nodiscard]] absl::Status check_conditions(const ImportedPaths& paths,
                                             const ConditionFacts& facts);
 
 // Both ends of a line of sight may be this far above or below a level path that stands for it.
 inline constexpr double kLevelHeightM = 30;
 
-// The path of that geometry: heights and range within 2 % or 1 m, or else a level path of that
-// range near it. NOT_FOUND names what is covered.
+// Finds the path of a geometry: heights and range within 2 % or 1 m, else a level path of that
+// range near it. NOT_FOUND names the geometries that are covered.
 [[nodiscard]] absl::StatusOr<const ImportedPath*> find_path(const ImportedPaths& paths,
                                                             double observer_height_m,
                                                             double target_height_m, double range_m);

@@ -20,10 +20,11 @@ struct SampledRun {
   std::vector<double> transmittance, radiance_w_m2_sr_um, sun_w_m2_um;
 };
 
-// An ImportedPath that says nothing.
+// Returns an ImportedPath without any statement.
 [[nodiscard]] ImportedPath unstated_path();
 
-// A number as people and Fortran write them ("1.2E-05", "1.2D-05", "+3", "1.234-102"), below 1e38.
+// Parses a number as people and Fortran write it ("1.2E-05", "1.2D-05", "+3", "1.234-102"), below
+// 1e38. Returns false if it is none.
 [[nodiscard]] bool parse_fortran_number(std::string_view text, double& value);
 
 // Returns the text without the blanks around it.

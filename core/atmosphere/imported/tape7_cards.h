@@ -15,8 +15,9 @@ struct Tape7Cards {
   char axis_flag;  // card 4's M (micrometres), N (nanometres) or something else
 };
 
-// lines: all before the labels of the table; first_line: of the first of them in the file, from 1.
-// nullopt: an error has been added.
+// Reads the cards before the labels of a table. Returns nullopt after adding an error.
+//   lines       all before the labels
+//   first_line  number of the first of them in the file, from 1
 [[nodiscard]] std::optional<Tape7Cards> read_tape7_cards(std::vector<std::string_view> lines,
                                                          std::size_t first_line,
                                                          FileErrors& errors);

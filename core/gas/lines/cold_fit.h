@@ -31,13 +31,13 @@ struct ColdState {
   std::array<std::vector<double>, kThroughColdAir> hot_through;
 };
 
-// Least squares over the states of what the terms do
-//   (ratio_fit / ratio - 1) / 7,  (T_fit - T) / (T + 0.1),  (through_fit - through) / (through +
-//   0.02)
-// both scalings positive from 170 to 330 K. Terms stay what they are at their own wavenumbers: k is
-// the reference's, shares follow from the ratios. One scaling of temperature for all terms lets
-// 0.8 of what comes through of gas of 400 K pass near the band's head, where weak terms change with
-// temperature otherwise than strong ones.
+// Fits the terms to the states by least squares of
+//   (ratio_fit / ratio - 1) / 7,  (T_fit - T) / (T + 0.1),
+//   (through_fit - through) / (through + 0.02)
+// with both scalings positive from 170 to 330 K. Terms keep their absorption at their own
+// wavenumbers: k is the reference's, and the weights follow from the ratios. With one scaling of
+// temperature for all terms 0.8 of the light of gas of 400 K would pass near the band's head, where
+// weak terms change with temperature otherwise than strong ones.
 //   hot_fraction  of each term, of what thin hot gas sends in the band
 [[nodiscard]] ColdFit fit_cold_band(
     const std::vector<double>& k, const std::vector<double>& weight, double reference_k,

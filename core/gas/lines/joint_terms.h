@@ -28,12 +28,13 @@ struct ColdTerms {
                                      const std::vector<double>& share,
                                      const std::vector<double>& within);
 
-// Mean absorption of the hot gas in each bin of each term, [term * shares + bin]; bins by the hot
-// absorption itself, of given shares of the term's points.
+// Computes the mean absorption of the hot gas in each bin of each term, [term * shares + bin]. Bins
+// are ordered by the hot absorption itself and hold given shares of the term's points.
 [[nodiscard]] std::vector<double> hot_bins(const std::vector<double>& hot, const ColdTerms& terms,
                                            const std::vector<double>& share);
 
-// The absorption that a term's mean transmittance shows where its depth at `reference` is 1.
+// Returns the absorption that a term's mean transmittance shows where its depth at `reference` is
+// 1.
 [[nodiscard]] double effective(const std::vector<double>& cold,
                                const std::vector<std::uint32_t>& point, double reference);
 

@@ -11,8 +11,9 @@ struct LowestEigenstates {
   std::vector<double> vector;  // [n * size + i], orthonormal rows
 };
 
-//   a         [i * size + j], symmetric
-//   at_most   values above it are left out
+// Computes the eigenstates with the lowest eigenvalues of a symmetric matrix.
+//   a        [i * size + j]
+//   at_most  larger eigenvalues are left out
 [[nodiscard]] LowestEigenstates lowest_eigenstates(const std::vector<double>& a, std::size_t size,
                                                    double at_most);
 

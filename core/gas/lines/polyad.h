@@ -28,6 +28,7 @@ struct Polyad {
   std::vector<std::vector<double>> amplitude;  // [level][v1]: of the state v1, v2 = quanta - 2 v1
 };
 
+// Computes the levels of one polyad.
 //   quanta  2 v1 + v2 >= l;  l >= 0;  v3 >= 0;  j >= l
 //   upper   of the pair (l = 1 alone is split): the f level, whose B is larger
 [[nodiscard]] Polyad co2_polyad(const Co2Isotopologue& of, int quanta, int l, int v3, int j,

@@ -42,7 +42,7 @@ class WaterBasis {
   [[nodiscard]] const States& states(std::size_t k, std::size_t s) const {
     return states_[2 * k + s];
   }
-  // Number of symmetries, and the other one.
+  // Return the number of symmetries, and the other symmetry.
   [[nodiscard]] std::size_t symmetries() const { return options_.kind == WaterKind::kH2o ? 2 : 1; }
   [[nodiscard]] std::size_t other(std::size_t s) const {
     return options_.kind == WaterKind::kH2o ? 1 - s : s;
@@ -69,9 +69,9 @@ struct WaterLevels {
 [[nodiscard]] WaterLevels water_levels(const WaterBasis& basis, std::size_t j, std::size_t p,
                                        std::size_t s, double highest_cm1);
 
-// Squared dipole moments between all levels of two groups: [upper * lower count + lower] (debye^2,
-// times 2 J + 1, without the nuclear weight). Zero-sized unless the groups have J' = J and other p,
-// or J' = J + 1 and the same p, and the other s in both.
+// Computes the squared dipole moments between all levels of two groups, [upper * lower count +
+// lower] (debye^2, times 2 J + 1, without the nuclear weight). Zero-sized unless the groups have J'
+// = J and other p, or J' = J + 1 and the same p, and the other s in both.
 [[nodiscard]] std::vector<double> water_moments(const WaterBasis& basis, const WaterLevels& from,
                                                 const WaterLevels& to);
 

@@ -17,7 +17,8 @@ namespace irsig {
 // The first call computes all transitions, two minutes. One thread at a time.
 [[nodiscard]] std::vector<SpectralLine> water_lines(double temperature_k, double weakest);
 
-// Partition sum of H2 16O with nuclear weights 1 and 3, from the levels: 174.58 at 296 K. [1]
+// Returns the partition sum of H2 16O with nuclear weights 1 and 3, from the levels: 174.58 at 296
+// K. [1]
 [[nodiscard]] double water_partition_sum(double temperature_k);
 
 inline constexpr LineShape kWaterShape = {18.015, 0, false, 25};

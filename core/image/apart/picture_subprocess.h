@@ -39,7 +39,7 @@ struct PictureAnswer {
   std::vector<float> pixel;  // row by row from the top left, if asked for [W/(m2 sr)]
 };
 
-// The program beside this executable that answers.
+// Returns the path of the answering program beside this executable.
 [[nodiscard]] std::string picture_program();
 
 // Asks the program. Each image that ends it, or meets a limit of the process, is the damage of its
@@ -48,12 +48,13 @@ struct PictureAnswer {
 [[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> read_pictures_subprocess(
     const std::string& program, std::span<const PictureTask> tasks);
 
-// Both sides of the exchange, for the program and for tests. DATA_LOSS: the bytes are not what the
-// other function wrote.
+// Encodes both sides of the exchange, for the program and for tests. DATA_LOSS from the decoders:
+// the bytes differ from those of the encoder.
 [[nodiscard]] std::string encode_tasks(std::span<const PictureTask> tasks);
 [[nodiscard]] absl::StatusOr<std::vector<PictureTask>> decode_tasks(std::string_view bytes);
 [[nodiscard]] std::string encode_answers(const absl::StatusOr<std::vector<PictureAnswer>>& answers);
-// INVALID_ARGUMENT: what encode_answers was given instead of answers.
+// Decodes the answers. INVALID_ARGUMENT: the error that encode_answers was given instead of
+// answers.
 [[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> decode_answers(std::string_view bytes);
 
 }  // namespace irsig

@@ -54,7 +54,7 @@ class BoxTree {
   struct Ray {
     std::array<double, 3> origin, direction, inverse;
     double bend_per_m;
-    // The distance at which the ray enters a box; more than `most`: it does not.
+    // Returns the distance at which the ray enters a box; more than `most` if it does not.
     [[nodiscard]] double entry(const LandBox& box, double most) const;
   };
   class Builder;

@@ -67,8 +67,9 @@ struct ObjectHit {
 // Immutable; may be used by several threads at once.
 class LandObjects {
  public:
-  // INVALID_ARGUMENT with the key of the model or place: a place beyond the map of `field`, a scale
-  // that is not above 0, more than kMostLandObjects or kMostObjectFacets, a mesh without facets.
+  // Places objects on land. INVALID_ARGUMENT with the key of the model or place: a place beyond the
+  // map of `field`, a scale that is not above 0, more than kMostLandObjects or kMostObjectFacets, a
+  // mesh without facets.
   [[nodiscard]] static absl::StatusOr<LandObjects> create(std::vector<ObjectModel> model,
                                                           const HeightField& field,
                                                           TracerIsa isa = widest_isa());
@@ -114,7 +115,8 @@ class LandObjects {
     Vec<Enu> middle_m;  // of the mesh's box, without a bend
     double cos_heading, sin_heading, scale;
   };
-  // (x, y, z) of a mesh stands at middle_m + scale (x s + y c, x c - y s, -z).
+  // Returns the stand of an object: (x, y, z) of its mesh stands at middle_m + scale (x s + y c, x
+  // c - y s, -z).
   [[nodiscard]] Stand stand(std::size_t object) const {
     const Object& o = object_[object];
     return {o.shape, o.middle_m, o.cos_heading, o.sin_heading, o.scale};

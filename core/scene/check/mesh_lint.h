@@ -26,7 +26,7 @@ enum class MeshFault {
   kDuplicateVertex = 11,  // at the place of an earlier one
   kUnit = 12,             // a size that suggests another unit than metres
 };
-// The name as a message and a JSON key have it: "open_edges", ...
+// Returns the fault's name in messages and JSON keys: "open_edges", ...
 [[nodiscard]] std::string_view fault_name(MeshFault fault);
 
 struct LintFinding {

@@ -43,7 +43,8 @@ void for_each_edge(const MeshTopology& topology, Visit&& visit) {
   }
 }
 
-// Closed shells of negative volume that lie in no other one: false for all others.
+// Returns, for each shell, true if it is closed, has a negative volume and lies inside no other
+// shell.
 [[nodiscard]] std::vector<bool> shells_inside_out(const Mesh& mesh, const MeshTopology& topology);
 
 }  // namespace irsig

@@ -27,14 +27,14 @@ class SettlingBed {
   SettledSphere drop(double x_m, double y_m, double radius_m);
 
   [[nodiscard]] const std::vector<SettledSphere>& spheres() const { return sphere_; }
-  // The largest overlap of two spheres, of the smaller one's radius.
+  // Returns the largest overlap of two spheres, as a fraction of the smaller radius.
   [[nodiscard]] double largest_overlap() const { return largest_overlap_; }
 
  private:
   [[nodiscard]] std::size_t column(double x_m, double y_m) const;
   // Spheres within `reach` of (x, y), across.
   void gather(double x_m, double y_m, double reach_m);
-  // False: it still overlaps.
+  // Moves a sphere out of its neighbours. Returns false if it still overlaps one.
   [[nodiscard]] bool push_out(SettledSphere& s) const;
   void roll(SettledSphere& s);
 

@@ -25,7 +25,7 @@ struct FileMesh {
   std::vector<std::string> group;
 };
 
-// One reader per form; each returns a mesh with finite vertices and indices in range.
+// Reads one format each. Each reader returns a mesh with finite vertices and indices in range.
 [[nodiscard]] absl::StatusOr<FileMesh> read_obj(std::string_view text,
                                                 const std::string& file_name);
 [[nodiscard]] absl::StatusOr<FileMesh> read_ply(std::string_view bytes,
@@ -34,7 +34,7 @@ struct FileMesh {
                                                       const std::string& file_name);
 [[nodiscard]] absl::StatusOr<FileMesh> read_binary_stl(std::string_view bytes,
                                                        const std::string& file_name);
-// glTF and GLB, in this process.
+// Reads glTF and GLB, in this process.
 [[nodiscard]] absl::StatusOr<FileMesh> read_gltf(std::string_view bytes,
                                                  const std::string& file_name);
 // Like read_gltf(), in a process of its own, with limits of memory and time (docs/decisions/0021).
@@ -62,7 +62,8 @@ class GroupTable {
 // in a large model is no loss; a model in Earth-centred metres is.
 class Float32Guard {
  public:
-  // The corners as the file has them; area_scale: by how much the model enlarges areas.
+  // Adds a triangle with the corners of the file. `area_scale` is the factor by which the model
+  // enlarges areas.
   void add(const Vec<FileFrame>& a, const Vec<FileFrame>& b, const Vec<FileFrame>& c,
            double area_scale = 1);
   // Returns what is wrong where more than 1 % of the area is unsure, and what to do.

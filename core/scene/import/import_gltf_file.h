@@ -45,7 +45,7 @@ class GltfFile {
     bool is_float = false;
     std::vector<double> value;  // normalised integers as fractions
   };
-  // type: "SCALAR", "VEC3" ...: what is expected here.
+  // Reads an accessor that must be of the given type ("SCALAR", "VEC3", ...).
   Values values(std::size_t accessor, std::string_view type, std::string_view place);
 
  private:
@@ -66,7 +66,7 @@ class GltfFile {
   std::map<std::size_t, std::string> decoded_;  // buffers of data URIs
 };
 
-// The media type apart, a data URI's bytes. INVALID_ARGUMENT: it is none in base64.
+// Decodes the bytes of a data URI, whatever its media type. INVALID_ARGUMENT: it is not base64.
 [[nodiscard]] absl::StatusOr<std::string> bytes_of_data_uri(std::string_view uri);
 
 }  // namespace irsig

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// The program that imports, beside this executable.
+// Returns the path of the importing program, beside this executable.
 [[nodiscard]] std::string importer_program();
 
 // Runs `program` (irsig-import) on a glTF or GLB file and returns the mesh that it found, or

@@ -23,11 +23,12 @@ class TextCursor {
  public:
   explicit TextCursor(std::string_view text) : text_(text) {}
 
-  // The next word of this line. A backslash at the end of a line continues it, and ends a word.
+  // Returns the next word of this line. A backslash at the end of a line continues it, and ends a
+  // word.
   Token word_on_line();
-  // The next word, on whatever line.
+  // Returns the next word, on whatever line.
   Token word();
-  // The rest of this line, without surrounding blanks.
+  // Returns the rest of this line, without surrounding blanks.
   Token rest_of_line();
   // Moves behind the end of this line; false at the end of the file.
   bool next_line();
@@ -35,7 +36,7 @@ class TextCursor {
  private:
   void skip_blanks();
   bool at_continuation() const;
-  // A line ends with LF, CR LF or CR alone.
+  // Returns true at the end of a line: LF, CR LF or CR alone.
   bool at_line_end() const {
     return at_ >= text_.size() || text_[at_] == '\n' ||
            (text_[at_] == '\r' && (at_ + 1 >= text_.size() || text_[at_ + 1] != '\n'));
@@ -45,13 +46,13 @@ class TextCursor {
   std::size_t at_ = 0, line_start_ = 0, line_ = 1;
 };
 
-// An error at a word's place.
+// Adds an error at a word's place.
 inline void add_at(FileErrors& errors, const Token& where, std::string_view what) {
   errors.add(where.line, where.column, what);
 }
 
-// The whole word as a number: nothing when it is none, or not representable. "nan" and "inf" are
-// numbers here: who reads a coordinate refuses them by their own message.
+// Returns the whole word as a number, or nothing if it is none or not representable. "nan" and
+// "inf" are numbers here: the readers of coordinates refuse them with a message of their own.
 [[nodiscard]] std::optional<double> number_of(std::string_view word);
 [[nodiscard]] std::optional<std::int64_t> integer_of(std::string_view word);
 

@@ -27,7 +27,8 @@ struct FacetHit {
   double t = 0;         // where it meets the plane, to about 1e-15 of the distances
   double u = 0, v = 0;  // the point is (1 - u - v) a + u b + v c
 };
-// The whole line, behind the origin too: the caller compares t with the ray's ends.
+// Computes where the whole line, also behind the origin, meets a facet. The caller compares t with
+// the ray's ends.
 [[nodiscard]] FacetHit exact_facet_hit(const Point3& origin, const Point3& direction,
                                        const Point3& a, const Point3& b, const Point3& c);
 

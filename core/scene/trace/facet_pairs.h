@@ -19,7 +19,7 @@ class FacetPairs {
 
   // Four vertex indices each; the last two are equal where a facet is alone.
   [[nodiscard]] const std::vector<std::array<std::uint32_t, 4>>& corner() const { return corner_; }
-  // The facets that are the first and the second triangle of each pair.
+  // Returns the first and the second facet of each pair, and leaves none behind.
   [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> take_facets() {
     return std::move(facet_);
   }

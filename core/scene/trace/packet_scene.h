@@ -35,16 +35,16 @@ struct PacketInstance {
 // vertex is decided by exact arithmetic. Immutable; any number of threads may trace.
 class PacketScene {
  public:
-  // INTERNAL: Embree refuses something (out of memory).
+  // Builds the scene. INTERNAL: Embree refuses it (out of memory).
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<const PacketScene>> make(
       std::vector<PacketGrid> grid, std::span<const PacketMesh> mesh,
       std::vector<PacketInstance> instance, TracerIsa isa = widest_isa());
   virtual ~PacketScene() = default;
 
   static constexpr std::uint32_t kGround = 0xffffffffu;
-  // Nearest hit of the first `count` rays of a packet. instance: index of the instance, kGround for
-  // a grid; triangle: kMiss where nothing is met, else the mesh's triangle. The normal is not
-  // normalised, and in the frame of the world.
+  // Finds the nearest hit of the first `count` rays of a packet. instance: index of the instance,
+  // kGround for a grid; triangle: the mesh's triangle, or kMiss. The normal is in the frame of the
+  // world and not normalised.
   virtual void intersect(RayPacket& packet, int count) const = 0;
   // Marks the rays that meet anything between tnear and tfar.
   virtual void occluded(RayPacket& packet, int count) const = 0;

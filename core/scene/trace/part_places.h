@@ -34,7 +34,7 @@ class PartPlaces {
     std::uint32_t right;        // the other half's box, the first's being the next; 0: a leaf
   };
   void add_boxes(std::vector<Place>& places, std::uint32_t first, std::uint32_t last);
-  // Upper bound of the height of the box's points along the normal.
+  // Returns an upper bound on the height of the box's points along the normal.
   [[nodiscard]] static double highest(const Box& box, Vec<Body> normal);
 
   std::vector<Vec<Body>> place_;     // one part after the other

@@ -28,7 +28,7 @@ class ReferenceTracer {
   // then the lower facet number.
   [[nodiscard]] Hit nearest(const Point3& origin, const Point3& direction, double t_min,
                             double t_max) const;
-  // Every facet that the ray meets, in no order.
+  // Returns every facet that the ray meets, in no order.
   [[nodiscard]] std::vector<Hit> all(const Point3& origin, const Point3& direction, double t_min,
                                      double t_max) const;
 

@@ -15,7 +15,8 @@ class SameCorners {
   SameCorners(std::span<const float> vertex, std::span<const std::uint32_t> triangle);
 
   [[nodiscard]] bool empty() const { return same_.empty(); }
-  // The triangles with all but the first of each set collapsed to a point, which no ray meets.
+  // Returns the triangles, with all but the first of each set collapsed to a point, which no ray
+  // meets.
   [[nodiscard]] std::vector<std::uint32_t> first_of_each(
       const std::vector<std::uint32_t>& triangle) const;
 
@@ -23,8 +24,10 @@ class SameCorners {
     std::uint32_t facet;
     bool turned;  // its front is the other facet's back
   };
-  // `facet`: the first of its set, or one that is alone; `front`: whether the ray meets its front.
-  // The first of the set whose front the ray meets; the given one if there is none.
+  // Chooses the first facet of the set whose front the ray meets, or the given facet if there is
+  // none.
+  //   facet  the first of its set, or a single one
+  //   front  true if the ray meets its front
   [[nodiscard]] Choice choose(std::uint32_t facet, bool front) const;
 
  private:

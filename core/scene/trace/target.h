@@ -41,8 +41,8 @@ struct Target {
   // Proven: no ray that leaves a facet meets the target again. False also where a proof would take
   // too long (facets x vertices above 2e8).
   bool convex = false;
-  // Secondary rays start this far off a facet: about 8 units in the last place of a coordinate at
-  // the rim.     [m]
+  // Returns the distance from a facet at which secondary rays start: about 8 units in the last
+  // place of a coordinate at the rim. [m]
   [[nodiscard]] double offset_m() const { return 0x1p-19 * radius_m; }
   std::shared_ptr<const Tracer> tracer;
 };
@@ -54,10 +54,11 @@ struct Target {
 struct TurnedArea {
   double m2 = 0, rounding_m2 = 0;
 };
-// [part] towards: a unit vector from the target.
+// Returns the area of each part turned to a direction. towards: unit vector from the target. [part]
 [[nodiscard]] std::vector<TurnedArea> turned_areas(const Target& target, Vec<Body> towards);
 
-// [group] The part that each group of a mesh belongs to. Errors as make_target has them.
+// Returns the part to which each group of a mesh belongs. The errors are those of make_target.
+// [group]
 [[nodiscard]] absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(
     const Mesh& mesh, const std::vector<PartSpec>& parts);
 

@@ -29,7 +29,7 @@ struct alignas(64) RayPacket {
 // The instruction sets that the ray tracer may be pinned to; results can differ in the last bit
 // between them.
 enum class TracerIsa { kAvx512, kAvx2, kSse42 };
-// The widest that this machine has and pin_isa() allows.
+// Returns the widest set that this machine has and pin_isa() allows.
 [[nodiscard]] TracerIsa widest_isa();
 // Limits this process, from here on, to instruction sets no wider than this one ("avx512", "avx2",
 // "sse4.2"): unlike machines that share a sweep are pinned to their common set. INVALID_ARGUMENT:
@@ -76,14 +76,14 @@ struct VertexCounts {
 // the first.
 class Tracer {
  public:
-  // vertex: x y z, triangle: three indices.
+  // Builds a tracer. vertex: x y z; triangle: three indices.
   static absl::StatusOr<std::unique_ptr<Tracer>> build(const std::vector<float>& vertex,
                                                        const std::vector<std::uint32_t>& triangle,
                                                        TracerIsa isa, TracerOptions options = {});
   virtual ~Tracer() = default;
 
-  // Nearest hit of the first `count` rays of a packet. `coherent` rays start and go close to each
-  // other.
+  // Finds the nearest hit of the first `count` rays of a packet. `coherent` rays start and go close
+  // to each other.
   virtual void intersect(RayPacket& packet, int count, bool coherent) const = 0;
   // Marks the rays that meet anything between tnear and tfar.
   virtual void occluded(RayPacket& packet, int count, bool coherent) const = 0;
@@ -95,7 +95,7 @@ class Tracer {
   // it is taken. Returns false, and leaves the packet as it was, where there is neither.
   virtual bool look_for_front(RayPacket& packet, int lane, float sheet_m) const = 0;
 
-  // Since construction, all threads together.
+  // Returns the counts of all threads since construction.
   [[nodiscard]] virtual VertexCounts vertex_counts() const { return {}; }
 };
 

@@ -25,7 +25,8 @@ class VertexFans {
     FacetHit at;
     [[nodiscard]] bool met() const { return facet != kMiss; }
   };
-  // The nearest facet of one fan on a ray; where t is the same the one that faces the ray.
+  // Returns the nearest facet of one fan on a ray. Where t is the same, the facet that faces the
+  // ray wins.
   [[nodiscard]] Hit nearest(std::uint32_t fan, const Point3& origin, const Point3& direction,
                             double t_min) const;
   // Returns the nearest hit among all facets that share a corner with the given one.
