@@ -8,7 +8,7 @@ namespace irsig {
 
 // The loops over absorption lines, as those of band_loops.h. Private to core/atmosphere.
 
-// t[band] *= the lines' transmittance. Amounts: per entry of the gas table.
+// Multiplies t[band] by the lines' transmittance. Amounts: per entry of the gas table.
 //   t  kAirBandCount + 1 bands
 void multiply_lines(const LineTerms& lines, const double* scaled, const double* plain, double* t);
 

@@ -31,7 +31,7 @@ struct Utf8Character {
 };
 [[nodiscard]] Utf8Character first_utf8(std::string_view text);
 
-// C0, DEL or C1.
+// Returns true for a control character: C0, DEL or C1.
 [[nodiscard]] constexpr bool is_control(char32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0);
 }

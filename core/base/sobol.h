@@ -17,7 +17,7 @@ namespace irsig {
 // The points with index = c modulo 2^(2k) lie in one square of side 2^-k: enumerating an index in
 // strides of a power of two gives rays that are close to each other.
 
-// SplitMix64 finaliser: the mixing function for seeds.
+// Mixes the bits of a seed by SplitMix64's finaliser.
 [[nodiscard]] constexpr std::uint64_t mix64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -33,7 +33,7 @@ namespace irsig {
   return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
 }
 
-// Nested uniform scrambling of a bit-reversed coordinate; the result is bit-reversed too.
+// Scrambles a bit-reversed coordinate by nested uniform scrambling; the result is bit-reversed too.
 [[nodiscard]] constexpr std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) {
   x += seed;
   x ^= x * 0x6c50b47cu;
@@ -43,7 +43,7 @@ namespace irsig {
   return x;
 }
 
-// Bit-reversed second Sobol coordinate of a bit-reversed first one's index: p(x) -> p(x + 1).
+// Returns the bit-reversed second Sobol coordinate of a bit-reversed index: p(x) -> p(x + 1).
 [[nodiscard]] constexpr std::uint32_t second_coordinate_reversed(std::uint32_t index) {
   std::uint32_t r = index;
   r ^= (r & 0xaaaaaaaau) >> 1;
@@ -54,8 +54,8 @@ namespace irsig {
   return r;
 }
 
-// The upper 23 bits as a float in (0, 1): one bit fewer than a float holds, so that the largest is
-// below 1.
+// Returns the upper 23 bits as a float in (0, 1): one bit fewer than a float holds, so that the
+// largest is below 1.
 [[nodiscard]] constexpr float unit_float(std::uint32_t bits) {
   return (static_cast<float>(bits >> 9) + 0.5f) * 0x1p-23f;
 }
@@ -64,7 +64,7 @@ struct SeedPair {
   std::uint32_t x, y, shuffle;
 };
 
-// The seeds of dimension pair `pair` in one replicate.
+// Returns the seeds of dimension pair `pair` in one replicate.
 [[nodiscard]] constexpr SeedPair seed_pair(std::uint64_t replicate_seed, std::uint32_t pair) {
   const std::uint64_t a = mix64(replicate_seed ^ mix64(2 * static_cast<std::uint64_t>(pair) + 1));
   const std::uint64_t b = mix64(a);
@@ -76,13 +76,13 @@ struct SamplePair {
   float x, y;
 };
 
-// Point `index` of an unshuffled pair (the first one: primary rays).
+// Returns point `index` of an unshuffled pair (the first one: primary rays).
 [[nodiscard]] constexpr SamplePair sobol_pair(std::uint32_t index, SeedPair seed) {
   return {unit_float(reverse_bits(scramble_reversed(index, seed.x))),
           unit_float(reverse_bits(scramble_reversed(second_coordinate_reversed(index), seed.y)))};
 }
 
-// Point `index` of a padded pair.
+// Returns point `index` of a padded pair.
 [[nodiscard]] constexpr SamplePair sobol_pair_shuffled(std::uint32_t index, SeedPair seed) {
   return sobol_pair(reverse_bits(scramble_reversed(reverse_bits(index), seed.shuffle)), seed);
 }

@@ -13,9 +13,9 @@ inline constexpr double kGasFirstCm1 = 50, kGasBandWidthCm1 = 10;
 inline constexpr std::size_t kGasBandCount = 925;
 [[nodiscard]] double gas_band_centre_cm1(std::size_t band);
 [[nodiscard]] double gas_band_lambda_um(std::size_t band);  // 1e4 / centre
-// OUT_OF_RANGE outside [1e4 / 9300, 1e4 / 50] um.
+// Returns the band of a wavelength. OUT_OF_RANGE outside [1e4 / 9300, 1e4 / 50] um.
 [[nodiscard]] absl::StatusOr<std::size_t> gas_band(double lambda_um);
-// Edges of the bands between two wavelengths, increasing: where spectra jump. [um]
+// Returns the edges of the bands between two wavelengths, increasing: where spectra jump. [um]
 [[nodiscard]] std::vector<double> gas_band_edges_um(double lambda_min_um, double lambda_max_um);
 
 // Neighbouring bands, one beyond the last.
