@@ -87,7 +87,7 @@ def without_verb(path):
             if start is None:
                 start, opening = number, whole[1]
             continue
-        if start is not None and not opening.startswith("  ") and not VERB.match(opening):
+        if start is not None and line.strip() and not opening.startswith("  ") and not FRAGMENT.match(opening) and not VERB.match(opening):
             code = " ".join(part.strip() for part in lines[number:number + 3])
             if FUNCTION.match(code) and not CONSTRUCTOR.match(code):
                 yield start + 1, opening

@@ -179,6 +179,17 @@ class Words(TreeTest):
         self.assertEqual(self.words({"core/base/base.cpp": "double target_missed_by;\n",
                                      "schema/README.md": "target_missed\n"}), [])
 
+    def test_function_comments_begin_with_a_verb(self):
+        for text in ("// The mean of a.\n[[nodiscard]] double mean(A a);\n", "struct A {\n  // True if empty.\n  bool empty() const;\n};\n",
+                     "// INVALID_ARGUMENT: none.\nstatic absl::StatusOr<A> make();\n"):
+            findings = self.words({"core/base/base.h": text})
+            self.assertEqual(len(findings), 1, text)
+            self.assertIn("begins without a verb", findings[0])
+        for text in ("// Returns the mean.\n[[nodiscard]] double mean(A a);\n", "// The mean of a.\ndouble mean = f(a);\n",
+                     "// Like mean().\ndouble median(A a);\n", "//   a  not empty\ndouble mean(A a);\n",
+                     "// Mean.\nstruct A {};\n", "// Mean.\n\ndouble f();\n", "struct A {\n  // All are kept.\n  explicit A(int b);\n};\n"):
+            self.assertEqual(self.words({"core/base/base.h": text}), [], text)
+
     def test_fragments(self):
         for text in ("// Of a row: its error.\n", "struct A {\n  double a;  // What it is, in W.\n};\n",
                      "void f();\n\n  // Whether it is so.\nbool g();\n", "// The same for\n// all.\n"):
