@@ -412,7 +412,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     aimed = std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint));
   std::shared_ptr<const UndersampledSources> unseen;
   if (aimed != nullptr)
-    unseen = std::make_shared<const UndersampledSources>(scene.target, scene.places,
+    unseen = std::make_shared<const UndersampledSources>(scene.target, scene.facets,
                                                          scene.carried_material(), aimed->frame);
   const std::uint64_t seed = view_seed(scene, request);
   ASSIGN_OR_RETURN(auto surroundings,

@@ -38,7 +38,7 @@ WorkCounts work_of(std::uint64_t facets) {
   EXPECT_TRUE(simulator->simulate(r).ok());
   // What a view does that aims at facets which may be bright: find them, and where they are seen.
   const Target& target = simulator->target();
-  const UndersampledSources unseen(target, simulator->scene().places, simulator->materials(),
+  const UndersampledSources unseen(target, simulator->scene().facets, simulator->materials(),
                                    make_aimed_view(target, r.viewpoint).frame);
   const SunDirection sun{day.sun_direction, 0.00465};
   BrightFacets bright;

@@ -29,7 +29,7 @@ TEST(Unseen, FacetsTogetherAreBoundedAsEachOfThemIs) {
       for (const Viewpoint& viewpoint :
            {Viewpoint{70, 4, 5000}, Viewpoint{0, 30, 500}, Viewpoint{200, 80, 20000}}) {
         const AimedView view = make_aimed_view(target, viewpoint);
-        const UndersampledSources unseen(target, simulator->scene().places, simulator->materials(),
+        const UndersampledSources unseen(target, simulator->scene().facets, simulator->materials(),
                                          view.frame);
         for (const double zenith_deg : {20.0, 75.0, 89.5, 90.1})
           for (const double azimuth_deg : {0.0, 80.0, 245.0}) {

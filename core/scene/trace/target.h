@@ -41,6 +41,15 @@ struct Target {
   // Proven: no ray that leaves a facet meets the target again. False also where a proof would take
   // too long (facets x vertices above 2e8).
   bool convex = false;
+  // Returns the corners of a facet, relative to `centre`. [m]
+  [[nodiscard]] std::array<Vec<Body>, 3> corners(std::size_t of_facet) const {
+    std::array<Vec<Body>, 3> out;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float* v = vertex.data() + 3 * std::size_t{triangle[3 * of_facet + k]};
+      out[k] = {v[0], v[1], v[2]};
+    }
+    return out;
+  }
   // Returns the distance from a facet at which secondary rays start: about 8 units in the last
   // place of a coordinate at the rim. [m]
   [[nodiscard]] double offset_m() const { return 0x1p-19 * radius_m; }

@@ -121,7 +121,7 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   }
   ASSIGN_OR_RETURN(auto target, make_target(spec.mesh, spec.part, spec.isa, spec.tracer));
   out.target = std::move(target);
-  out.places = std::make_shared<const PartPlaces>(out.target);
+  out.facets = std::make_shared<const TargetFacets>();
   hash.add(out.target.vertex);
   for (const std::uint32_t corner : out.target.triangle)
     hash.add(static_cast<std::uint64_t>(corner));

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/materials/material.h"
-#include "core/scene/trace/part_places.h"
+#include "core/scene/trace/target_facets.h"
 #include "core/scene/trace/target.h"
 #include "core/spectral/solar.h"
 #include "core/spectral/spectral_axis.h"
@@ -30,7 +30,7 @@ struct SceneSpec {
 // A scene ready for any number of views.
 struct PreparedScene {
   Target target;
-  std::shared_ptr<const PartPlaces> places;  // of the target
+  std::shared_ptr<const TargetFacets> facets;  // of the target
   std::vector<Band> band;
   SpectralAxis axis;
   // [band] What materials' tables hold between the corners that cut the quadrature (TableCorners).

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <type_traits>
 #include <unordered_map>
 
 #include "core/accuracy/replicates.h"
@@ -18,10 +19,6 @@ namespace irsig {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-// Facets are gathered in cells this wide: a fiftieth of the sun's radius. What light at grazing
-// angles may do changes so fast that wider ones would ask for many times the samples.
-constexpr double kFacingCell = 1e-4;
 
 // An angle by which directions may differ.
 struct Spread {
@@ -94,11 +91,6 @@ struct FacingHash {
   }
 };
 
-// The angle between two unit vectors, also where it is small.
-double angle_between(Vec<Body> a, Vec<Body> b) {
-  return 2 * std::asin(std::min(1.0, 0.5 * length(a - b)));
-}
-
 }  // namespace
 
 std::vector<UndersampledSources::Patch> UndersampledSources::gathered(
@@ -143,21 +135,21 @@ std::vector<UndersampledSources::Patch> UndersampledSources::gathered(
   return out;
 }
 
-struct UndersampledSources::Lit {
-  double first = 0, first_m2 = 0;  // shown to the sensor, over this area
-  double to_anyone = 0, thrown = 0, irradiance = 0;
-  double cos_i = 0;
+// Light of a sun that one side of a facet sends on.
+struct UndersampledSources::Thrown {
+  double to_anyone = 0, light = 0, irradiance = 0, cos_i = 0;
 
-  // visit(radiance, light thrown), from bright to dark: by the shares of what the material
-  // reflects; what these may not have met as bright as it can be.
+  // Calls visit(radiance, light) from bright to dark: by the fractions of the material's reflected
+  // light, then for directions that these may have missed, as bright as they can be. Ends when
+  // visit returns false.
   template <typename Visit>
   void for_each_share(const Material& material, Visit&& visit) const {
     if (!(to_anyone > 0)) return;
     const auto classes = material.thrown_light().of(cos_i);
     // Where no direction was met all of it may be that bright.
-    visit(to_anyone, thrown * (classes.empty() ? 1 : ThrownLight::not_met()));
+    visit(to_anyone, light * (classes.empty() ? 1 : ThrownLight::not_met()));
     for (const ThrownLight::Class& one : classes)
-      if (!visit(std::min(to_anyone, irradiance * one.per_sr), thrown * one.share)) return;
+      if (!visit(std::min(to_anyone, irradiance * one.per_sr), light * one.share)) return;
   }
 };
 
@@ -241,11 +233,11 @@ std::vector<SeaGlint> brightest_glitter(const SunDirection& sun) {
 }
 
 UndersampledSources::UndersampledSources(const Target& target,
-                                         std::shared_ptr<const PartPlaces> places,
+                                         std::shared_ptr<const TargetFacets> facets,
                                          const std::vector<Material>& materials,
                                          const ViewFrame& frame)
     : target_(target),
-      places_(std::move(places)),
+      facets_(std::move(facets)),
       materials_(materials),
       convex_(target.convex),
       dhr_(materials.size(), 0.0),
@@ -262,15 +254,10 @@ UndersampledSources::UndersampledSources(const Target& target,
   for (std::size_t t = 0; t < target.facet.size(); ++t) {
     const Target::Facet& facet = target.facet[t];
     const PartSpec& part = target.part[facet.part];
-    Vec<Body> corner[3];
+    const std::array<Vec<Body>, 3> corner = target.corners(t);
     Patch p{{}, {facet.nx, facet.ny, facet.nz}, {}, 0, 0, part.two_sided, part.material,
             {}, static_cast<std::uint32_t>(t)};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float* v =
-          target.vertex.data() + 3 * static_cast<std::size_t>(target.triangle[3 * t + k]);
-      corner[k] = {v[0], v[1], v[2]};
-      p.middle = p.middle + (1.0 / 3) * corner[k];
-    }
+    for (const Vec<Body>& c : corner) p.middle = p.middle + (1.0 / 3) * c;
     p.area_m2 = 0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
     if (!(p.area_m2 > 0)) continue;
     for (const Vec<Body>& c : corner) p.reach_m = std::max(p.reach_m, length(c - p.middle));
@@ -316,73 +303,118 @@ const UndersampledSources::Sun& UndersampledSources::of(const SunDirection& sun)
   return sun_.emplace_back(alone, make(alone)).second;
 }
 
-// Both sides of a sheet may be seen, or lit, within the spreads of the directions.
+namespace {
+
+// A sun at a place.
+struct LightAt {
+  Vec<Body> to_sun;
+  double irradiance;  // relative to that at the target's centre
+  Spread spread;      // of to_sun: its disk and the place's reach
+};
+LightAt light_at(const SunDirection& sun, Vec<Body> middle, double reach_m) {
+  if (!(sun.distance_m > 0)) return {sun.direction, 1, spread_of(sun.angular_radius_rad)};
+  const Vec<Body> to_sun = sun.direction - (1 / sun.distance_m) * middle;
+  return {normalized(to_sun), 1 / dot(to_sun, to_sun),
+          spread_of(sun.angular_radius_rad + reach_m / sun.distance_m)};
+}
+
+double disk_per_sr(const SunDirection& sun) {
+  return 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
+}
+
+Spread bent_by(const Spread& spread, double bent) {
+  return bent > 0 ? spread_of(spread.angle + bent) : spread;
+}
+
+}  // namespace
+
+// Both sides of a sheet may be seen, and lit, within the spreads of the directions.
 template <typename Visit>
-void UndersampledSources::for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
-                                       Visit&& visit) const {
+void UndersampledSources::for_each_shown(const SunDirection& sun, const std::vector<Patch>& patches,
+                                         Visit&& visit) const {
   count_work(Work::kPatches, patches.size());
-  const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
-  const Spread disk_spread = spread_of(sun.angular_radius_rad);
+  const double of_disk = disk_per_sr(sun);
+  const bool lamp = sun.distance_m > 0;
+  LightAt light = light_at(sun, {}, 0);
   for (const Patch& p : patches) {
-    const Material& material = materials_[p.material];
-    Vec<Body> to_sun = sun.direction;
-    double irradiance = 1;
-    Spread spread = disk_spread;
-    if (sun.distance_m > 0) {
-      to_sun = sun.direction - (1 / sun.distance_m) * p.middle;
-      irradiance = 1 / dot(to_sun, to_sun);
-      to_sun = normalized(to_sun);
-      spread = spread_of(sun.angular_radius_rad + p.reach_m / sun.distance_m);
-    }
-    const double disk = dhr_[p.material] * disk_per_sr;
-    const Spread to_light = p.bent > 0 ? spread_of(spread.angle + p.bent) : spread,
-                 sight = p.bent > 0 ? spread_of(p.sight.angle + p.bent) : p.sight;
+    const double towards = dot(p.normal, p.to_sensor);
+    if (!p.two_sided && towards <= -p.sight.sine - p.bent) continue;
+    if (lamp) light = light_at(sun, p.middle, p.reach_m);
+    const Spread to_light = bent_by(light.spread, p.bent), sight = bent_by(p.sight, p.bent);
     for (const double side : {1.0, -1.0}) {
       if (side < 0 && !p.two_sided) break;
       const Vec<Body> n = side * p.normal;
-      const Cosines cos_i = cosines_about(dot(n, to_sun), to_light),
-                    cos_o = cosines_about(dot(n, p.to_sensor), sight);
-      if (cos_i.most <= 0) continue;
-      Lit lit;
-      lit.irradiance = irradiance;
-      lit.cos_i = 0.5 * (cos_i.least + cos_i.most);
-      if (cos_o.most > 0) {
-        const ReflectionRange range =
-            range_of(n, to_sun, cos_i, p.to_sensor, cos_o, spread.angle + p.sight.angle, p.bent);
-        lit.first = irradiance * std::min(disk, material.cos_brdf_limit_per_sr(range));
-        lit.first_m2 = p.area_m2 * cos_o.most;
-      }
-      lit.to_anyone =
-          irradiance * std::min(disk, material.limit_of_light_per_sr(cos_i.least, cos_i.most));
-      if (!convex_ && lit.to_anyone > 0)
-        lit.thrown =
-            irradiance * p.area_m2 * cos_i.most * dhr_between(material, cos_i, dhr_[p.material]);
-      visit(p, lit);
+      const Cosines cos_i = cosines_about(dot(n, light.to_sun), to_light),
+                    cos_o = cosines_about(side * towards, sight);
+      if (cos_i.most <= 0 || cos_o.most <= 0) continue;
+      const ReflectionRange range = range_of(n, light.to_sun, cos_i, p.to_sensor, cos_o,
+                                             light.spread.angle + p.sight.angle, p.bent);
+      const double limit = materials_[p.material].cos_brdf_limit_per_sr(range);
+      visit(p, light.irradiance * std::min(dhr_[p.material] * of_disk, limit),
+            p.area_m2 * cos_o.most);
     }
   }
 }
 
+template <typename Surface, typename Visit>
+void UndersampledSources::for_each_thrown(const SunDirection& sun,
+                                          const std::vector<Surface>& surfaces,
+                                          Visit&& visit) const {
+  count_work(Work::kPatches, surfaces.size());
+  const double of_disk = disk_per_sr(sun);
+  LightAt light = light_at(sun, {}, 0);
+  for (const Surface& s : surfaces) {
+    if constexpr (std::is_same_v<Surface, Patch>)
+      if (sun.distance_m > 0) light = light_at(sun, s.middle, s.reach_m);
+    const Material& material = materials_[s.material];
+    const double disk = dhr_[s.material] * of_disk;
+    const Spread to_light = bent_by(light.spread, s.bent);
+    for (const double side : {1.0, -1.0}) {
+      if (side < 0 && !s.two_sided) break;
+      const Cosines cos_i = cosines_about(side * dot(s.normal, light.to_sun), to_light);
+      if (cos_i.most <= 0) continue;
+      Thrown out;
+      out.irradiance = light.irradiance;
+      out.cos_i = 0.5 * (cos_i.least + cos_i.most);
+      out.to_anyone = light.irradiance *
+                      std::min(disk, material.limit_of_light_per_sr(cos_i.least, cos_i.most));
+      if (!convex_ && out.to_anyone > 0)
+        out.light = light.irradiance * s.area_m2 * cos_i.most *
+                    dhr_between(material, cos_i, dhr_[s.material]);
+      visit(s, out);
+    }
+  }
+}
+
+template <typename Visit>
+void UndersampledSources::for_each_thrown(const SunDirection& sun, Visit&& visit) const {
+  // Every facet has a direction of its own to a lamp.
+  if (sun.distance_m > 0)
+    for_each_thrown(sun, patch_, visit);
+  else
+    for_each_thrown(sun, facets_->facings(target_), visit);
+}
+
 UndersampledSources::Sun UndersampledSources::make(const SunDirection& sun) const {
   Sun out;
-  // Of a lamp each facet has its own direction.
   const bool by_facet = sun.distance_m > 0;
   if (!by_facet && gathered_patch_.empty())
     gathered_patch_ = gathered([](const Patch&) { return 0u; });
-  const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
+  for_each_shown(sun, by_facet ? patch_ : gathered_patch_,
+                 [&](const Patch&, double radiance, double m2) { out.first.add(radiance, m2); });
   double most_irradiance = 0;
-  for_each_lit(sun, by_facet ? patch_ : gathered_patch_, [&](const Patch& p, const Lit& lit) {
-    out.first.add(lit.first, lit.first_m2);
-    out.brightest_per_sr = std::max(out.brightest_per_sr, lit.to_anyone);
-    most_irradiance = std::max(most_irradiance, lit.irradiance);
+  for_each_thrown(sun, [&](const auto& s, const Thrown& thrown) {
+    out.brightest_per_sr = std::max(out.brightest_per_sr, thrown.to_anyone);
+    most_irradiance = std::max(most_irradiance, thrown.irradiance);
     if (convex_) return;
-    lit.for_each_share(materials_[p.material], [&](double radiance, double thrown) {
+    thrown.for_each_share(materials_[s.material], [&](double radiance, double light) {
       if (const double bright = radiance * passed_on_; bright > 0)
-        out.later.add(bright, thrown * gathered_mean_ * shown_per_sr_ / bright);
+        out.later.add(bright, light * gathered_mean_ * shown_per_sr_ / bright);
       return true;
     });
   });
   out.brightest_per_sr = std::min(out.brightest_per_sr * (convex_ ? 1 : gathered_),
-                                  most_irradiance * std::max(1.0, largest_dhr_) * disk_per_sr);
+                                  most_irradiance * std::max(1.0, largest_dhr_) * disk_per_sr(sun));
   return out;
 }
 
@@ -429,18 +461,21 @@ std::vector<UndersampledSources::Stratum> UndersampledSources::by_stratum(
   }
   const std::vector<Patch> gathered_in =
       this->gathered([&](const Patch& p) { return stratum_of(p); });
-  for (std::size_t j = 0; j < suns.size(); ++j)
-    for_each_lit(suns[j], suns[j].distance_m > 0 ? patch_ : gathered_in,
-                 [&](const Patch& p, const Lit& lit) {
-                   out[stratum_of(p)].first[j].add(lit.first, lit.first_m2);
-                   if (convex_) return;
-                   lit.for_each_share(materials_[p.material], [&](double radiance, double thrown) {
-                     for (std::size_t s = 0; s < out.size(); ++s)
-                       if (const double bright = radiance * passed_on[s]; bright > 0)
-                         out[s].later[j].add(bright, thrown * gathered[s] * shown[s] / bright);
-                     return true;
+  for (std::size_t j = 0; j < suns.size(); ++j) {
+    for_each_shown(suns[j], suns[j].distance_m > 0 ? patch_ : gathered_in,
+                   [&](const Patch& p, double radiance, double m2) {
+                     out[stratum_of(p)].first[j].add(radiance, m2);
                    });
-                 });
+    if (convex_) continue;
+    for_each_thrown(suns[j], [&](const auto& surface, const Thrown& thrown) {
+      thrown.for_each_share(materials_[surface.material], [&](double radiance, double light) {
+        for (std::size_t s = 0; s < out.size(); ++s)
+          if (const double bright = radiance * passed_on[s]; bright > 0)
+            out[s].later[j].add(bright, light * gathered[s] * shown[s] / bright);
+        return true;
+      });
+    });
+  }
   return out;
 }
 
@@ -484,17 +519,19 @@ std::vector<UndersampledSources::Facet> UndersampledSources::facets(const SunDir
     double to_anyone, thrown;
   };
   std::vector<Thrower> thrower;
-  for_each_lit(*sun, patch_, [&](const Patch& p, const Lit& lit) {
+  for_each_shown(*sun, patch_, [&](const Patch& p, double radiance, double) {
     const std::size_t k = at[static_cast<std::size_t>(&p - patch_.data())];
-    if (k != SIZE_MAX) out[k].first = std::max(out[k].first, lit.first);
+    if (k != SIZE_MAX) out[k].first = std::max(out[k].first, radiance);
+  });
+  for_each_thrown(*sun, patch_, [&](const Patch& p, const Thrown& thrown) {
     // As bright as what is more than the least that counts, whoever shows it.
     double bright = 0, all = 0;
-    lit.for_each_share(materials_[p.material], [&](double radiance, double thrown) {
+    thrown.for_each_share(materials_[p.material], [&](double radiance, double light) {
       bright = radiance;
-      all += thrown;
+      all += light;
       return all * shown_per_sr_ < least_m2_per_sr;
     });
-    if (lit.thrown > 0) thrower.push_back({&p, bright, lit.thrown});
+    if (thrown.light > 0) thrower.push_back({&p, bright, thrown.light});
   });
   std::stable_sort(thrower.begin(), thrower.end(),
                    [](const Thrower& a, const Thrower& b) { return a.to_anyone > b.to_anyone; });
@@ -530,34 +567,28 @@ std::vector<UndersampledSources::Facet> UndersampledSources::facets(const SunDir
 const UndersampledSources::Above& UndersampledSources::above() const {
   const std::lock_guard lock(mutex_);
   if (above_ != nullptr) return *above_;
+  const PartsAbove& all = facets_->parts_above(target_);
   auto made = std::make_unique<Above>();
-  const std::size_t parts = target_.part.size();
-  // Facets and rays are rounded by less; reflected rays start 2e-6 of the radius above.
-  const double rounding = 1e-6 * target_.radius_m;
-  std::size_t tried = 0;
-  made->parts.assign(parts, std::vector<bool>(parts, false));
+  made->parts = all.of_part;
   std::map<std::vector<bool>, std::uint32_t> known;
+  std::map<std::array<std::uint32_t, 2>, std::uint32_t> of_sides;  // seen: front, back
   for (const Patch& p : patch_) {
-    std::vector<bool> set(parts, false);
-    const std::uint32_t own = target_.facet[p.facet].part;
     const double to_sensor = dot(p.normal, p.to_sensor);
-    for (const double side : {1.0, -1.0}) {
-      if (side < 0 && !p.two_sided) break;
-      const bool shown = side * to_sensor > -p.sight.sine;
-      const Vec<Body> n = side * p.normal;
-      const double level = dot(n, p.middle);
-      for (std::size_t q = 0; q < parts; ++q) {
-        if ((!shown || set[q]) && made->parts[own][q]) continue;
-        if (!places_->any_above(q, n, level + rounding, tried)) continue;
-        made->parts[own][q] = true;
-        if (shown) set[q] = true;
-      }
+    std::array<std::uint32_t, 2> seen = all.of_facet[p.facet];
+    if (!(to_sensor > -p.sight.sine)) seen[0] = 0;
+    if (!(-to_sensor > -p.sight.sine)) seen[1] = 0;
+    const auto [at, fresh] = of_sides.emplace(seen, 0);
+    if (fresh) {
+      std::vector<bool> set = all.set[seen[0]];
+      for (std::size_t q = 0; q < set.size(); ++q)
+        if (all.set[seen[1]][q]) set[q] = true;
+      const auto [known_at, is_new] =
+          known.emplace(set, static_cast<std::uint32_t>(made->sets.size()));
+      if (is_new) made->sets.push_back(std::move(set));
+      at->second = known_at->second;
     }
-    const auto [at, fresh] = known.emplace(set, static_cast<std::uint32_t>(made->sets.size()));
-    if (fresh) made->sets.push_back(set);
     made->of_patch.push_back(at->second);
   }
-  count_work(Work::kPlacesTried, tried);
   above_ = std::move(made);
   return *above_;
 }

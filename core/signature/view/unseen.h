@@ -10,8 +10,8 @@
 
 #include "core/environment/sea/sea_glint.h"
 #include "core/materials/material.h"
-#include "core/scene/trace/part_places.h"
 #include "core/scene/trace/target.h"
+#include "core/scene/trace/target_facets.h"
 #include "core/sources/source_geometry.h"
 #include "core/transport/primary_rays.h"
 
@@ -51,8 +51,8 @@ class SmallBrightSources {
 // fraction of its radiance. Any number of threads may ask; the target and the materials outlive it.
 class UndersampledSources {
  public:
-  // places: of the target.
-  UndersampledSources(const Target& target, std::shared_ptr<const PartPlaces> places,
+  // facets: of the target.
+  UndersampledSources(const Target& target, std::shared_ptr<const TargetFacets> facets,
                       const std::vector<Material>& materials, const ViewFrame& frame);
   ~UndersampledSources();
 
@@ -116,10 +116,17 @@ class UndersampledSources {
 
  private:
   struct Patch;
-  struct Lit;  // what one side of a facet makes of a sun
+  struct Thrown;
+  // Calls visit(patch, radiance, m2) for each lit side that the sensor may see.
   template <typename Visit>
-  void for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
-                    Visit&& visit) const;
+  void for_each_shown(const SunDirection& sun, const std::vector<Patch>& patches,
+                      Visit&& visit) const;
+  // Calls visit(surface, Thrown) for each lit side of some surfaces, or of the target's own.
+  template <typename Surface, typename Visit>
+  void for_each_thrown(const SunDirection& sun, const std::vector<Surface>& surfaces,
+                       Visit&& visit) const;
+  template <typename Visit>
+  void for_each_thrown(const SunDirection& sun, Visit&& visit) const;
   // Facets that face nearly the same way, of one material and one kind, as one: what is at most
   // true of them all.
   [[nodiscard]] std::vector<Patch> gathered(
@@ -134,7 +141,7 @@ class UndersampledSources {
   [[nodiscard]] const Above& above() const;
 
   const Target& target_;
-  std::shared_ptr<const PartPlaces> places_;
+  std::shared_ptr<const TargetFacets> facets_;
   const std::vector<Material>& materials_;
   bool convex_;
   std::vector<Patch> patch_;

@@ -109,7 +109,7 @@ ViewSetup::ViewSetup(const PreparedScene& the_scene, const ViewRequest& request,
       undersampled(view->unseen) {
   if (undersampled == nullptr)
     undersampled = std::make_shared<const UndersampledSources>(
-        scene.target, scene.places, scene.carried_material(), aimed().frame);
+        scene.target, scene.facets, scene.carried_material(), aimed().frame);
   turned = turned_areas(scene.target, -1.0 * aimed().frame.forward);
   if (!aimed().bright.none()) {
     strata = undersampled->by_stratum(aimed(), sources.geometry().sun);
