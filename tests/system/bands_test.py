@@ -592,7 +592,7 @@ class Bands(unittest.TestCase):
         refused(self.nei, "lengths of the target", "--band", "mwir", "--range-m", "500")
         refused(self.nei, "at 5000 m alone: ask for several (--range-m)", "--band", "mwir", "--merit", "range")
         refused(self.nei, "--ranges is the merit at each range", "--band", "mwir", "--merit", "range", "--range-m", "6000,8000", "--ranges", "ranges.csv")
-        refused(self.nei, "has no clutter: neither [land] nor a sea", "--band", "mwir", "--clutter")
+        refused(self.nei, "has no clutter, nor has any other: neither [land] nor a sea", "--band", "mwir", "--clutter")
         refused(self.nei, "give the other one", "--band", "mwir", "--pairs", "ratio")
         refused(self.nei, "expected two or more", "--band", "mwir", "--pairs", "difference", "--window", "3.1,3.9")
         refused(self.nei, "not with --window", "--band", "mwir", "--window", "3.1,3.9", "--map", "map.svg")

@@ -272,6 +272,26 @@ TEST_F(StoredClutterTest, ComesWithTheTargetsArea) {
   EXPECT_FALSE(population(false)->row.front().clutter.has_value());
 }
 
+TEST_F(StoredClutterTest, RowsWithoutAreLeftOutAndCounted) {
+  const std::vector<double> sigma = halves(5, 0);
+  for (const double v : sigma)
+    database_.clutters[1].add_patch_sigma_w_m2_sr_um(static_cast<float>(v));
+  database_.clutters[1].set_modes(encoded_modes({sigma}, sigma));
+  StoredSignature low = database_.signatures.front();
+  low.row = low.signature_id = 2;
+  low.aspect_elevation_deg = 0.2;
+  database_.signatures.insert(database_.signatures.begin(), low);
+  database_.spectra[2] = database_.spectra[1];
+  const auto found = population(true);
+  ASSERT_TRUE(found.ok()) << found.status();
+  ASSERT_EQ(found->row.size(), 1U);
+  EXPECT_EQ(found->without_clutter, 1U);
+  EXPECT_EQ(found->row.front().weight, 1);
+  EXPECT_NE(found->row.front().aspect_elevation_deg, 0.2);
+  EXPECT_EQ(population(false)->row.size(), 2U);
+  EXPECT_EQ(population(false)->without_clutter, 0U);
+}
+
 TEST_F(StoredClutterTest, RowsWithoutAreAnErrorWithARemedy) {
   EXPECT_TRUE(population(false).ok()) << population(false).status();
   const absl::Status status = population(true).status();

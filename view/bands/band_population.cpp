@@ -123,17 +123,29 @@ absl::StatusOr<Contrast> stored_contrast(StoreReader& reader, const QueryRow& ro
                   {behind.begin(), behind.end()}};
 }
 
+// Returns the rows whose background was measured. INVALID_ARGUMENT: none of them.
+absl::StatusOr<std::vector<QueryRow>> rows_with_clutter(StoreReader& reader,
+                                                        std::span<const QueryRow> rows) {
+  std::vector<QueryRow> out;
+  for (const QueryRow& row : rows) {
+    ASSIGN_OR_RETURN(const auto clutter, reader.clutter(row.signature.signature_id));
+    if (clutter) out.push_back(row);
+  }
+  if (!out.empty() || rows.empty()) return out;
+  return absl::InvalidArgumentError(fmt::format(
+      "row {} has no clutter, nor has any other: neither [land] nor a sea that wind roughens lies "
+      "behind its target, the sensor stands less than 0.6 deg above the target's horizontal, or an "
+      "older irsig ran it; choose other views (--aspect), add [land] to the sweep file and run it "
+      "again, or ask without --clutter",
+      rows.front().signature.row));
+}
+
 // The background around a row's target. At another range than the stored one the air between the
 // target and the sensor scales it, bin by bin: clutter stands near the target's range.
 absl::StatusOr<TargetClutter> stored_clutter(StoreReader& reader, const QueryRow& row) {
   const StoredSignature& s = row.signature;
   ASSIGN_OR_RETURN(const auto stored, reader.clutter(s.signature_id));
-  if (!stored)
-    return absl::InvalidArgumentError(fmt::format(
-        "row {} has no clutter: neither [land] nor a sea that wind roughens lies behind its target, "
-        "or an older irsig ran it; choose other views (--aspect), add [land] to the sweep file and "
-        "run it again, or ask without --clutter",
-        s.row));
+  if (!stored) return absl::NotFoundError(fmt::format("row {} has no clutter any more", s.row));
   const auto& sigma = stored->patch_sigma_w_m2_sr_um();
   ASSIGN_OR_RETURN(
       const auto errors,
@@ -202,6 +214,13 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
                                                std::span<const RowWeights> own_weights,
                                                bool clutter) {
   if (rows.empty()) return absl::InvalidArgumentError("no signature matches");
+  BandPopulation out;
+  std::vector<QueryRow> measured;
+  if (clutter) {
+    ASSIGN_OR_RETURN(measured, rows_with_clutter(reader, rows));
+    out.without_clutter = rows.size() - measured.size();
+    rows = measured;
+  }
   std::map<std::pair<double, double>, std::size_t> aspects;
   std::vector<AspectDeg> aspect;
   std::vector<std::size_t> aspect_of;
@@ -234,7 +253,6 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
             of == &partner ? ", or one sweep of the other target (--against-sweep)" : ""));
   std::map<std::tuple<double, double, double>, std::size_t> views;
   std::map<std::tuple<std::string, std::string, double, double>, std::size_t> places;
-  BandPopulation out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (weights[i] == 0) continue;
     const StoredSignature& s = rows[i].signature;

@@ -48,6 +48,7 @@ struct BandPopulation {
   ResponseTable own_response;  // of the stored band; empty: 1
   std::vector<BandCase> row;
   std::size_t without_modes = 0;
+  std::size_t without_clutter = 0;  // rows left out because clutter was asked for
 };
 
 // Weight of each row: all alike, or each aspect as the solid angle of the directions that are
@@ -58,9 +59,9 @@ enum class AspectWeight { kRows, kSolidAngle };
 // empty: none. Weights of one's own: of aspects instead of those of `weight`; of conditions, as
 // shares of their aspect (kRows: of all). Rows of weight 0 are left out. INVALID_ARGUMENT: no rows,
 // several bands, interpolated rows, rows that have no partner or no weight, other wavelengths, with
-// `clutter` a row without it.
-// clutter: with the background around the target of each row; at another range as much of it as the
-// air between lets through.
+// `clutter` no row that has it.
+// clutter: with the background around the target of each row, without rows that have none; at
+// another range as much of it as the air between lets through.
 [[nodiscard]] absl::StatusOr<BandPopulation> band_population(
     StoreReader& reader, std::span<const QueryRow> rows, StoreReader* other,
     std::span<const QueryRow> against, AspectWeight weight,

@@ -315,6 +315,11 @@ std::string response_csv(const ResponseTable& response) {
 std::vector<std::string> notes_on(const WindowChoice& choice, const BandPopulation& population,
                                   const schema::Accuracy& accuracy) {
   std::vector<std::string> out;
+  if (population.without_clutter > 0)
+    out.push_back(fmt::format(
+        "{} of {} rows are left out, since they have no clutter: their sensor stands less than 0.6 "
+        "deg above the target's horizontal, or neither [land] nor a rough sea lies behind",
+        population.without_clutter, population.without_clutter + population.row.size()));
   if (population.without_modes > 0)
     out.push_back(fmt::format(
         "of {} of {} rows it is not stored how errors of wavelengths go together (an older "
