@@ -54,8 +54,8 @@ struct ViewPilot {
   double profile_cpu_s = 0, profile_cpu_s_per_sample = 0;
 };
 
-// p of the views together, in [0.5, 1]: from the first, second and last stage, if there are three.
-// 1 otherwise.
+// Fits p of the views together, in [0.5, 1], from the first, second and last stage; 1 with fewer
+// than three stages.
 [[nodiscard]] double time_exponent(std::span<const ViewPilot> views);
 
 // Exactly one of the first three is positive.
@@ -75,7 +75,8 @@ struct ViewCost {
   std::map<std::string_view, std::uint32_t> limited;
 };
 
-// target_paths_per_sample: of a replicate, all replicates together; for a rule of target paths.
+// Computes the cost of a view.
+//   target_paths_per_sample  of a replicate, all replicates together; for a rule of target paths
 [[nodiscard]] ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule,
                                  double target_paths_per_sample);
 
@@ -83,12 +84,12 @@ struct ViewCost {
 [[nodiscard]] std::uint64_t profile_samples(const ProfilePointPilot& point,
                                             std::uint64_t max_samples_per_replicate);
 
-// Standard error at n samples: a power of n between the stages and beyond them, with an exponent of
-// -0.5 to -0.7 beyond.
+// Returns the standard error at n samples: a power of n between the stages and beyond them, with an
+// exponent of -0.5 to -0.7 beyond.
 [[nodiscard]] double stderr_at(std::span<const std::uint64_t> samples,
                                std::span<const double> stderr_w_sr, std::uint64_t n);
 
-// q in [0, 1] of unsorted values, linear between them. Not empty.
+// Returns the quantile q in [0, 1] of unsorted values, linear between them. Not empty.
 [[nodiscard]] double quantile(std::vector<double> values, double q);
 
 struct SweepCost {
@@ -103,14 +104,15 @@ struct SweepCost {
   std::map<std::string_view, double> limited_fraction;
 };
 
-// A sweep of `views` views of which some were piloted, each made of jobs_per_view jobs; workers
-// take the jobs in turn, after start_s each. The views stand for equal numbers of views.
+// Computes the cost of a sweep of `views` views of which some were piloted, each made of
+// jobs_per_view jobs. Workers take the jobs in turn, after start_s each. The piloted views stand
+// for equal numbers of views.
 [[nodiscard]] SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
                                    std::uint64_t jobs_per_view, std::uint64_t workers,
                                    double start_s);
 
-// Standard error of the mean CPU time, relative to it: how much the piloted views scatter. 0 if all
-// of the sweep's views were piloted.
+// Returns the standard error of the mean CPU time, relative to it: the scatter of the piloted
+// views. 0 if all of the sweep's views were piloted.
 [[nodiscard]] double relative_scatter(std::span<const ViewCost> piloted, std::uint64_t views);
 
 // Indices of `count` of `views` views, spread evenly: those for a smaller count are among those for

@@ -44,10 +44,10 @@ struct Measured {
 
   [[nodiscard]] double& of(BoundOf which) { return bound[static_cast<std::size_t>(which)]; }
   [[nodiscard]] double of(BoundOf which) const { return bound[static_cast<std::size_t>(which)]; }
-  // Their sum, in the order of BoundOf.
+  // Returns the sum of the bounds, in the order of BoundOf.
   [[nodiscard]] double bias_bound() const;
-  // sqrt(stderr^2 + undersampling_stderr^2 + bias_bound^2 / 3): a bias known only to lie within a
-  // bound of 0 counts as uniformly distributed there.
+  // Returns sqrt(stderr^2 + undersampling_stderr^2 + bias_bound^2 / 3): a bias known only to lie
+  // within a bound of 0 counts as uniformly distributed there.
   [[nodiscard]] double numerical_error() const;
   // Returns the part of a bound, or of the standard error, in the square of the numerical error; 0
   // to 1.
@@ -62,22 +62,22 @@ struct Measured {
 [[nodiscard]] std::string_view limiting_part(const Measured& measured);
 inline constexpr std::string_view kLimitedBySampling = "sampling";
 
-// The value and its whole error multiplied.
+// Returns the value and all of its error, multiplied.
 [[nodiscard]] Measured scaled(const Measured& measured, double factor);
 
-// Both together; independent samples, bounds that may have one sign.
+// Returns the sum of both: independent samples, bounds that may have one sign.
 [[nodiscard]] Measured sum(const Measured& a, const Measured& b);
 
-// a - b of two values on the same paths: samples_stderr is that of the paths' differences. Bounds
-// do not cancel.
+// Returns a - b of two values on the same paths. samples_stderr is that of the paths' differences.
+// Bounds do not cancel.
 [[nodiscard]] Measured difference(const Measured& a, const Measured& b, double samples_stderr);
 
-// Sum of weight x value; independent samples, bounds that may have one sign everywhere.
+// Returns the sum of weight x value: independent samples, bounds that may have one sign everywhere.
 [[nodiscard]] Measured weighted_sum(std::span<const double> weight,
                                     std::span<const Measured> measured);
 
-// A value whose numerical error is stated, but not (or not all of) its bounds: what is missing of
-// the error is given to one of them.
+// Completes a value whose numerical error is stated, but not (or not all of) its bounds: one bound
+// gets the missing part of the error.
 //   known  with the bounds that are stated
 [[nodiscard]] Measured with_rest(Measured known, double numerical_error, BoundOf rest);
 

@@ -18,7 +18,7 @@ class ReplicateStatistics {
  public:
   explicit ReplicateStatistics(std::size_t quantities = 0)
       : mean_(quantities, 0.0), m2_(quantities, 0.0) {}
-  // One replicate's values of all quantities.
+  // Adds one replicate's values of all quantities.
   void add(std::span<const double> values);
   [[nodiscard]] Estimate estimate(std::size_t quantity) const;
   [[nodiscard]] std::uint32_t replicates() const { return count_; }
@@ -28,15 +28,15 @@ class ReplicateStatistics {
   std::uint32_t count_ = 0;
 };
 
-// Numerical error of a value: sqrt(stderr^2 + undersampling_stderr^2 + (sum of |bias bounds|)^2 /
-// 3). A bias known only to lie within a bound of 0 counts as uniformly distributed there.
+// Returns the numerical error of a value: sqrt(stderr^2 + undersampling_stderr^2 + (sum of |bias
+// bounds|)^2 / 3). A bias known only to lie within a bound of 0 counts as uniformly distributed
+// there.
 [[nodiscard]] double numerical_error(double stderr_of_mean, double undersampling_stderr,
                                      double sum_of_bias_bounds);
 
-// The standard error, that of what is unseen included, that a value may keep for its numerical
-// error to reach `goal`: what its bias bounds leave. Where they take more than 0.8 of the goal,
-// samples cannot mend it: the standard error is then brought to 0.6 of the goal, and the value will
-// miss it.
+// Returns the standard error, undersampling included, with which a value's numerical error reaches
+// `goal`: the part that its bias bounds leave. If they take more than 0.8 of the goal, samples
+// cannot mend it: the standard error is then brought to 0.6 of the goal, and the value misses it.
 [[nodiscard]] double stderr_wanted(double goal, double sum_of_bias_bounds);
 
 // Returns the most that reflections after the last allowed one could have added.
@@ -66,8 +66,8 @@ class ReplicateStatistics {
                                                        std::uint64_t n2, double e2, double unseen,
                                                        double wanted, std::uint64_t n_max);
 
-// Two-sided bound on |t| (replicates - 1 degrees of freedom) that all of `rows` independent correct
-// rows keep with probability about 0.999: |t| < t(1 - 0.0005 / rows).
+// Returns the two-sided bound on |t| (replicates - 1 degrees of freedom) that all of `rows`
+// independent correct rows keep with probability about 0.999: |t| < t(1 - 0.0005 / rows).
 [[nodiscard]] double student_t_bound(std::uint32_t degrees_of_freedom, std::uint64_t rows);
 
 }  // namespace irsig

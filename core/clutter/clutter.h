@@ -40,8 +40,9 @@ struct ClutterStatistics {
   Estimate patch_sigma;  // [W m^-2 sr^-1]
 };
 
-// radiance: of each source in a band, at the sensor's aperture [W m^-2 sr^-1]. A window of 128 x
-// 128 pixels takes 20 ms beside the sum over sources.
+// Computes the clutter of a field. A window of 128 x 128 pixels takes 20 ms beside the sum over
+// sources.
+//   radiance  of each source in a band, at the sensor's aperture [W m^-2 sr^-1]
 [[nodiscard]] ClutterStatistics clutter_of(const ClutterField& field,
                                            std::span<const double> radiance, double target_area_m2);
 

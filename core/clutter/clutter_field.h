@@ -17,8 +17,9 @@ struct ClutterField {
   [[nodiscard]] std::size_t pixels() const { return columns * rows; }
 };
 
-// Side of the squares over which the background is averaged, in pixels: that of a square of the
-// target's projected area, but at least a pixel, and at most half of the window's shorter side.
+// Returns the side of the squares over which the background is averaged, in pixels: that of a
+// square of the target's projected area, but at least a pixel, and at most half of the window's
+// shorter side.
 [[nodiscard]] double patch_px(const ClutterField& field, double target_area_m2);
 
 }  // namespace irsig

@@ -18,8 +18,9 @@ namespace irsig {
 // compete with a target; it is that of the window, without ClutterStatistics' correction for the
 // window's own mean.
 
-// Factor of the covariance of the weights, averaged over squares: [factor][source], sum_k f_k f_k^T
-// = the covariance. It depends on the view alone. It grows with the square of the sources.
+// Returns a factor of the covariance of the weights, averaged over squares: [factor][source], sum_k
+// f_k f_k^T = the covariance. It depends on the view alone. Its cost grows with the square of the
+// sources.
 [[nodiscard]] SpectralSet weight_factor(const ClutterField& field, double target_area_m2);
 
 struct ClutterModes {

@@ -19,8 +19,8 @@ class LagSums {
   // Computes those of two grids of one size, by one Fourier transform there and back.
   static std::pair<LagSums, LagSums> of(const PixelGrid& a, const PixelGrid& b);
 
-  // Mean of products over the pairs of pixels that are (dx, dy) apart. |dx| <= columns / 2, |dy| <=
-  // rows / 2.
+  // Returns the mean of products over the pairs of pixels that are (dx, dy) apart. |dx| <= columns
+  // / 2, |dy| <= rows / 2.
   [[nodiscard]] double covariance(std::int64_t dx, std::int64_t dy) const;
 
   // First lags along rows and columns at which the covariance is not above 0; at least 1, at most
@@ -38,8 +38,8 @@ class LagSums {
   };
   [[nodiscard]] Integral integral(const Ellipse& inside) const;
 
-  // Standard error of the mean of the values, which counts correlated ones: sqrt(integral of the
-  // covariance / values).
+  // Returns the standard error of the mean of the values, which counts correlated ones:
+  // sqrt(integral of the covariance / values).
   [[nodiscard]] double stderr_of_mean() const;
 
  private:

@@ -49,16 +49,17 @@ class EffectPlanner {
   [[nodiscard]] bool on_anywhere(Effect effect) const;
   // Returns true if any light is reflected.
   [[nodiscard]] bool reflections() const;
-  // [row]: the sum of the bounds of what is left out. All reflections together count once.
+  // Returns the sum of the bounds of all omitted effects. All reflections together count once.
+  // [row]
   [[nodiscard]] std::vector<RowBounds::Bound> omitted() const;
   struct Room {  // what omissions may still take
     double source = 0, aperture = 0;
     bool operator==(const Room&) const = default;
   };
-  // [row]; empty: nothing may be left out.
+  // Returns the room for omissions; empty: nothing may be left out. [row]
   [[nodiscard]] std::vector<Room> room() const;
   [[nodiscard]] static bool fits(const RowBounds::Bound& bound, const Room& room);
-  // [row][effect]: shares and times still open (NaN).
+  // Returns the ledger, with fractions and times still open (NaN). [row][effect]
   [[nodiscard]] std::vector<std::vector<LedgerEntry>> ledger() const;
 
  private:

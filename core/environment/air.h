@@ -29,7 +29,7 @@ struct AirPath {
 [[nodiscard]] AirPath air_path(const Air& air, double air_temperature_k, double range_m,
                                const std::vector<double>& lambda_um);
 
-// d(-ln transmittance) / d(range), largest over wavelengths.                               [1/m]
+// Returns d(-ln transmittance) / d(range), largest over wavelengths. [1/m]
 [[nodiscard]] double extinction_per_m(const Air& air, double air_temperature_k);
 
 }  // namespace irsig

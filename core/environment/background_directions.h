@@ -31,7 +31,7 @@ class BackgroundDirections {
   // Returns true if a node is above a horizon at that z; of two nodes that coincide there, the
   // first is.
   [[nodiscard]] bool above(std::uint32_t node, float horizon_z) const;
-  // Unit vector away from the sensor.
+  // Returns the unit vector away from the sensor.
   [[nodiscard]] Vec<Body> direction(double z) const;
 
   struct Share {

@@ -44,7 +44,7 @@ struct CloudMixer {
 // Returns the mean, with one of both as its one_sky.
 [[nodiscard]] ViewEnvironment under_broken_cloud(ViewEnvironment clear, ViewEnvironment overcast,
                                                  double cover);
-// Mean of the bounds.
+// Returns the mean of the bounds.
 [[nodiscard]] LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& overcast,
                                              double cover);
 

@@ -21,9 +21,12 @@ namespace irsig {
 // for a line of sight depends on that line and the condition alone.
 class Environment {
  public:
-  // target_height_m: of the point that stands for the target, above the sea or ground (> 0), where
-  // weathers have no above_surface_m. INVALID_ARGUMENT: only some of them have one.
-  // node_um: the wavelengths; OUT_OF_RANGE if one lies outside the atmosphere's table.
+  // Makes the environment of some conditions.
+  //   target_height_m  of the point that stands for the target, above the sea or ground (> 0),
+  //                    where weathers have no above_surface_m
+  //   node_um          the wavelengths
+  // INVALID_ARGUMENT: only some weathers have above_surface_m. OUT_OF_RANGE: a wavelength lies
+  // outside the atmosphere's table.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<const Environment>> make(
       std::vector<WeatherSpec> weather, std::vector<ConditionEnvironment> condition,
       double target_height_m, std::vector<double> node_um);
@@ -50,17 +53,18 @@ class Environment {
   [[nodiscard]] Line line(const Viewpoint& viewpoint) const;
 
   using Horizon = SeaHorizon;
-  // The mean of all conditions': one set of paths has one geometry.
+  // Returns the mean horizon of all conditions, since one set of paths has one geometry.
   [[nodiscard]] Horizon horizon(const Line& line) const;
   [[nodiscard]] Horizon horizon(const Line& line, std::uint32_t condition) const;
-  // z of each weather's, in their order.
+  // Returns the z of each weather's horizon, in their order.
   [[nodiscard]] std::vector<float> horizons_z(const Line& line) const;
 
-  // around: with the light of sky and surface that a target reflects, which takes most of the time;
-  // else ViewEnvironment::around is of two dark nodes.
-  // INVALID_ARGUMENT: a sensor below the surface; one from which the Earth hides the target up to
-  // the highest of Line::end; a line that the imported paths do not cover. Where the Earth hides
-  // the target's point, the air is that in front of the middle of what is in sight above it.
+  // Computes what a line sees under some conditions. Where the Earth hides the target's point, the
+  // air is that in front of the middle of the part in sight above it. INVALID_ARGUMENT: a sensor
+  // below the surface; one from which the Earth hides the target up to the highest of Line::end; a
+  // line that the imported paths do not cover.
+  //   around  true: with the light of sky and surface that a target reflects, which takes most of
+  //           the time; false: ViewEnvironment::around has two dark nodes
   [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> view(
       const Line& line, std::span<const std::uint32_t> conditions, bool around = true) const;
 
@@ -89,12 +93,12 @@ class Environment {
     explicit SightLine(std::unique_ptr<Parts> parts);
     std::unique_ptr<Parts> parts_;
   };
-  // INVALID_ARGUMENT as view() has it.
+  // Makes a line of sight. INVALID_ARGUMENT as in view().
   [[nodiscard]] absl::StatusOr<SightLine> sight_line(const Line& line) const;
 
   [[nodiscard]] std::size_t conditions() const;
-  // Upper limit of the memory that a condition needs while a view is computed, including memory
-  // kept between views; from counts, without small allocations.  [bytes]
+  // Returns an upper limit of the memory that a condition needs while a view is computed, including
+  // memory kept between views; from counts, without small allocations. [bytes]
   [[nodiscard]] double bytes_per_condition() const;
 
  private:

@@ -64,13 +64,14 @@ class IncidentRadiance {
                    std::shared_ptr<const BandRows<double>> apparent, std::uint32_t sky_rings,
                    std::uint32_t azimuths);
   void add_sun(std::shared_ptr<const Sunlight> sunlight, Ratios ratios);
-  // Spectra as they are, one for each node: each a ring. The first is the sky's.
+  // Makes it of given spectra, one for each node; each node is a ring. The first sky_nodes are the
+  // sky's.
   [[nodiscard]] static IncidentRadiance of_spectra(const std::vector<Spectrum>& node,
                                                    const std::vector<Spectrum>& apparent,
                                                    std::uint32_t sky_nodes = 1);
-  // Two dark nodes.
+  // Returns two dark nodes.
   [[nodiscard]] static IncidentRadiance dark(std::shared_ptr<const Shapes> shapes);
-  // (1 - fraction) a + fraction b, of the same nodes on the same wavelengths.
+  // Returns (1 - fraction) a + fraction b, of the same nodes on the same wavelengths.
   [[nodiscard]] static IncidentRadiance mixed(const IncidentRadiance& a, const IncidentRadiance& b,
                                               double fraction);
   // Returns a copy in which the sides that are not wanted are dark.
@@ -79,10 +80,10 @@ class IncidentRadiance {
   [[nodiscard]] std::uint32_t count() const { return rings_ * azimuths_; }
   [[nodiscard]] const Shapes& shapes() const { return *shapes_; }
 
-  // Radiance of one node, on all wavelengths.  [W/(m2 sr um)]
+  // Returns the radiance of one node, on all wavelengths. [W/(m2 sr um)]
   [[nodiscard]] Spectrum radiance(std::uint32_t node) const;
   [[nodiscard]] Spectrum apparent(std::uint32_t node) const;
-  // The most by which straight lines to the nodes beside it were found to err.
+  // Returns the largest error found of straight lines to the nodes beside it.
   [[nodiscard]] Spectrum interpolation(std::uint32_t node) const;
 
   // Integrals over wavelength with some weights, for each node.
@@ -141,9 +142,9 @@ class IncidentRadiance {
   }
   // The largest change of the light of a ring and of a node, in the bands.
   struct Changes;
-  // Sunlight's error of straight lines at a node, relative.
+  // Returns the relative error of straight lines for sunlight at a node.
   [[nodiscard]] double sunlight_error(std::uint32_t node) const;
-  // Sunlight of a node in the bands.
+  // Computes the sunlight of a node in the bands.
   void sunlight_of(std::uint32_t node, bool apparent, double* out) const;
   // Numbers of bands from first_band on, on wavelengths.
   [[nodiscard]] Spectrum spread(const double* thermal, const double* sunlight,

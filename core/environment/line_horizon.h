@@ -32,11 +32,10 @@ class LineHorizon {
   // ray outlives it.
   //   height_m  of the target's point, as the profile counts
   //   lift_rad  by how much a ray from the sensor points lower at the target than the straight line
-  LineHorizon(const GrazingRay& ray, double height_m, const SensorLine& line,
-              double lift_rad);
+  LineHorizon(const GrazingRay& ray, double height_m, const SensorLine& line, double lift_rad);
 
-  // End of the sea: z of the straight line from the sensor to the height at which the ray that
-  // touches the surface passes the target (BackgroundDirections).
+  // Returns the end of the sea: z of the straight line from the sensor to the height at which the
+  // ray that touches the surface passes the target (BackgroundDirections).
   [[nodiscard]] float z() const { return z_; }
   [[nodiscard]] SeaHorizon horizon() const;
   [[nodiscard]] BehindSight sight(const BackgroundDirections& nodes, double z, bool above) const;

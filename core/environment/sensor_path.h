@@ -30,7 +30,7 @@ struct SensorRay {
   double lift_rad = 0;  // by how much it points lower at the target than the straight line
   const ImportedPath* imported = nullptr;
 };
-// INVALID_ARGUMENT as Environment::view has it.
+// Finds the ray from a sensor. INVALID_ARGUMENT as in Environment::view().
 [[nodiscard]] absl::StatusOr<SensorRay> sensor_ray(const WeatherSpec& spec,
                                                    const Atmosphere& atmosphere, double height_m,
                                                    const SensorLine& line, const BandChoice& bands);
@@ -62,8 +62,8 @@ class SensorPath {
   // Returns the path's radiance from its own emission and its surroundings' mean radiance.
   [[nodiscard]] AirSpectrum radiance(const AirSpectrum* surroundings) const;
 
-  // On the sweep's wavelengths: as they are; band means, carried on inside a band by Planck's
-  // function at the target's air temperature or by the sun's spectrum.
+  // Returns values on the sweep's wavelengths: unchanged, or band means that follow Planck's
+  // function at the target's air temperature, or the sun's spectrum, inside a band.
   [[nodiscard]] std::vector<double> per_wavelength(const AirSpectrum& of_band) const;
   [[nodiscard]] std::vector<double> spread_thermal(const AirSpectrum& thermal) const;
   [[nodiscard]] std::vector<double> plus_solar(std::vector<double> thermal,

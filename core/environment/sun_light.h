@@ -47,7 +47,7 @@ class SunLight {
   };
   [[nodiscard]] const Around& around() const;
 
-  // Transmittance from the sun to the target and through further air.
+  // Returns the transmittance from the sun to the target and through further air.
   [[nodiscard]] AirSpectrum joined(const AbsorberAmounts& amounts) const;
   // Behind near air: ratios of a ring's radiances to those at the target.
   struct LowerRatio {
@@ -69,23 +69,25 @@ class SunLight {
   // elevation.
   [[nodiscard]] AirSpectrum sky_on_level() const;
 
-  // Sunlight in one direction, between two rings (the second has the weight f), not averaged.
+  // Returns sunlight in one direction, between two rings (the second has the weight f), not
+  // averaged.
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
-  // One sigma by what is not known of a cloud, relative: of the beam, which is the mean over the
-  // bands, and of what air and cloud scatter, by which that of aerosol is increased.
+  // Returns one sigma of an incompletely known cloud, relative: of the beam, as a mean over the
+  // bands, and of the light that air and cloud scatter, which increases that of aerosol.
   [[nodiscard]] double beam_cloud_relative() const;
   [[nodiscard]] const AirSpectrum& scattered_model_relative() const { return scattered_relative_; }
   // Returns that error without what is not known of a cloud.
   [[nodiscard]] const AirSpectrum& air_model_relative() const { return air_relative_; }
-  // Sunlight of one ring of ThermalSurroundings::limb(): radiance at the target, not averaged, and
-  // its ratio behind near air.
+  // Returns sunlight of one ring of ThermalSurroundings::limb(): radiance at the target, not
+  // averaged, and its ratio behind near air.
   [[nodiscard]] AirSpectrum limb_towards(Vec<Body> direction, std::size_t ring) const;
   [[nodiscard]] AirSpectrum limb_ratio(std::size_t ring, const AbsorberAmounts& near) const;
 
  private:
-  // Scattered by a path of the sky, behind near air if any, with the forward peak of a cloud.
+  // Returns the sunlight scattered by a path of the sky, behind near air if any, with the forward
+  // peak of a cloud.
   [[nodiscard]] ScatteredSun scattered_in_sky(const PathLayers& path,
                                               const AbsorberAmounts* near = nullptr) const;
   [[nodiscard]] const CloudSunlight* cloud() const { return cloud_ ? &*cloud_ : nullptr; }
@@ -93,7 +95,8 @@ class SunLight {
   [[nodiscard]] const ScatteredSun& limb_source(std::size_t ring) const;
   // Transmittance from the sun to the surface and back to the target.
   [[nodiscard]] const AirSpectrum& far(std::size_t ring) const;
-  // up: 1 above the horizon, -1 below.
+  // Returns the mean phase function of a direction.
+  //   up  1 above the horizon, -1 below
   [[nodiscard]] PhaseMean phase(const std::vector<double>& sine, std::size_t ring, double up,
                                 std::uint32_t azimuth) const;
   [[nodiscard]] double zenith_deg() const;
@@ -110,7 +113,7 @@ class SunLight {
   [[nodiscard]] std::vector<double> lower_node_error(const std::vector<Lower>& lower) const;
   //   sky  [node][band that is wanted]
   [[nodiscard]] Lower make_lower(std::size_t ring, const BandRows<double>& sky) const;
-  // BRDF of a grey surface for sunlight, the same in all directions.
+  // Returns the BRDF of a grey surface for sunlight, the same in all directions. [1/sr]
   [[nodiscard]] double diffuse_per_sr() const;
   // Sets both kinds of interpolation error.
   void find_errors(Sky& sky) const;

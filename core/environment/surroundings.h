@@ -16,10 +16,10 @@ struct Surroundings {
   double lower_radiance_w_m2_sr_um = 0;              // kNone
 };
 
-// Radiance from above the horizon.                                       [W m^-2 sr^-1 um^-1]
+// Returns the radiance from above the horizon. [W m^-2 sr^-1 um^-1]
 [[nodiscard]] double sky_radiance_w_m2_sr_um(const Surroundings& s, double lambda_um);
 
-// Radiance from below the horizon:                                       [W m^-2 sr^-1 um^-1]
+// Returns the radiance from below the horizon:                            [W m^-2 sr^-1 um^-1]
 //   surface: eps B(T_sea) + (1 - eps) (L_sky + E_sun cos(sun zenith) / pi)
 //   sun_irradiance_w_m2_um: normal to the beam; 0 when the sun is below the horizon.
 [[nodiscard]] double lower_radiance_w_m2_sr_um(const Surroundings& s, double lambda_um,

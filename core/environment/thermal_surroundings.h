@@ -85,7 +85,7 @@ class ThermalSurroundings {
   // of falling rays that miss the Earth, by kLimb. Made when they are first asked for.
   [[nodiscard]] const std::vector<SkyRing>& limb() const;
 
-  // One more of the suns will not ask for LowerRing::cell any more.
+  // Notes that one more of the suns needs LowerRing::cell no longer.
   void sun_is_made() const;
 
   // Air between the target and land at kLandRangeM, level. Made when it is first asked for.
@@ -101,13 +101,13 @@ class ThermalSurroundings {
     return unknown_ ? &*unknown_ : nullptr;
   }
 
-  // surface_model_relative() of what is below the horizon.
+  // Returns surface_model_relative() of the surface below the horizon.
   [[nodiscard]] double surface_relative(double sine) const;
   // Returns one sigma of the model's radiance of a sky's ring.
   [[nodiscard]] AirSpectrum model_error_of(const SkyRing& ring) const;
 
-  // Radiance of the sky's ring through so much air in front, over its own.
-  //   through_near  its transmittance
+  // Returns the radiance of the sky's ring through so much air in front, over its own.
+  //   through_near  transmittance of that air
   [[nodiscard]] AirSpectrum sky_ratio(std::uint32_t ring, const AbsorberAmounts& near,
                                       const AirSpectrum& through_near) const {
     return ratio_behind(sky[ring], near, through_near);
@@ -157,16 +157,16 @@ inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.3
 // a rough sea above kMostSlopeWindMS, whose slopes are held there.
 [[nodiscard]] double surface_model_relative(const SurfaceBoundary& spec, double sine);
 
-// Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.
+// Returns the weights of rings in a mean over the hemisphere. sine: of the elevation, from 0 to 1.
 [[nodiscard]] std::vector<double> ring_weights(const std::vector<double>& sine);
 
 // Weights of a sky's rings in the irradiance of a level surface over pi; they add up to 1.
 [[nodiscard]] std::vector<double> level_weights(const std::vector<SkyRing>& sky);
 
-// Mean over the bands of error / radiance.
+// Returns the mean over the bands of error / radiance.
 [[nodiscard]] double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance);
 
-// The sine of the depression at which the sea's horizon lies, seen from a height.
+// Returns the sine of the depression at which the sea's horizon lies, seen from a height.
 [[nodiscard]] double sin_of_dip(const AirProfile& air, double height_m, bool refraction);
 
 }  // namespace irsig

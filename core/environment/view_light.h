@@ -25,7 +25,8 @@ class ViewLight {
   ViewLight(const ViewLight&) = delete;
   ViewLight& operator=(const ViewLight&) = delete;
 
-  //   sun    null: none, or nothing of it is used
+  // Computes what a view sees under a sun.
+  //   sun    null: none, or no effect uses it
   //   nodes  with those azimuths that `sun` has if its scattered light is used
   [[nodiscard]] ViewEnvironment seen_under(const SunLight* sun, const EffectSet& effects,
                                            std::uint32_t condition, const DirectionNodes& nodes);
@@ -44,8 +45,8 @@ class ViewLight {
   [[nodiscard]] const std::shared_ptr<const IncidentRadiance::Thermal>& rings();
   using Apparent = std::shared_ptr<const BandRows<double>>;
   [[nodiscard]] const Apparent& rings_apparent(bool joined_lines);
-  // Error bound of joining lines at three rings, for the light of one side, with the ratios in
-  // front of it.
+  // Returns the error bound of joining lines at three rings, for the light of one side, with the
+  // ratios in front of it.
   [[nodiscard]] double joined_lines_bound(RingRatios& ratio, double share,
                                           const std::vector<const AirSpectrum*>& light) const;
   [[nodiscard]] double joined_lines_bound(Solar* solar);
@@ -63,6 +64,7 @@ class ViewLight {
   [[nodiscard]] const AirSpectrum& sky_from_horizon(std::size_t ring);
   void add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
+  // Adds the light of land.
   //   sun     whose light the target sees on land; null: none
   //   behind  whose light the sensor sees on land behind the target; null: none
   //   path    sunlight that the air between target and sensor scatters

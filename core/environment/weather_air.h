@@ -15,10 +15,10 @@ namespace irsig {
 // a cover and without fog it is Atmosphere::radiance, to the last bit. Immutable.
 class WeatherAir {
  public:
+  // Makes the air of a weather. The cover lies in [0, 1] and has a cloud unless it is 0. Imported
+  // paths are left out. INVALID_ARGUMENT as in Environment::make.
   //   height_m  above the sea: of the point whose surroundings are scattered into paths; held
   //             between 1 m above the surface and 50 km
-  // The cover lies in [0, 1] and has a cloud unless it is 0. Imported paths are left out.
-  // INVALID_ARGUMENT as Environment::make has it.
   [[nodiscard]] static absl::StatusOr<WeatherAir> make(WeatherSpec weather, double height_m);
   WeatherAir(WeatherAir&&) noexcept;
   WeatherAir& operator=(WeatherAir&&) noexcept;
@@ -31,14 +31,15 @@ class WeatherAir {
   // Returns the ray through a profile: that of an overcast sky has the cloud's levels.
   using Ray = std::function<absl::StatusOr<LightPath>(const AirProfile&)>;
 
-  // The model error of a broken sky has sqrt(cover (1 - cover)) times the difference of both skies.
+  // Computes transmittance and radiance of a ray. The model error of a broken sky has sqrt(cover (1
+  // - cover)) times the difference of both skies.
   //   surroundings_w_m2_sr_um  scattered into the ray by air and aerosol, empty: none;
   //                            null: by each of the skies, with the surface below
   [[nodiscard]] absl::StatusOr<PathRadiance> radiance(
       Sight sight, const Ray& ray, const std::optional<SunPlace>& sun,
       const AirSpectrum* surroundings_w_m2_sr_um = nullptr) const;
 
-  // Direct sunlight on a plane normal to the beam, at a height.  [W m^-2 um^-1]
+  // Returns direct sunlight on a plane normal to the beam, at a height. [W m^-2 um^-1]
   [[nodiscard]] AirSpectrum sun_irradiance_w_m2_um(double height_m, const SunPlace& sun) const;
 
  private:

@@ -20,7 +20,8 @@ struct WeatherBounds {
   WeatherBounds(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
                 const DirectionNodes& rings, const BandChoice& bands);
 
-  // Largest phase function of the aerosol at that angle or any larger, whatever its asymmetry.
+  // Returns the largest phase function of the aerosol at that angle or any larger, whatever its
+  // asymmetry.
   [[nodiscard]] AirSpectrum aerosol_per_sr(double cosine) const;
   [[nodiscard]] bool grey() const;    // the surface
   [[nodiscard]] bool glints() const;  // the surface has glitter

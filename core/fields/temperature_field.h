@@ -44,7 +44,8 @@ struct TemperatureField {
   std::vector<FacetTemperatures> at;
 };
 
-// CSV: a header and one row for each value. Columns: `facet` (index) or `vertex`, counted from 0,
+// Reads a field from CSV or PLY. CSV: a header and one row for each value. Columns: `facet` (index)
+// or `vertex`, counted from 0,
 // or `x`, `y`, `z`; `temperature`; optional `error` (K, or F for degF) and `time` (RFC 3339). Lines
 // that start with # are remarks, and so are the columns `part` and `season`. PLY: text or binary,
 // vertices or faces with a property `temperature`, and perhaps `error`.

@@ -34,11 +34,13 @@ Vec<Frame> normalized(Vec<Frame> a) {
   return (1.0 / length(a)) * a;
 }
 
-// A level body (no pitch or roll) with its bow at heading_deg clockwise from true north.
+// Converts east-north-up to the frame of a level body (no pitch or roll) with its bow at
+// heading_deg clockwise from true north.
 [[nodiscard]] Vec<Body> body_from_enu(Vec<Enu> v, double heading_deg);
 [[nodiscard]] Vec<Enu> enu_from_body(Vec<Body> v, double heading_deg);
 
-// Unit vector from the target towards an aspect: 0 bow-on, 90 from starboard, + when above.
+// Returns the unit vector from the target towards an aspect: 0 bow-on, 90 from starboard, + when
+// above.
 [[nodiscard]] Vec<Body> body_from_aspect(double aspect_azimuth_deg, double aspect_elevation_deg);
 
 }  // namespace irsig

@@ -28,12 +28,12 @@ struct LineOfSight {
 [[nodiscard]] LineOfSight line_of_sight(const GeodeticPosition& target, double heading_deg,
                                         const Viewpoint& viewpoint);
 
-// Height of a point of the target's local frame (x east, y north, z up at `origin`), in metres
-// above the ellipsoid.
+// Returns the height of a point of the target's local frame (x east, y north, z up at `origin`), in
+// metres above the ellipsoid.
 [[nodiscard]] double height_m(const GeodeticPosition& origin, Vec<Enu> point_m);
 
-// Lowest height of the straight segment between two points of that frame: whether the sea hides one
-// from the other. A point at the waterline itself has height 0 to rounding (1e-8 m).
+// Returns the lowest height of the straight segment between two points of that frame: whether the
+// sea hides one from the other. A point at the waterline itself has height 0 to rounding (1e-8 m).
 [[nodiscard]] double lowest_height_m(const GeodeticPosition& origin, Vec<Enu> from_m,
                                      Vec<Enu> to_m);
 

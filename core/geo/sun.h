@@ -14,15 +14,16 @@ struct UtcTime {
   double second;  // [0, 61)
 };
 
-// RFC 3339 with offset: "2025-12-21T10:30:00+09:00", "2016-12-31T23:59:60Z". A time without offset
-// is an error.
+// Parses RFC 3339 with offset: "2025-12-21T10:30:00+09:00", "2016-12-31T23:59:60Z". A time without
+// offset is an error.
 [[nodiscard]] absl::StatusOr<UtcTime> parse_rfc3339(std::string_view text);
 [[nodiscard]] std::string format_rfc3339_utc(
     const UtcTime& time);  // "2025-12-21T01:30:00Z"; fractions only if any
 
 // Seconds since 1970-01-01T00:00:00Z without leap seconds (a leap second counts as the next one).
 [[nodiscard]] double unix_seconds(const UtcTime& time);
-// The inverse, for years 0 to 9999; to 0.2 us, as fine as such a double is in our century.
+// Inverts unix_seconds(), for years 0 to 9999; to 0.2 us, as fine as such a double is in our
+// century.
 [[nodiscard]] UtcTime utc_time(double unix_s);
 
 struct SunPosition {
@@ -34,7 +35,8 @@ struct SunPosition {
   Vec<Enu> direction;         // unit vector towards the sun
 };
 
-// Position of the sun's centre: ERFA, UT1 = UTC, no polar motion, no refraction; parallax, light
+// Computes the position of the sun's centre: ERFA, UT1 = UTC, no polar motion, no refraction;
+// parallax, light
 // time and aberration included.                                                            [erfa]
 //   latitude_deg [-90, 90], longitude_deg [-180, 360] east, height_m [-12e3, 4e7] above WGS 84
 //

@@ -15,16 +15,16 @@ struct Viewpoint {
 // last, azimuth fastest. Azimuths are wrapped into [0, 360). Elevations outside [-90, 90] are the
 // caller's error (checked).
 
-// count points spread evenly over the zone of elevations [min, max] on the sphere: elevation of
-// equal-area rings' mid points (sin elevation equidistant), azimuth by the golden angle.
-// [gonzalez2010]
+// Returns `count` points spread evenly over the zone of elevations [min, max] on the sphere:
+// elevation of equal-area rings' mid points (sin elevation equidistant), azimuth by the golden
+// angle. [gonzalez2010]
 [[nodiscard]] std::vector<Viewpoint> fibonacci_viewpoints(std::uint32_t count, double range_m,
                                                           double elevation_min_deg,
                                                           double elevation_max_deg);
 [[nodiscard]] std::vector<Viewpoint> grid_viewpoints(const std::vector<double>& azimuth_deg,
                                                      const std::vector<double>& elevation_deg,
                                                      double range_m);
-// count equally spaced azimuths from 0 at each elevation.
+// Returns `count` equally spaced azimuths from 0 at each elevation.
 [[nodiscard]] std::vector<Viewpoint> ring_viewpoints(std::uint32_t count,
                                                      const std::vector<double>& elevation_deg,
                                                      double range_m);

@@ -10,8 +10,8 @@ namespace irsig {
 // deg these are the 14 views (nadir counted in both planes) of [carson2015], figure 8.
 inline constexpr double kTrendZenithDeg = 60;
 
-// Mean of pi x BRDF over those views. Views without azimuths 0, 90, 180 and 270 have no such mean:
-// FAILED_PRECONDITION.
+// Returns the mean of pi x BRDF over the views at azimuths 0, 90, 180 and 270. FAILED_PRECONDITION:
+// such views are missing.
 [[nodiscard]] absl::StatusOr<Estimate> plane_mean(const GoniometerResult& result,
                                                   std::size_t channel, std::size_t source);
 

@@ -9,19 +9,19 @@ namespace irsig {
 
 // The results as text. `provenance`: lines that say where they come from, written as comments.
 
-// One line for each channel, source and view: brdf_per_sr and reflectance_factor = pi x brdf (1 for
-// a white diffuse plate), each with its standard error.
+// Writes one line for each channel, source and view: brdf_per_sr and reflectance_factor = pi x brdf
+// (1 for a white diffuse plate), each with its standard error.
 [[nodiscard]] std::string brdf_csv(const GoniometerResult& result,
                                    const std::vector<std::string>& provenance);
 
-// One line for each channel and view.
+// Writes one line for each channel and view.
 [[nodiscard]] std::string emissivity_csv(const GoniometerResult& result,
                                          const std::vector<std::string>& provenance);
 
-// The BRDF as a tabulated material (kind = "tabulated"): a full grid of lambda_um, theta_i_deg,
-// theta_r_deg and azimuth_deg (0 to 180; 180: the mirror's side). The two views at +-azimuth are
-// averaged, and so are f(in, out) and f(out, in) where both were measured: a material is
-// reciprocal, the few thousand grains in a field of view are so only on the average. In-band
+// Writes the BRDF as a tabulated material (kind = "tabulated"): a full grid of lambda_um,
+// theta_i_deg, theta_r_deg and azimuth_deg (0 to 180; 180: the mirror's side). The two views at
+// +-azimuth are averaged, and so are f(in, out) and f(out, in) where both were measured: a material
+// is reciprocal, but the few thousand grains in a field of view are so only on the average. In-band
 // channels stand at their mean wavelength; spectral ones of overlapping bands are refused.
 [[nodiscard]] absl::StatusOr<std::string> material_csv(const GoniometerResult& result,
                                                        const std::vector<std::string>& provenance);

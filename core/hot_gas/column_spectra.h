@@ -13,7 +13,7 @@ namespace irsig {
 // A sweep's wavelengths among the bands of hot gas.
 class GasWavelengths {
  public:
-  // OUT_OF_RANGE: a wavelength that the gas's tables have not.
+  // Prepares wavelengths. OUT_OF_RANGE: the gas's tables do not have one.
   [[nodiscard]] static absl::StatusOr<GasWavelengths> make(std::vector<double> um);
 
   [[nodiscard]] const std::vector<double>& um() const { return um_; }
@@ -50,7 +50,7 @@ struct ColumnLight {
 // Air between columns and sensor, on a sweep's wavelengths: made once, for all columns.
 class AirBeforeColumns {
  public:
-  // INVALID_ARGUMENT: wavelengths that the air's tables have not.
+  // Prepares the air. INVALID_ARGUMENT: the air's tables do not have a wavelength.
   [[nodiscard]] static absl::StatusOr<AirBeforeColumns> make(const AbsorberAmounts& air,
                                                              const GasWavelengths& wavelengths);
 
@@ -68,13 +68,14 @@ class AirBeforeColumns {
 // temperature, weighted with amounts and T^4.
 class HotColumn {
  public:
-  // Errors: those of core/gas (temperature, pressure and amounts that its tables have not).
+  // Prepares a column. Errors: those of core/gas (temperature, pressure and amounts outside its
+  // tables).
   //   wavelengths  of all columns and airs that meet; must outlive the column
   [[nodiscard]] static absl::StatusOr<HotColumn> make(const GasColumn& column,
                                                       const GasWavelengths& wavelengths);
 
   [[nodiscard]] ColumnLight at_near_end() const;
-  // air: of the same wavelengths
+  // Returns the column's light behind air of the same wavelengths.
   [[nodiscard]] ColumnLight behind(const AirBeforeColumns& air) const;
 
  private:

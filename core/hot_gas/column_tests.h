@@ -25,9 +25,10 @@ class ColumnTests {
   static constexpr std::size_t kDepths = 6, kLambdas = 2;
   static constexpr std::size_t kGases = kPlumeSpecies * kDepths * 3;
   static constexpr std::size_t kCount = kGases * (kLambdas + 1);
-  // Index of the optical depth of a gas.
+  // Returns the index of the optical depth of a gas.
   static std::size_t depth_of(std::size_t gas) { return gas / 3 % kDepths; }
-  // [gas][emitted at each wavelength, absorbed]; 0 of species that there are not.
+  // Computes the tests of a column, [gas][emitted at each wavelength, absorbed]; 0 of absent
+  // species.
   void test(const GasColumn& column, std::span<double> out) const;
   // Returns the absorbed fractions among the tests, in their order.
   [[nodiscard]] static std::array<double, kGases> absorbed(std::span<const double> tests);

@@ -4,9 +4,9 @@
 
 namespace irsig {
 
-// One sigma of ln(-ln T) of the bands of hot gas, from where their sources disagree: the optical
-// depth at `wavenumber_cm1` of CO2, H2O and CO together, at `temperature_k`. Of soot nothing is
-// known that could be compared. Sources and figures: docs/explanation/methods/gas.md.
+// Returns one sigma of ln(-ln T) of the bands of hot gas, from the disagreement of their sources:
+// the optical depth at `wavenumber_cm1` of CO2, H2O and CO together, at `temperature_k`. For soot
+// there is no second source. Sources and figures: docs/explanation/methods/gas.md.
 [[nodiscard]] double hot_depth_error(double wavenumber_cm1, double temperature_k);
 
 // Returns one sigma of a column's absorptance in a band. The gases' part of the optical depth

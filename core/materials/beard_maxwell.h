@@ -4,7 +4,7 @@
 
 namespace irsig {
 
-// The Beard-Maxwell BRDF with the parameters of the NEF database. [1/sr]
+// Prepares the Beard-Maxwell BRDF with the parameters of the NEF database. [1/sr]
 // [maxwell1973; westlund2002]
 //
 //   f_r = F(lambda, cos_d) D SO / (4 cos_i cos_o) + rho_d / pi + 2 rho_v / (pi (cos_i + cos_o))
@@ -23,7 +23,8 @@ namespace irsig {
 // creates_energy() says so.
 [[nodiscard]] BrdfModelOr prepare_beard_maxwell(const BeardMaxwell& spec, const PreparedFor& at);
 
-// B for which the projected area of the facets, the integral of D cos_h, is that of the surface.
+// Returns the B for which the projected area of the facets, the integral of D cos_h, is that of the
+// surface.
 [[nodiscard]] double beard_maxwell_normalised_bias(double width);
 
 }  // namespace irsig

@@ -23,7 +23,7 @@ class BrdfModel {
 
   virtual ~BrdfModel() = default;
 
-  // 1: grey. Otherwise one spectrum for each wavelength.
+  // Returns the number of spectra: 1 if grey, otherwise one for each wavelength.
   [[nodiscard]] virtual std::size_t spectra() const = 0;
   // Writes the BRDF of each spectrum. [1/sr]
   virtual void brdf_per_sr(const ReflectionGeometry& g, float* out) const = 0;
@@ -35,10 +35,10 @@ class BrdfModel {
                                      double sin_phi) const = 0;
   [[nodiscard]] virtual double density_per_sr(const ReflectionGeometry& g) const = 0;
 
-  // The limit of Material::cos_brdf_limit_per_sr(). [1/sr]
+  // Returns the limit of Material::cos_brdf_limit_per_sr(). [1/sr]
   [[nodiscard]] virtual double cos_brdf_limit_per_sr(const ReflectionRange& range) const = 0;
 
-  // The slopes of Material::narrowest_slope() and Material::roulette_slope2().
+  // Return the slopes of Material::narrowest_slope() and Material::roulette_slope2().
   [[nodiscard]] virtual double narrowest_slope() const = 0;
   [[nodiscard]] virtual double roulette_slope2() const = 0;
 };

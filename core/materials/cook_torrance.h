@@ -9,10 +9,12 @@
 
 namespace irsig {
 
-// Height-correlated Smith masking of Beckmann slopes of rms slope m. [heitz2014, eqs. 66, 99]
+// Returns the height-correlated Smith masking of Beckmann slopes of rms slope m. [heitz2014, eqs.
+// 66, 99]
 [[nodiscard]] double smith_masking(double cos_i, double cos_o, double m);
 
-// Fresnel reflectance at cos_d = (entry / cells)^2 for entry = 0 .. cells: dense where reflectance
+// Tabulates the Fresnel reflectance at cos_d = (entry / cells)^2 for entry = 0 .. cells: dense
+// where reflectance
 // rises towards grazing and where the pseudo-Brewster dip of metals lies (at cos_d = 1 / |n + ik|).
 // Linear between 512 entries: within 2e-5 up to |n + ik| = 32, 5e-5 at 25 + 90i. (256 entries
 // linear in cos_d left 2e-3 and 1.3e-2.)
@@ -39,11 +41,11 @@ template <typename Weight>
 
 [[nodiscard]] double dot(const std::vector<double>& moments, const std::vector<double>& table);
 
-// brdf cos_i / density of directions mirrored at Beckmann half vectors, for F = 1: G cos_d / (cos_o
-// cos_h).
+// Returns brdf cos_i / density of directions mirrored at Beckmann half vectors, for F = 1: G cos_d
+// / (cos_o cos_h).
 [[nodiscard]] double cook_torrance_weight(const ReflectionGeometry& g, double m, Masking masking);
 
-// V-groove masking min(1, 2 cos_h cos_i / cos_d, 2 cos_h cos_o / cos_d). [cook1982]
+// Returns V-groove masking min(1, 2 cos_h cos_i / cos_d, 2 cos_h cos_o / cos_d). [cook1982]
 [[nodiscard]] double v_groove_masking(const ReflectionGeometry& g);
 
 }  // namespace irsig

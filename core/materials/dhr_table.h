@@ -21,7 +21,7 @@ struct DhrTable {
 [[nodiscard]] DhrTable tabulate_dhr(std::size_t spectra,
                                     const std::function<void(double, std::span<double>)>& dhr);
 
-// cos theta of an entry.
+// Returns cos theta of an entry.
 [[nodiscard]] double dhr_table_cos(int entry, int cells);
 
 }  // namespace irsig

@@ -9,9 +9,9 @@ namespace irsig {
 
 // Do directions drawn from a material follow the density that it states?
 struct DirectionCheck {
-  double p_value;      // of chi-square over `bins`, the directions below the surface among them
-  int bins;            // of at least 10 expected directions each
-  double integral;     // of the density over the hemisphere
+  double p_value;         // of chi-square over `bins`, the directions below the surface among them
+  int bins;               // of at least 10 expected directions each
+  double integral;        // of the density over the hemisphere
   double fraction_above;  // of the directions drawn
 };
 
@@ -24,7 +24,7 @@ struct DirectionCheck {
                                               double cos_o, std::uint32_t samples,
                                               std::uint64_t seed);
 
-// Probability that chi-square with so many degrees of freedom is at least this large.
+// Returns the probability that chi-square with so many degrees of freedom is at least this large.
 // [dlmf, 8.11.4, 8.9.2]
 [[nodiscard]] double chi_square_p_value(double statistic, int degrees_of_freedom);
 

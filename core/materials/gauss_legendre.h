@@ -9,11 +9,11 @@ struct QuadratureRule {
   std::vector<double> x, w;
 };
 
-// Gauss-Legendre points. [dlmf, 3.5.v]
+// Returns Gauss-Legendre points. [dlmf, 3.5.v]
 [[nodiscard]] QuadratureRule gauss_legendre(int points);
 
-// Gauss-Legendre points after x = (1 - cos(pi t)) / 2, which turns a square root at either end of
-// the interval into an analytic function.
+// Returns Gauss-Legendre points after x = (1 - cos(pi t)) / 2, which turns a square root at either
+// end of the interval into an analytic function.
 [[nodiscard]] QuadratureRule gauss_legendre_between_roots(int points);
 
 }  // namespace irsig

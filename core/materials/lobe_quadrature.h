@@ -70,8 +70,8 @@ class LobeQuadrature {
   }
 
  private:
-  // The slope as a function of an integration variable x in [0, last()], and the share of half
-  // vectors in dx.
+  // Return the end of the integration variable x in [0, last()], the slope as a function of x, and
+  // the fraction of half vectors in dx.
   [[nodiscard]] double last() const {
     switch (lobe_.law) {
       case SlopeLaw::kBeckmann:

@@ -19,12 +19,12 @@ namespace irsig {
 class BrdfModel;
 struct DhrTable;
 
-// The ship's hull of [zhou2026] in three readings (its table contradicts itself:
-// docs/explanation/methods.md): hull, hull_index, hull_paper.
+// Returns the ship's hull of [zhou2026] in three readings, since its table contradicts itself
+// (docs/explanation/methods.md): hull, hull_index, hull_paper.
 [[nodiscard]] absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind);
 
-// Scalar Priest-Germer as the Cook-Torrance lobe that it is: m = sqrt(2) sigma, exact Fresnel, no
-// masking as published or that of V-grooves.
+// Returns scalar Priest-Germer as its Cook-Torrance lobe: m = sqrt(2) sigma, exact Fresnel, no
+// masking as published, or that of V-grooves.
 [[nodiscard]] CookTorrance as_cook_torrance(const PriestGermer& spec);
 
 // A material prepared for a set of wavelengths ("nodes", in any order, all in [lambda_min_um,
@@ -44,21 +44,21 @@ class Material {
                                           double lambda_max_um);
 
   [[nodiscard]] bool grey() const { return grey_; }
-  // Some wavelength and angle has DHR + emissivity > 1 + 1e-4.
+  // Returns true if DHR + emissivity > 1 + 1e-4 at some wavelength and angle.
   [[nodiscard]] bool creates_energy() const { return creates_energy_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_; }
-  // The rms slope of the narrowest lobe; infinite for diffuse materials. Light sources that are not
-  // much wider than the lobe are better met by drawn directions than aimed at.
+  // Returns the rms slope of the narrowest lobe; infinite for diffuse materials. Light sources that
+  // are not much wider than the lobe are better met by drawn directions than aimed at.
   [[nodiscard]] float narrowest_slope() const { return narrowest_slope_; }
-  // m^2 of a Beckmann lobe that is nowhere much below the material's brdf / its diffuse equivalent:
-  // how probable it is that a small light matters. 0: as for a diffuse material.
+  // Returns m^2 of a Beckmann lobe that is nowhere much below the material's brdf / its diffuse
+  // equivalent: how probable it is that a small light matters. 0: as for a diffuse material.
   [[nodiscard]] float roulette_slope2() const { return roulette_slope2_; }
 
-  // brdf x cos_i is nowhere larger at any node, for all reflections of a range: proven for each
-  // model (docs/explanation/methods/README.md, "The largest reflection"); infinite where a model
-  // has no limit there. [1/sr]
+  // Returns an upper bound of brdf x cos_i at all nodes, for all reflections of a range, proven for
+  // each model (docs/explanation/methods/README.md, "The largest reflection"); infinite where a
+  // model has no limit there. [1/sr]
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const;
-  // Upper bounds of brdf x cos_i for light of the given cosines and any view direction
+  // Return upper bounds of brdf x cos_i for light of the given cosines and any view direction
   // (limit_of_light_per_sr), and for view directions of the given cosines and any light
   // (limit_seen_per_sr). [1/sr]
   [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
@@ -66,9 +66,9 @@ class Material {
   // Says how much of the reflected light is how bright, at its largest node.
   [[nodiscard]] const ThrownLight& thrown_light() const { return thrown_light_; }
 
-  // The BRDF of a grey material. [1/sr]
+  // Returns the BRDF of a grey material. [1/sr]
   [[nodiscard]] float brdf_per_sr(const Reflection& r) const;
-  // The probability density of sample(), which does not depend on wavelength. [1/sr]
+  // Returns the probability density of sample(), which does not depend on wavelength. [1/sr]
   [[nodiscard]] float density_per_sr(const Reflection& r) const;
 
   struct Sampled {
@@ -77,13 +77,14 @@ class Material {
     float weight;  // grey: brdf cos_i / density; otherwise > 0; 0: the direction lies below the
                    // surface
   };
-  // A direction for w_o = (sin_o, 0, cos_o) in the local frame; which lobe: from u_lobe; u in (0,
-  // 1) and an angle: where in it.
+  // Draws a direction for w_o = (sin_o, 0, cos_o) in the local frame.
+  //   u_lobe  chooses the lobe
+  //   u, phi  in (0, 1) and an angle: the place in the lobe
   [[nodiscard]] Sampled sample(float cos_o, float u_lobe, float u, float cos_phi,
                                float sin_phi) const;
 
   [[nodiscard]] float emissivity(float cos_o) const { return emissivity_and_dhr(cos_o).emissivity; }
-  // The largest DHR over the nodes: the survival probability of a path.
+  // Returns the largest DHR over the nodes: the survival probability of a path.
   [[nodiscard]] float dhr_max(float cos_o) const { return emissivity_and_dhr(cos_o).dhr_max; }
   // Both tables' values at an angle share their position.
   struct EmissivityAndDhr {
@@ -97,7 +98,7 @@ class Material {
     return {entry[0] + t * (entry[2] - entry[0]), entry[1] + t * (entry[3] - entry[1])};
   }
 
-  // Spectral forms: one value for each node is written to out[0 .. nodes()).
+  // Write spectral forms, one value for each node, to out[0 .. nodes()).
   void spectral_brdf_per_sr(const Reflection& r, float* out) const;
   void spectral_weight(const Sampled& s, float* out) const;  // brdf cos_i / density
   void spectral_emissivity(float cos_o, float* out) const;
@@ -112,7 +113,7 @@ class Material {
                                      double lambda_min_um, double lambda_max_um);
   absl::Status prepare_model(const MaterialSpec& spec, const std::vector<double>& node_um,
                              double lambda_min_um, double lambda_max_um);
-  // forced_emissivity < 0: 1 - DHR.
+  // Sets the tables of DHR and emissivity. forced_emissivity < 0: the emissivity is 1 - DHR.
   void set_tables(const DhrTable& dhr, double forced_emissivity);
   [[nodiscard]] float model_brdf_per_sr(const Reflection& r) const;
   [[nodiscard]] float model_density_per_sr(const Reflection& r) const;
@@ -139,7 +140,8 @@ class Material {
   std::vector<float> emissivity_dhr_;       // [dhr_cells_ + 1][2]: emissivity (grey), largest DHR
   std::vector<float> spectral_emissivity_;  // [cell][node]
 
-  // Lambert and Cook-Torrance factor into brdf = shape(geometry) x reflectance(lambda, cos_d).
+  // Sets the limits. Lambert and Cook-Torrance factor into brdf = shape(geometry) x
+  // reflectance(lambda, cos_d).
   void set_limits();
   [[nodiscard]] double lobe_limit_per_sr(const ReflectionRange& range) const;
 

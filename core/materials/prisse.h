@@ -4,7 +4,7 @@
 
 namespace irsig {
 
-// The effective-roughness BRDF of PRISSE. [1/sr]  [wu2015, eqs. 3-6]
+// Prepares the effective-roughness BRDF of PRISSE. [1/sr]  [wu2015, eqs. 3-6]
 //
 //   f_r = F(lambda, cos_d) r(lambda) exp(-r tan_h^2) / (4 pi cos_d^2 cos_h^4)
 //   F = rho(lambda) + (1 - rho(lambda)) (1 - cos_d)^5
@@ -20,7 +20,7 @@ namespace irsig {
 // Limits: r <= 1e8 (slopes of 1e-4).
 [[nodiscard]] BrdfModelOr prepare_prisse(const Prisse& spec, const PreparedFor& at);
 
-// r at a wavelength.
+// Returns r at a wavelength.
 [[nodiscard]] double prisse_roughness_factor(const Prisse& spec, double lambda_um);
 
 }  // namespace irsig

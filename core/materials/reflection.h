@@ -23,7 +23,7 @@ struct ReflectionRange {
   double cos_i_min, cos_o_min, tan2_h_min;
   double cos_i_max = 1, cos_o_max = 1;
 
-  // cos_d cos_h = (cos_i + cos_o) / 2
+  // Returns the least cos_d, from cos_d cos_h = (cos_i + cos_o) / 2.
   [[nodiscard]] double cos_d_min() const { return 0.5 * (cos_i_min + cos_o_min); }
 };
 

@@ -4,7 +4,7 @@
 
 namespace irsig {
 
-// Sandford and Robertson's BRDF of paints, made reciprocal. [1/sr]  [sandford1985]
+// Prepares Sandford and Robertson's BRDF of paints, made reciprocal. [1/sr]  [sandford1985]
 //
 //   g(theta) = 1 / (1 + b^2 tan^2 theta),  G = (1 + b^2 ln b^2 / (1 - b^2)) / (1 - b^2)
 //   rho_S(theta) = 1 - (rho_D + epsilon) g(theta) / G

@@ -26,9 +26,10 @@ struct PilotLimits {
                                     const ViewPlan& plan, ViewSurroundings& surroundings,
                                     std::uint64_t samples);
 
-// The most that each effect can contribute to each row of a view, [condition x band of the
-// simulator], and the errors that the request wants of the rows. What surfaces emit is a lower
-// limit of what is seen whatever else happens; A: the area, Q0: what is left after the first facet.
+// Returns upper bounds on the contribution of each effect to each row of a view, [condition x band
+// of the simulator], and the errors that the request wants of the rows. The emission of surfaces is
+// a lower limit of the seen light in any case. A: the area, Q0: the throughput left after the first
+// facet.
 //
 //   reflected sky, sea, parts   Q0 x the brightest of them
 //   direct sun                  what facets mirror at most (UndersampledSources), and Q0 x the

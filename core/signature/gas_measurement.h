@@ -36,12 +36,12 @@ class GasMeasurement {
   void measure(const std::vector<double>& sent_w_sr);
 
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
-  // Upper bound of the gas's reflection where find() has met no gas. [m2]
+  // Returns an upper bound of the gas's reflection where find() has met no gas. [m2]
   [[nodiscard]] double unmet_m2() const;
-  // Emission in each band of the scene, at the target. [W/sr]
+  // Returns the emission in each band of the scene, at the target. [W/sr]
   [[nodiscard]] std::vector<double> sent_w_sr() const;
 
-  // which: of its conditions
+  // Returns the rows of one of its conditions.
   absl::StatusOr<std::vector<GasRow>> rows(std::size_t which) const;
 
  private:
@@ -76,7 +76,7 @@ class GasMeasurement {
 
   [[nodiscard]] std::uint32_t reflections(bool pilot) const;
 
-  // Number of groups of reflected gas: one for each part that is seen.
+  // Returns the number of groups of reflected gas: one for each part that is seen.
   [[nodiscard]] std::size_t groups() const { return on_hull_ ? scene_.target.part.size() : 1; }
 
   // Means over replicates, of one group or of all.
@@ -84,8 +84,8 @@ class GasMeasurement {
                                     std::size_t groups);
   [[nodiscard]] std::vector<double> sum_of(const std::vector<PathWeights>& weights) const;
 
-  // Ratio of a group's reflections at each wavelength to the mean with which its tests were
-  // weighted.
+  // Returns the ratio of a group's reflections at each wavelength to the mean with which its tests
+  // were weighted.
   [[nodiscard]] std::vector<double> reflected(std::size_t group) const;
 
   // Keeps the sums that the weights of all rays give.
@@ -94,7 +94,7 @@ class GasMeasurement {
   absl::Status prepare(const std::vector<GasColumn>& columns, std::vector<HotColumn>& hot,
                        std::vector<ColumnLight>& here) const;
 
-  // One after another the column that is least a sum of those before it.
+  // Chooses, one after another, the column that is least a sum of those chosen before.
   absl::Status choose_classes(const std::vector<GasColumn>& columns,
                               const std::vector<std::vector<double>>& tested,
                               const ColumnTests& tests);
@@ -108,8 +108,8 @@ class GasMeasurement {
   [[nodiscard]] std::vector<double> tests_of(std::initializer_list<const Nodes*> sets,
                                              std::size_t band) const;
 
-  // Difference between the tests of the nodes' columns and of the rays, as a fraction of the
-  // emission in a band.
+  // Returns the difference between the tests of the nodes' columns and of the rays, as a fraction
+  // of the emission in a band.
   [[nodiscard]] double misfit_relative(std::size_t which_band) const;
   // Returns by how much both sets of nodes may be off though they agree, as a share of what is sent
   // in a band: how far each column is from the sum of its tests that fits the other set's columns,
@@ -118,11 +118,12 @@ class GasMeasurement {
   // Returns what so many rays of each replicate may all have missed, as a share of what is sent in
   // a band.
   [[nodiscard]] double missed(std::size_t which_band, std::uint64_t samples) const;
-  // Emission in a band for each replicate, in the tests' terms.
+  // Returns the emission in a band for each replicate, in the tests' terms.
   [[nodiscard]] std::vector<double> sent_by_replicates(const std::vector<PathWeights>& weights,
                                                        std::size_t which_band) const;
 
-  // Mean absorption in every band of the scene as weights of test gases, by nodes and classes.
+  // Returns the mean absorption in every band of the scene as weights of test gases, by nodes and
+  // classes.
   [[nodiscard]] ThickGas thick() const;
 
   // Finds the error of the emission by the field's lattice: the change at half the resolution, on

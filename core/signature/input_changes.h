@@ -39,10 +39,11 @@ struct MeasuredPaths {
   std::span<const PathWeights> weights;  // of its paths
 };
 
-// [row of the result]. The same paths are used again; where inputs decide how paths weigh
-// (materials; a wind under glitter), they are traced a second time with the same random numbers.
-// Effects that the view leaves out are left out. Each air's rings of directions follow its own
-// horizon; weights are those of the view's rings. INVALID_ARGUMENT as Environment::view() has it.
+// Computes the changes of all rows under moved inputs, [row of the result]. The same paths are used
+// again; where inputs decide how paths weigh (materials; a wind under glitter), they are traced a
+// second time with the same random numbers. Effects that the view leaves out are left out. Each
+// air's rings of directions follow its own horizon; weights are those of the view's rings.
+// INVALID_ARGUMENT as in Environment::view().
 [[nodiscard]] absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured,
                                                                  const MovedView& moved);
 

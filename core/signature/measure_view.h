@@ -13,16 +13,18 @@
 
 namespace irsig {
 
-// The stored run: statistics, errors and thumbnails of the selected rows. prepared: of the same
-// request with the plan's effects; null, or made for other effects: it is made here. paths: gets
-// the weights of the paths, if it is not null.
+// Computes the stored run: statistics, errors and thumbnails of the selected rows.
+//   prepared  of the same request with the plan's effects; null, or made for other effects: made
+//             anew
+//   paths     receives the weights of the paths; null: not wanted
 [[nodiscard]] absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene,
                                                       const ViewRequest& request,
                                                       const ViewPlan& plan,
                                                       std::shared_ptr<const PreparedView> prepared,
                                                       std::vector<PathWeights>* paths = nullptr);
 
-// `known`, if it is of the request with the plan's effects and places to aim at; else a new one.
+// Returns `known` if it was prepared for the request with the plan's effects and places to aim at;
+// else a new one.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(
     const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
     std::shared_ptr<const PreparedView> known);

@@ -63,21 +63,21 @@ struct MeasuredIntensities {
 };
 [[nodiscard]] MeasuredIntensities measured(const MeasuredView& view, const Row& row);
 
-// Fraction of the silhouette that primary rays met from behind on one-sided facets, which emit
-// nothing there.
+// Returns the fraction of the silhouette that primary rays met from behind on one-sided facets,
+// which emit nothing there.
 [[nodiscard]] double backface_fraction(const MeasuredView& view);
 
-// The error that the request wants of a row: relative to its value, the absolute floor, and the
-// larger of both. [W/sr]
+// Return the error that the request wants of a row: relative to its value, the absolute floor, and
+// the larger of both. [W/sr]
 [[nodiscard]] double relative_goal_w_sr(const MeasuredView& view, const Row& row);
 [[nodiscard]] double absolute_floor_w_sr(const MeasuredView& view, const Row& row);
 [[nodiscard]] double goal_w_sr(const MeasuredView& view, const Row& row);
-// The standard error that a row may keep, besides its lasting bounds, for its numerical error to
-// reach its goal. [W/sr]
+// Returns the standard error with which a row reaches its goal, next to the bounds that more
+// samples do not lower. [W/sr]
 [[nodiscard]] double stderr_wanted_w_sr(const MeasuredView& view, const Row& row);
 
-// An upper limit on the throughput that goes on after so many reflections, which sampling hardly
-// exceeds: 4 standard errors, and as much as none of the samples may have met. [m2]
+// Returns an upper limit on the throughput that goes on after so many reflections, which sampling
+// hardly exceeds: 4 standard errors, and the throughput that none of the samples may have met. [m2]
 [[nodiscard]] double beyond_limit_m2(const MeasuredView& view, std::uint32_t reflections);
 
 // Brightness of facets in no hot part, for choosing facets to aim at: the largest radiance that a

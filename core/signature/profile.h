@@ -46,8 +46,9 @@ struct ProfileResult {
   PathCounts counts;                   // of everything traced, pilots included in rays only
 };
 
-// All numbers of reflections come from the same paths, whose weights are kept apart by the number
-// of reflections. Each point has its own seed, made of the scene's and the viewpoint's hash, the
+// Computes a profile. All numbers of reflections come from the same paths, whose weights are kept
+// apart by the number of reflections. Each point has its own seed, made of the scene's and the
+// viewpoint's hash, the
 // user's seed and the point itself; pilot and stored run use different ones.
 //
 // Replicates and selection as in the request; accuracy, max_reflections and thumbnail_px of the

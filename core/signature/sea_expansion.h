@@ -16,7 +16,8 @@ struct SeaSight {
   double wind_m_s, deviation;  // of one slope
 
   SeaSight(Vec<Body> towards, double wind);
-  // Upward normal of a facet, times 1 / its z upwards; slopes in standard deviations.
+  // Returns the upward normal of a facet, divided by its upward component; slopes in standard
+  // deviations.
   [[nodiscard]] Vec<Body> steep_normal(double slope_x, double slope_y) const;
   // Averages over a square of the picture, which is longer on the sea.
   [[nodiscard]] SlopeAverages averages(const SlopeCorrelation& sea, double side_m) const;
@@ -49,8 +50,8 @@ class SlopeExpansion {
   // Coefficients of slope_terms() with the glint's part in them, and the glint itself: sources that
   // vary independently.
   [[nodiscard]] std::vector<Numbers> sources() const;
-  // [source] Variance of its mean over a rectangle, in squares of its numbers. The last is what no
-  // term holds of the glint.
+  // Returns the variance of each source's mean over a rectangle, in squares of its numbers. The
+  // last is the part of the glint that no term holds. [source]
   [[nodiscard]] std::vector<double> variances(const SlopeAverages& averages) const;
 
  private:

@@ -27,7 +27,7 @@ class Simulator {
  public:
   static absl::StatusOr<std::unique_ptr<Simulator>> create(const SceneSpec& spec);
 
-  // prepare() and measure().
+  // Calls prepare() and measure().
   [[nodiscard]] absl::StatusOr<ViewResult> simulate(const ViewRequest& request) const;
   [[nodiscard]] absl::StatusOr<PlannedView> prepare(const ViewRequest& request) const;
   // Measures the planned request. Its seed and selection may differ, and the plan's number of

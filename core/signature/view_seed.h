@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// Random numbers: of the job, and of what is traced for it.
+// Returns the seed of a view's random numbers, from the job and the traced scene.
 [[nodiscard]] std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request);
 inline constexpr std::uint64_t kFirstPilotStage = 1, kSecondPilotStage = 2, kStoredStage = 4,
                                kEmissionStage = 5, kPictureStage = 0x91c;

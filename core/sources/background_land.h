@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// visit(source, weight): the sources of SourceLayout::behind_lands of which land at a point
-// consists as a sensor sees it.
+// Calls visit(source, weight) for the sources of SourceLayout::behind_lands of which land at a
+// point consists as a sensor sees it.
 //   range_m   from the sensor
 //   mix       of that point
 //   shaded    (sun): whether anything but land shades that point

@@ -35,7 +35,7 @@ struct ConditionSpec {
   std::vector<double> land_temperature_error_k = {};  // likewise; empty: known
 };
 
-// Sine of the depression of the horizon above a sphere without air, from so high.
+// Returns the sine of the depression of the horizon above a sphere without air, from such a height.
 [[nodiscard]] double sine_of_dip(double height_m);
 
 // Returns true if some of the sun's disk is above the horizon.

@@ -49,10 +49,9 @@ class ConditionSources {
   ConditionSources(ConditionSources&&) = default;
   ConditionSources(const ConditionSources&) = delete;  // sources point to the spectra
 
-  // Radiance of a source that is not around the target; for the sun: irradiance. At the target, and
-  // what of it arrives at the sensor. What is behind the target is no source: it has the latter
-  // only.
-  //                                                           [W/(m2 sr um)], [W/(m2 um)]
+  // Returns the radiance of a source that is not around the target (for the sun: the irradiance),
+  // at the target, and the part of it that arrives at the sensor. The background behind the target
+  // is no source and has the second alone. [W/(m2 sr um)], [W/(m2 um)]
   [[nodiscard]] std::span<const double> radiance(SourceId id) const {
     IRSIG_CHECK(light_[index_of(id)].radiance != nullptr);
     return {light_[index_of(id)].radiance, none_.size()};
@@ -81,7 +80,7 @@ class ConditionSources {
     std::array<double, 4> weight{1};
   };
   [[nodiscard]] EmitterShare fraction_of(std::uint32_t emitter) const;
-  // An emitter that paths have met and whose temperature is not known.
+  // Returns an emitter that paths have met and whose temperature is not known.
   [[nodiscard]] std::optional<std::uint32_t> unknown_emitter(const SourceWeights& of_paths,
                                                              std::size_t parts) const;
   // Returns, for sums over parts of one replicate's weights, the additional emission if every
@@ -104,7 +103,7 @@ class ConditionSources {
   };
   [[nodiscard]] LandParts land_parts_w_m2_sr(SourceId behind, const BandOnAxis& band) const;
   [[nodiscard]] bool has_land_errors() const { return !land_error_.empty(); }
-  // The most by which a radiance between blackbodies can be wrong, relative to it.
+  // Returns the largest relative error of a radiance between blackbodies.
   [[nodiscard]] double emission_error(double shortest_um) const {
     return by_element() ? layout_.nodes.relative_error(shortest_um) : 0;
   }
@@ -113,19 +112,20 @@ class ConditionSources {
   // Returns the sources of each cause.
   [[nodiscard]] std::array<std::vector<SourceRange>, kCauses> causes() const;
 
-  // The largest in-band radiance of a part. [W/(m2 sr)]
+  // Returns the largest in-band radiance of a part. [W/(m2 sr)]
   [[nodiscard]] double part_w_m2_sr(std::uint32_t part, const BandOnAxis& band) const;
-  // The largest in-band radiance of sky and what is below the horizon. [W/(m2 sr)]
+  // Returns the largest in-band radiance of the sky and of the surface below the horizon. [W/(m2
+  // sr)]
   [[nodiscard]] double brightest_around_w_m2_sr(const BandOnAxis& band) const;
-  // The largest in-band radiance of anything but the sun. [W/(m2 sr)]
+  // Returns the largest in-band radiance of anything but the sun. [W/(m2 sr)]
   [[nodiscard]] double brightest_thermal_w_m2_sr(const BandOnAxis& band) const;
-  // The largest in-band radiance of any source, a sunlit white surface included: what a lost path
-  // can have carried at most. [W/(m2 sr)]
+  // Returns the largest in-band radiance of any source, a sunlit white surface included: the most
+  // that a lost path can have carried. [W/(m2 sr)]
   [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band) const {
     return brightest_w_m2_sr(band, brightest_thermal_w_m2_sr(band));
   }
   [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band, double brightest_thermal) const;
-  // Coldest and hottest temperature of emitting surfaces, at least 1 K each. [K]
+  // Return the coldest and hottest temperature of emitting surfaces, at least 1 K each. [K]
   [[nodiscard]] double coldest_k() const { return coldest_k_; }
   [[nodiscard]] double hottest_k() const { return hottest_k_; }
 
@@ -160,7 +160,7 @@ class ConditionSources {
   const ViewEnvironment* environment_;
 };
 
-// Integral of a spectrum on the sweep's nodes over a band.
+// Returns the integral of a spectrum on the sweep's nodes over a band.
 [[nodiscard]] double in_band(std::span<const double> spectrum, const BandOnAxis& band);
 
 }  // namespace irsig

@@ -57,10 +57,10 @@ class BlackbodyNodes {
   };
   [[nodiscard]] Share share(double kelvin) const;
 
-  // The most by which a radiance that is put together so can be wrong, relative to it, at
-  // wavelengths from this one on. With x = c2 / (lambda T), n = 1 / (exp(x) - 1) and a step h of x:
-  // 9/384 h^4 n'''' at the hottest node / n at the coldest, since all derivatives of n fall in size
-  // with x. The step of 1 / T is 2e-5 / K: 2e-6 at 3 um and 300 K, 1e-5 at 2 um.
+  // Returns the largest relative error of an interpolated radiance, at wavelengths from this one
+  // on. With x = c2 / (lambda T), n = 1 / (exp(x) - 1) and a step h of x: 9/384 h^4 n'''' at the
+  // hottest node / n at the coldest, since all derivatives of n fall in size with x. The step of 1
+  // / T is 2e-5 / K: 2e-6 at 3 um and 300 K, 1e-5 at 2 um.
   [[nodiscard]] double relative_error(double shortest_um) const;
 
  private:

@@ -109,8 +109,8 @@ class Land {
  private:
   [[nodiscard]] Vec<Enu> place(Vec<Body> p) const;
   [[nodiscard]] Vec<Enu> direction(Vec<Body> d) const;
-  // How much higher a line of sight leaves the sensor than a straight one, as a slope of z along x
-  // and along y.
+  // Returns by how much a line of sight leaves the sensor higher than a straight one, as a slope of
+  // z along x and along y.
   [[nodiscard]] Vec<Enu> lift(Vec<Body> sensor) const;
   [[nodiscard]] double raised_m(Vec<Enu> p) const { return bend_per_m_ * (p.x * p.x + p.y * p.y); }
   [[nodiscard]] std::optional<LandPoint> meet(Vec<Enu> origin, Vec<Enu> towards,

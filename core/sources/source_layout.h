@@ -84,7 +84,8 @@ class SourceLayout {
     // Index of the emitter, the node (below the horizon: as above it), the sun; of land: kind x
     // ranges + node of the range.
     std::uint32_t index;
-    std::uint32_t second = 0;  // of kGlintCosines; of a sun's land: material x ranges + node of the range
+    // Of kGlintCosines; of the land of a sun: material x ranges + node of the range.
+    std::uint32_t second = 0;
   };
   [[nodiscard]] Place place_of(SourceId id) const;
 
@@ -124,7 +125,7 @@ class SourceLayout {
   [[nodiscard]] std::uint32_t behind_ranges() const { return behind_ranges_; }
 
   [[nodiscard]] SourceRange all() const { return {0, count()}; }
-  // All but what stands behind the target.
+  // Returns all sources but those behind the target.
   [[nodiscard]] SourceRange of_intensity() const { return {0, behind_}; }
   [[nodiscard]] SourceRange emitted() const { return {0, emitters_}; }
   [[nodiscard]] SourceRange all_emitted() const { return {0, sky_}; }  // reflected or not
@@ -133,7 +134,7 @@ class SourceLayout {
   [[nodiscard]] SourceRange around() const { return {sky_, land_}; }
   [[nodiscard]] SourceRange land() const { return {land_, sun_}; }
   [[nodiscard]] SourceRange land_suns() const { return {land_sun_, behind_}; }
-  // Sunlit land of sun j: around, behind.
+  // Return the sources of land lit by sun j: around the target, and behind it.
   [[nodiscard]] SourceRange land_suns(std::uint32_t j) const {
     const std::uint32_t first = index_of(land_sun(j, 0, 0));
     return {first, first + land_materials_ * land_ranges_};
@@ -158,13 +159,13 @@ class SourceLayout {
  private:
   [[nodiscard]] static SourceLayout make(std::uint32_t emitters, const SourceGeometry& geometry,
                                          bool one_land_sun);
-  // Which of the suns that land has sources for.
+  // Returns which of the suns that have sources on land this is.
   [[nodiscard]] std::uint32_t land_slot(std::uint32_t j) const {
     return land_suns_ == suns_ ? j : 0;
   }
 
-  std::uint32_t emitters_ = 0, suns_ = 0, land_suns_ = 0, glint_nodes_ = 0, land_kinds_ = 0, land_materials_ = 0,
-                land_ranges_ = 0, behind_ranges_ = 0;
+  std::uint32_t emitters_ = 0, suns_ = 0, land_suns_ = 0, glint_nodes_ = 0, land_kinds_ = 0,
+                land_materials_ = 0, land_ranges_ = 0, behind_ranges_ = 0;
   // Index at which each kind begins.
   std::uint32_t sky_ = 0, lower_ = 0, land_ = 0, sun_ = 0, glint_ = 0, land_sun_ = 0, behind_ = 0,
                 behind_land_ = 0, behind_land_sun_ = 0, end_ = 0;

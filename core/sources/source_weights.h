@@ -34,7 +34,7 @@ class SourceWeights {
   }
   [[nodiscard]] std::size_t columns() const { return columns_; }
 
-  // The row to add to. Valid until the next call.
+  // Returns the row to add to. Valid until the next call.
   [[nodiscard]] double* row(std::uint32_t first, SourceId id) {
     const std::uint32_t i = index_of(id);
     std::uint32_t& page = page_[static_cast<std::size_t>(first) * pages_ + i / kPage];
@@ -55,8 +55,8 @@ class SourceWeights {
     return row == nullptr ? 0 : row[column];
   }
 
-  // visit(source, row) in increasing order of the sources of a range; those of pages that no path
-  // has met are left out.
+  // Calls visit(source, row) in increasing order of the sources of a range, without those of pages
+  // that no path has met.
   template <typename Visit>
   void for_each(std::uint32_t first, SourceRange range, Visit&& visit) const {
     for (std::uint32_t i = range.first; i < range.last;) {
@@ -67,11 +67,11 @@ class SourceWeights {
     }
   }
 
-  // Sum over sources of a range, and over columns, of entry[source][column] x weight. Its order is
-  // fixed by the range and the columns alone.
+  // Returns the sum over sources of a range, and over columns, of entry[source][column] x weight.
+  // Its order depends on the range and the columns alone.
   [[nodiscard]] double dot(std::uint32_t first, SourceRange range, const double* entry) const;
 
-  // All numbers 0 again; the memory is kept.
+  // Sets all numbers to 0 and keeps the memory.
   void clear();
   // Adds factor x the other's, a table of the same shape.
   void add(double factor, const SourceWeights& other);
@@ -100,7 +100,7 @@ struct SummedWeights {
     return value.data() + index_of(id) * columns;
   }
 };
-// Over parts 0 .. parts - 1.
+// Sums weights over parts 0 .. parts - 1.
 [[nodiscard]] SummedWeights summed(const SourceWeights& weights, const SourceLayout& layout,
                                    std::size_t parts);
 

@@ -66,7 +66,7 @@ class ViewSources {
   std::vector<std::optional<ConditionSources>> one_sky_;
 };
 
-// Sea or ground of a condition, or none.
+// Returns the sea or ground of a condition, or none.
 //   horizon  null: seen by straight lines
 [[nodiscard]] Boundary boundary_of(const ConditionSpec& condition, double surface_z_m,
                                    const Environment::Horizon* horizon = nullptr);

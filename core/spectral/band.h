@@ -43,8 +43,8 @@ struct BandGrid {
       band_weight;  // in-band integral = sum of band_weight[i] L(node_i) [um, response included]
 };
 
-// band_weight is never negative; it integrates response x L exactly for every L that is linear over
-// a panel, wherever the response has its corners.
+// Makes a grid. band_weight is never negative; it integrates response x L exactly for every L that
+// is linear over a panel, wherever the response has its corners.
 // INVALID_ARGUMENT: limits that are reversed or not positive, a step that is not positive, wider
 // than the band, or more than a million of them, a response that does not increase, is negative, or
 // 0 everywhere in the band.
@@ -54,20 +54,20 @@ struct BandGrid {
                                                       std::span<const double> breaks_um = {},
                                                       std::span<const double> corners_um = {});
 
-// Response of the band at a wavelength (0 outside).
+// Returns the response of the band at a wavelength (0 outside).
 [[nodiscard]] double band_response(const Band& band, double lambda_um);
 
-// The temperature of the blackbody with the given in-band radiance through the band's response
-// (relative response: the integral of response x L_b). Closed form for an empty response,
+// Returns the temperature of the blackbody with the given in-band radiance through the band's
+// response (relative response: the integral of response x L_b). Closed form for an empty response,
 // quadrature otherwise. 0 for radiance 0. NaN for a radiance that no blackbody has: negative, not
-// finite, or above that at kPlanckTemperatureMaxK; whoever stores the temperature must look
+// finite, or above that at kPlanckTemperatureMaxK. Callers that store the temperature must check it
 // (runner/check_numbers.h).
 [[nodiscard]] double apparent_temperature_k(const Band& band, const BandGrid& grid,
                                             double radiance_w_m2_sr);
 
-// Largest difference, over [t_min_k, t_max_k], between the exact in-band integral of L_b and the
-// grid's, relative to the grid's, found at 9 temperatures: the spectral quadrature bound. Measured
-// for 240-800 K at 0.05 um steps: 1.1e-10 (3-5 um), 1.2e-12 (8-12 um).
+// Returns the spectral quadrature bound: the largest difference, over [t_min_k, t_max_k], between
+// the exact in-band integral of L_b and the grid's, relative to the grid's, found at 9
+// temperatures. Measured for 240-800 K at 0.05 um steps: 1.1e-10 (3-5 um), 1.2e-12 (8-12 um).
 [[nodiscard]] double quadrature_relative_bound(const Band& band, const BandGrid& grid,
                                                double t_min_k, double t_max_k);
 

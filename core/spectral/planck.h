@@ -9,7 +9,7 @@ inline constexpr double kPlanckLambdaMinUm = 1e-6;
 inline constexpr double kPlanckLambdaMaxUm = 1e9;
 inline constexpr double kPlanckTemperatureMaxK = 1e12;
 
-// Blackbody spectral radiance L_b(lambda, T) in vacuum.    [W m^-2 sr^-1 um^-1]
+// Returns the blackbody spectral radiance L_b(lambda, T) in vacuum. [W m^-2 sr^-1 um^-1]
 //
 //   L_b = c1L / (lambda^5 (exp(c2 / (lambda T)) - 1))      [cie_s_017, 17-24-005]
 //
@@ -23,12 +23,12 @@ inline constexpr double kPlanckTemperatureMaxK = 1e12;
 // wherever the result underflows.
 [[nodiscard]] double planck_radiance_w_m2_sr_um(double lambda_um, double temperature_k);
 
-// d L_b / d T.                                             [W m^-2 sr^-1 um^-1 K^-1]
+// Returns d L_b / d T. [W m^-2 sr^-1 um^-1 K^-1]
 // Accuracy and limits: as above, largest relative error 4.6e-14.
 [[nodiscard]] double planck_radiance_derivative_w_m2_sr_um_k(double lambda_um,
                                                              double temperature_k);
 
-// Integral of L_b over [lambda_min_um, lambda_max_um], min <= max.    [W m^-2 sr^-1]
+// Returns the integral of L_b over [lambda_min_um, lambda_max_um], min <= max. [W m^-2 sr^-1]
 //
 // Accuracy: largest relative error 8e-14 against 60-digit arithmetic (3-5 um at 50 K, 3.5e-22, and
 // bands as narrow as 8.5-9 um included); 4e-15 where the exponent is small. Panels of
@@ -44,7 +44,7 @@ inline constexpr double kPlanckTemperatureMaxK = 1e12;
                                                                double lambda_max_um,
                                                                double temperature_k);
 
-// The temperature of the blackbody with the given band radiance; 0 for radiance 0.    [K]
+// Returns the temperature of the blackbody with the given band radiance; 0 for radiance 0. [K]
 //
 // NaN where there is none: a radiance that is negative, not finite, or above that of a blackbody at
 // kPlanckTemperatureMaxK.
@@ -54,7 +54,7 @@ inline constexpr double kPlanckTemperatureMaxK = 1e12;
 [[nodiscard]] double apparent_temperature_k(double lambda_min_um, double lambda_max_um,
                                             double radiance_w_m2_sr);
 
-// The temperature of the blackbody with the given spectral radiance; 0 for radiance 0.    [K]
+// Returns the temperature of the blackbody with the given spectral radiance; 0 for radiance 0. [K]
 // NaN and accuracy: as above.
 [[nodiscard]] double monochromatic_temperature_k(double lambda_um,
                                                  double spectral_radiance_w_m2_sr_um);

@@ -6,8 +6,8 @@
 
 namespace irsig {
 
-// Extraterrestrial solar spectral irradiance at 1 au.        [W m^-2 um^-1]      [astm_e490]
-// Linear between the table's points; 0 outside 0.1195-1000 um.
+// Returns the extraterrestrial solar spectral irradiance at 1 au, linear between the table's
+// points; 0 outside 0.1195-1000 um. [W m^-2 um^-1]  [astm_e490]
 // Accuracy: the table's, by the trapezoidal rule 1366.09 W/m2 in all and 21.1 W/m2 in 3-5 um
 // (tests/physics/solar_test.cpp).
 [[nodiscard]] double solar_irradiance_w_m2_um(double lambda_um);

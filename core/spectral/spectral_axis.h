@@ -32,7 +32,7 @@ class SpectralAxis {
   [[nodiscard]] std::size_t nodes() const { return node_um_.size(); }
   [[nodiscard]] std::size_t bands() const { return grid_.size(); }
   [[nodiscard]] const std::vector<BandGrid>& grids() const { return grid_; }
-  // The axis outlives what is returned.
+  // Returns a band, which the axis outlives.
   [[nodiscard]] BandOnAxis band(std::size_t b) const { return {grid_[b], first_node_[b]}; }
 
  private:

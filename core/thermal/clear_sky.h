@@ -24,32 +24,34 @@ struct ClearSkyIrradiance {
   double diffuse_horizontal_w_m2;  // with what ground and sky reflect to each other
   bool low_sun;                    // elevation below 5 deg: the model is then untested
 };
-// Rayleigh scattering, ozone, uniformly mixed gases, water and aerosol as factors of the direct
-// beam; the diffuse part with a forward share of aerosol scattering of 0.84 and an albedo of
-// aerosol absorption K1 = 0.1. Relative air mass of [kasten1966]. All of its inputs must be finite
-// and >= 0; 0 for a sun at or below the horizon. Within 10 % of rigorous codes, by its
-// authors; zenith below 85 deg.
+// Computes the irradiance under a clear sky. Rayleigh scattering, ozone, uniformly mixed gases,
+// water and aerosol are factors of the direct beam; the diffuse part has a forward fraction of
+// aerosol scattering of 0.84 and an albedo of aerosol absorption K1 = 0.1. Relative air mass of
+// [kasten1966]. All inputs must be finite and >= 0; 0 for a sun at or below the horizon. Within 10
+// % of rigorous codes, by its authors; zenith below 85 deg.
 [[nodiscard]] ClearSkyIrradiance clear_sky_irradiance(const ClearSkyInput& input);
 
-// On a day of the year [1, 366]: 1361 W/m2 [kopp2011] times the inverse square of the distance, by
-// the series of [spencer1971]: 0.01 %.
+// Returns the extraterrestrial irradiance on a day of the year [1, 366]: 1361 W/m2 [kopp2011] times
+// the inverse square of the distance, by the series of [spencer1971]: 0.01 %.
 [[nodiscard]] double extraterrestrial_w_m2(double day_of_year);
 
-// Pressure of water vapour in air with this dew point; at saturation, that of the air: 611.2 Pa
-// exp(17.62 t / (243.12 + t)), t in deg C [sonntag1990]: 0.3 % from -45 to 60 deg C.
+// Returns the pressure of water vapour in air with this dew point; at saturation, that of the air:
+// 611.2 Pa exp(17.62 t / (243.12 + t)), t in deg C [sonntag1990]: 0.3 % from -45 to 60 deg C.
 [[nodiscard]] double vapour_pressure_pa(double dew_point_k);
-// The inverse; vapour pressure > 0.
+// Inverts vapour_pressure_pa(). Vapour pressure > 0.
 [[nodiscard]] double dew_point_k(double vapour_pressure_pa);
 
-// Water in a column whose vapour decreases as usual with height [prata1996]: 46.5 cm K/hPa e / T.
+// Returns the water in a column whose vapour decreases as usual with height [prata1996]: 46.5 cm
+// K/hPa e / T.
 [[nodiscard]] double precipitable_water_cm(double air_k, double vapour_pressure_pa);
 
-// Long-wave emissivity of the clear sky: horizontal irradiance = emissivity sigma T_air^4.
+// Return the long-wave emissivity of the clear sky: horizontal irradiance = emissivity sigma
+// T_air^4.
 //
 // 1 - (1 + w) exp(-sqrt(1.2 + 3 w)), w = precipitable_water_cm [prata1996].
 [[nodiscard]] double sky_emissivity_prata(double air_k, double vapour_pressure_pa);
-// 0.711 + 0.56 d + 0.73 d^2 + 0.013 cos(2 pi hour / 24) + 0.00012 (p - 1000 hPa), d = dew point in
-// 100 deg C, hour of local solar time [berdahl1984].
+// Returns 0.711 + 0.56 d + 0.73 d^2 + 0.013 cos(2 pi hour / 24) + 0.00012 (p - 1000 hPa), d = dew
+// point in 100 deg C, hour of local solar time [berdahl1984].
 [[nodiscard]] double sky_emissivity_berdahl_martin(double dew_point_k, double solar_hour,
                                                    double pressure_pa);
 

@@ -21,17 +21,18 @@ inline constexpr Convection kForcedOnly{0, 0, 0};
 // ground.
 inline constexpr Convection kMowitt{0.84, 0.84, 0};
 enum class WindSide { kWindward, kLeeward };
-// a, b = 3.26, 0.89 windward and 3.55, 0.617 leeward; wind_m_s >= 0.
+// Returns the forced part with a, b = 3.26, 0.89 windward and 3.55, 0.617 leeward; wind_m_s >= 0.
 [[nodiscard]] double mowitt_forced_w_m2_k(double wind_m_s, WindSide side);
 
-// Natural convection of large faces in air near 300 K, as in TARP [walton1983]:
+// Returns the natural convection of large faces in air near 300 K, as in TARP [walton1983]:
 //   9.482 / (7.238 - |c|)  unstable: a face that looks up is the warmer, or down and the colder
 //   1.810 / (1.382 + |c|)  stable; both are 1.31 for a vertical face
 //   cos_tilt c  of the face's outward normal to the vertical: 1 looks up, -1 down
 // mixing 1: forced parts add. Turbulent: |T_s - T_a| times the cube of the size above about 1 K
 // m^3.
 [[nodiscard]] Convection tarp_natural(double cos_tilt);
-// 2.537 R sqrt(perimeter wind / area), half of it on the leeward side [sparrow1979, walton1983]:
+// Returns 2.537 R sqrt(perimeter wind / area), half of it on the leeward side [sparrow1979,
+// walton1983]:
 // rectangles in wind at up to some 1e5 of Reynolds number.
 //   roughness R: 1 glass, 1.11 smooth paint, 1.67 rough concrete, 2.17 stucco
 [[nodiscard]] double tarp_forced_w_m2_k(double wind_m_s, double perimeter_m, double area_m2,
@@ -45,7 +46,7 @@ struct Fluid {
 // volumetric heat capacity 4.10 MJ/(m3 K) (0.5 %).
 [[nodiscard]] Fluid sea_water(double temperature_k);
 
-// Mean h along a plate in a flow parallel to it [incropera2007, eqs. 7.30, 7.38]:
+// Returns the mean h along a plate in a flow parallel to it [incropera2007, eqs. 7.30, 7.38]:
 //   Re < 5e5: Nu = 0.664 Re^(1/2) Pr^(1/3), above: Nu = (0.037 Re^(4/5) - 871) Pr^(1/3)
 // 0 at speed 0. Range: 0.6 < Pr < 60, Re < 1e8; a hull's Re goes to 1e9. 15 to
 // 25 % of h; a hull's curvature, fouling and wake are not in it.

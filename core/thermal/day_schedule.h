@@ -19,15 +19,16 @@ struct DaySchedule {
   bool steps = false;
 };
 
-// INVALID_ARGUMENT: no times, times outside the day or that do not increase, values that are no
-// numbers.
+// Checks a schedule. INVALID_ARGUMENT: no times, times outside the day or that do not increase,
+// values that are not numbers.
 [[nodiscard]] absl::Status check_schedule(const DaySchedule& schedule);
 
 // Returns the value at an instant (seconds since 1970 UTC, without leap seconds); at a step's own
 // time the new value. The schedule has passed check_schedule().
 [[nodiscard]] double value_at(const DaySchedule& schedule, double unix_s);
 
-// The schedule's times between two instants, both excluded, increasing: where it jumps or bends.
+// Returns the schedule's times between two instants, both excluded, increasing: where it jumps or
+// bends.
 [[nodiscard]] std::vector<double> times_between(const DaySchedule& schedule, double begin_unix_s,
                                                 double end_unix_s);
 

@@ -44,7 +44,7 @@ struct SurfaceWater {
   double moisture = 0;  // of what plants do not cover, 0 dry .. 1 as wet as water
   std::optional<Canopy> canopy = {};
 };
-// InvalidArgument names the number that is out of its range.
+// Checks the water of a surface. INVALID_ARGUMENT names the number that is out of its range.
 [[nodiscard]] absl::Status check_water(const SurfaceWater& water);
 [[nodiscard]] Evaporation evaporation_of(const SurfaceWater& water);
 

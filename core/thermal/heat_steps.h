@@ -71,7 +71,7 @@ struct HeatLanes {
   HeatLane closure_w_m2;
 };
 
-// All the steps of one interval.
+// Computes all steps of one interval.
 void advance(const ConductionGrid& grid, const HeatInterval& interval, HeatLanes& lanes);
 
 }  // namespace irsig

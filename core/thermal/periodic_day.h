@@ -14,7 +14,7 @@ class PeriodicDay {
     std::vector<double> begin_k;  // [node]
     double left_k;                // largest distance from the last begin to this one
   };
-  // A day that began and ended so, [node].
+  // Takes a day's begin and end, and returns the next begin. [node]
   [[nodiscard]] Next next(std::span<const double> begin_k, std::span<const double> end_k);
 
  private:

@@ -17,14 +17,16 @@ class ExposureTable {
  public:
   ExposureTable(std::size_t elements, InnerSide inner, bool wet);
 
-  // Filled with NaN.
+  // Returns the table filled with NaN.
   [[nodiscard]] Exposure empty();
-  // InvalidArgument names the interval, the element (by `name`) and the number that is wrong.
+  // Checks an interval. INVALID_ARGUMENT names the interval, the element (by `name`) and the wrong
+  // number.
   [[nodiscard]] absl::Status check(std::size_t interval, std::span<const std::uint32_t> name) const;
-  // face 0: outer, 1: inner. Absent elements of the last lanes are the last element's copies.
+  // Loads a face. face 0: outer, 1: inner. Absent elements of the last lanes are the last element's
+  // copies.
   void load(std::size_t face, std::size_t first, std::span<const double> emissivity,
             HeatFace& out) const;
-  // Likewise, of the water on the outer face.
+  // Loads the water on the outer face likewise.
   void load_water(std::size_t first, HeatWater& out) const;
 
  private:
@@ -39,7 +41,8 @@ class ExposureTable {
   std::vector<double> value_;
 };
 
-// Length of the first step in an interval at level 0. A grid is made for the shortest of them.  [s]
+// Returns the length of the first step in an interval at level 0. A grid is made for the shortest
+// of them. [s]
 [[nodiscard]] double first_step_s(double interval_s, bool smooth);
 
 // Walls of one build-up on their way from knot to knot at one level of cells and steps, all side by
@@ -57,20 +60,20 @@ class WallWalk {
   [[nodiscard]] std::size_t elements() const { return name_.size(); }
   [[nodiscard]] std::size_t nodes() const { return grid_.last() + 1; }
   [[nodiscard]] const ConductionGrid& grid() const { return grid_; }
-  // Temperature of a node, counted from the outer face inwards: node 0 is the outer face, the last
-  // one the inner face.
+  // Returns the temperature of a node, counted from the outer face inwards: node 0 is the outer
+  // face, the last one the inner face.
   [[nodiscard]] double& kelvin(std::size_t node, std::size_t element) {
     return t_[element / kHeatLanes * nodes() + node][element % kHeatLanes];
   }
   [[nodiscard]] double kelvin(std::size_t node, std::size_t element) const {
     return t_[element / kHeatLanes * nodes() + node][element % kHeatLanes];
   }
-  // Largest so far of a step: |heat stored - heat that came in| / its length.
+  // Returns the largest value so far of a step: |heat stored - heat that came in| / its length.
   [[nodiscard]] double closure_w_m2(std::size_t element) const { return closure_w_m2_[element]; }
 
-  // The exposure to be filled before each interval.
+  // Returns the exposure to be filled before each interval.
   [[nodiscard]] Exposure exposure() { return table_.empty(); }
-  // `interval` is for messages.
+  // Computes an interval; `interval` is for messages.
   [[nodiscard]] absl::Status advance(std::size_t interval, double length_s, bool smooth);
 
  private:

@@ -50,19 +50,20 @@ struct WeatherCourse {
   bool periodic = false;  // the last record is the first, a day later
 };
 
-// INVALID_ARGUMENT, which record (from 0) and what: fewer than two, times that do not increase, a
-// dew point above the air, numbers that no weather has (the limits above), radiation in some
-// records only, means over other intervals than those between records or of more than 3 h, a
-// periodic course that does not close.
+// Checks a course. INVALID_ARGUMENT names the record (from 0) and its fault: fewer than two
+// records, times that do not increase, a dew point above the air, numbers that no weather has (the
+// limits above), radiation in some records only, means over other intervals than those between
+// records or of more than 3 h, a periodic course that does not close.
 [[nodiscard]] absl::Status check_course(const WeatherCourse& course);
 
-// The instant within the course that stands for this one: of a periodic course that of its day,
-// else the same.
+// Returns the instant within the course that stands for this one: of a periodic course that of its
+// day, else the same.
 [[nodiscard]] double within_course(const WeatherCourse& course, double unix_s);
 
-// Linear in time between records, the wind's direction that of the vector between (0.5 m/s from
-// north and 0.5 m/s from south: the nearer record's). A periodic course goes on for ever; before
-// and after another one its first and last record. No radiation: that is CourseRadiation's.
+// Interpolates the weather linearly in time between records, the wind's direction by the vector
+// between them (0.5 m/s from north and 0.5 m/s from south: the nearer record's). A periodic course
+// continues for ever; before and after another one stand its first and last record. CourseRadiation
+// has the radiation.
 [[nodiscard]] WeatherRecord weather_at(const WeatherCourse& course, double unix_s);
 
 // Geodetic.
@@ -131,14 +132,15 @@ class CourseRadiation {
   enum class Side { kBefore, kAfter };
   [[nodiscard]] Radiation at(double unix_s, Side side = Side::kBefore) const;
 
-  // The sun where the radiation has it: at within_course(unix_s).
+  // Returns the sun of the radiation, at within_course(unix_s).
   [[nodiscard]] SunPosition sun_at(double unix_s) const;
 
   // Instants within the course when the sun's centre rises or sets, increasing.
   [[nodiscard]] const std::vector<double>& sun_crossings() const { return crossing_; }
 
-  // Direct radiation that no sun could bring: of records in whose interval it is not up, or above
-  // the horizon for so short that it would be brighter than in space. Normal to it, all records.
+  // Returns the direct radiation that no sun could bring: of records in whose interval the sun is
+  // not up, or above the horizon for so short that it would be brighter than in space. Normal to
+  // it, all records.
   [[nodiscard]] double unplaced_j_m2() const { return unplaced_j_m2_; }
 
  private:
@@ -156,7 +158,7 @@ class CourseRadiation {
   double unplaced_j_m2_ = 0;
 };
 
-// Height and temperature of a cloud's base in some weather.  [m, K]
+// Return height and temperature of a cloud's base in some weather. [m, K]
 [[nodiscard]] double base_height_m(const CloudAbove& cloud, const WeatherRecord& now);
 [[nodiscard]] double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now);
 
@@ -172,7 +174,8 @@ struct StatedDay {
   double warmest_hour;  // of local solar time: [0, 24]
   double dew_point_k, pressure_pa, wind_m_s, wind_from_deg, cloud_cover;
 };
-// INVALID_ARGUMENT: a maximum below the minimum, a dew point above the minimum, or as check_course.
+// Makes a course from a stated day. INVALID_ARGUMENT: a maximum below the minimum, a dew point
+// above the minimum, or as check_course.
 [[nodiscard]] absl::StatusOr<WeatherCourse> day_course(const StatedDay& day,
                                                        double midnight_unix_s);
 

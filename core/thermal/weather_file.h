@@ -93,9 +93,9 @@ struct FileCourse {
   std::vector<std::string> warning;  // "file: what"
 };
 
-// The file's weather from the last record at or before the begin to the first at or after the end.
-// Of any_year the records of month, day and hour. Periodic: the records of the 24 hours after the
-// begin, before which the last of them stands once more, a day earlier.
+// Returns the file's weather from the last record at or before the begin to the first at or after
+// the end; of any_year the records of month, day and hour. Periodic: the records of the 24 hours
+// after the begin, before which the last of them is repeated, a day earlier.
 //
 // Of global and one of direct and diffuse radiation follows the other, by the mean sine of the
 // sun's elevation over the interval; what is direct while that is below that of 1 deg counts as

@@ -48,9 +48,10 @@ struct BoxedView {
   AimedView view;
   SightShares sight;
 };
-// A view of it, before and beside a target: one stratum, for all parts, over the cells of the image
-// plane that the boxes touch, a fifth of its rays spread evenly, the rest by what is seen there.
-// The image plane, where rays begin, lies before both. INVALID_ARGUMENT: the sensor is within a
+// Makes a view of boxes before and beside a target: one stratum, for all parts, over the cells of
+// the image plane that the boxes touch, a fifth of its rays spread evenly, the rest by the seen
+// boxes. The image plane, where rays begin, lies before both. INVALID_ARGUMENT: the sensor is
+// within a
 // hundredth of its range of what is to be seen, along the line of sight.
 [[nodiscard]] absl::StatusOr<BoxedView> make_boxed_view(const Target& target,
                                                         const Viewpoint& viewpoint,

@@ -23,7 +23,8 @@ class CellOrder {
   [[nodiscard]] std::uint32_t side() const { return 1u << bits_; }
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  // The index of replicate r's sample in square (x, y), kNone if it is not among the n first.
+  // Returns the index of replicate r's sample in square (x, y), or kNone if it is not among the n
+  // first.
   [[nodiscard]] std::uint32_t sample(std::uint32_t r, std::uint32_t x, std::uint32_t y) const {
     const std::uint32_t low = inverse_x_[(r << bits_) + x];
     const std::uint32_t high =

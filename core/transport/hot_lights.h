@@ -46,11 +46,11 @@ class HotLights {
     float cos_l = 0;       // at the light; <= 0: the point does not shine towards x
     float density_per_sr;  // of this direction, seen from x
   };
-  // A point of a light as seen from x. u_cluster, u_triangle, u, v: in (0, 1).
+  // Chooses a point of a light as seen from x. u_cluster, u_triangle, u, v: in (0, 1).
   [[nodiscard]] Point choose(std::uint32_t light, Float3 x, float u_cluster, float u_triangle,
                              float u, float v) const;
-  // The density with which choose() takes the direction of a point of a hot facet at this distance
-  // and cosine. [1/sr]
+  // Returns the density with which choose() takes the direction of a point of a hot facet at this
+  // distance and cosine. [1/sr]
   [[nodiscard]] float density_per_sr(std::uint32_t facet, Float3 x, float distance2,
                                      float cos_l) const;
 

@@ -182,8 +182,8 @@ class PathTracer {
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   [[nodiscard]] bool spectral() const { return spectral_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_; }  // columns of weights: 1 if grey
-  // First parts in a table of weights: with PathSettings::background one more than parts; behind
-  // gas see PathWeights::gas_m2.
+  // Returns the number of first parts in a table of weights: with PathSettings::background one more
+  // than parts; behind gas see PathWeights::gas_m2.
   [[nodiscard]] std::uint32_t firsts() const {
     if (gas_ != nullptr) return 2 * gas_->classes();
     if (gas_around_ != nullptr) return gas_around_->classes();
@@ -208,7 +208,7 @@ class PathTracer {
   void close_pixels(Work& work, std::uint32_t end) const;
   template <bool kSpectral>
   void trace_listed(Work& work) const;
-  // Area of the image plane that one sample of a replicate stands for. [m2]
+  // Returns the area of the image plane that one sample of a replicate stands for. [m2]
   [[nodiscard]] double sample_m2(const ImagePlan& plan, std::uint32_t stratum) const;
   void aim_batch(Work& work) const;
   void cross_gas(Work& work) const;
@@ -286,8 +286,8 @@ class PathTracer {
   const Target& target_;
   std::span<const Material> materials_;
   SourceGeometry sources_;
-  std::optional<Plane> plane_;                              // of sea or ground
-  const Land* land_ = nullptr;                              // of sources_.boundary
+  std::optional<Plane> plane_;  // of sea or ground
+  const Land* land_ = nullptr;  // of sources_.boundary
   // Land::clear_beyond_m of the sensor and of each sun.
   double clear_of_sensor_m_ = 0;
   std::vector<double> clear_of_sun_m_;

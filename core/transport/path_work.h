@@ -31,7 +31,7 @@ inline Float3 to_float(Vec<Body> v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-// An orthonormal pair across a unit vector. [duff2017]
+// Computes an orthonormal pair across a unit vector. [duff2017]
 inline void orthonormal_basis(Float3 n, Float3& b1, Float3& b2) {
   const float sign = std::copysign(1.0f, n.z);
   const float a = -1.0f / (sign + n.z);
@@ -83,9 +83,9 @@ struct Sun {
   }
 };
 
-// Half vector and cosines of a reflection from wi to wo, unit vectors, at a facet of normal n.
-// cos_d is half the length of wi + wo: a product with wo would cancel where wi is nearly -wo
-// (grazing).
+// Computes half vector and cosines of a reflection from wi to wo, unit vectors, at a facet of
+// normal n. cos_d is half the length of wi + wo: a product with wo would cancel where wi is nearly
+// -wo (grazing).
 inline Reflection reflection(Float3 n, Float3 wi, Float3 wo, float cos_i, float cos_o) {
   const Float3 h{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
   const float length2 = std::max(dot(h, h), 1e-12f);

@@ -40,14 +40,14 @@ class CoverageMask {
                const std::vector<double>& y_m, std::span<const std::uint32_t> facets,
                std::uint32_t cells_long_side);
 
-  // The cells of a grid that are hit.
+  // Covers the cells of a grid that are hit.
   explicit CoverageMask(const CellGrid& grid);
 
-  // The whole rectangle of the frame.
+  // Covers the whole rectangle of the frame.
   static CoverageMask whole(const ViewFrame& frame);
 
   [[nodiscard]] bool empty() const { return occupied_ == 0; }
-  // Covered area on the image plane [m2]: the inverse of the sampling density.
+  // Returns the covered area on the image plane [m2]: the inverse of the sampling density.
   [[nodiscard]] double area_m2() const { return area_m2_; }
 
   struct Point {
@@ -149,9 +149,9 @@ struct AimedView {
 // Returns the view with one stratum, the whole rectangle of its frame: every primary ray counts for
 // what it meets, hot and bright facets included.
 [[nodiscard]] AimedView whole_view(const AimedView& view);
-// INVALID_ARGUMENT: the sensor is inside the target's convex hull, or within a hundredth of the
-// target's radius of it. A sensor that is nearer than the target reaches looks past the reference
-// point, so that all of the target is in front of it.
+// Checks that the sensor stands outside. INVALID_ARGUMENT: the sensor is inside the target's convex
+// hull, or within a hundredth of the target's radius of it. A sensor that is nearer than the target
+// reaches looks past the reference point, so that all of the target is in front of it.
 [[nodiscard]] absl::Status check_outside(const Target& target, const Viewpoint& viewpoint);
 // Returns the frame of a sensor that looks at the target. Its rectangle is still to be stated.
 [[nodiscard]] ViewFrame make_view_frame(const Target& target, const Viewpoint& viewpoint);

@@ -63,7 +63,7 @@ struct RayBatch {
     state[i] = s;
     return i;
   }
-  // A primary ray that has met what it meets takes the place of an earlier one.
+  // Moves a primary ray that has met its facet into the place of an earlier one.
   void move(std::uint32_t from, std::uint32_t to) {
     if (from == to) return;
     const RayPacket& a = packet_of(from);

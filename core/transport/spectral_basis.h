@@ -32,8 +32,8 @@ struct SpectralBasis {
 
   // Weights at the carried nodes -> at nodes [first, first + out.size()).
   void to_nodes(const double* carried_weight, std::size_t first, std::span<double> out) const;
-  // The transpose: sum over nodes of values[i] x (weight at node first + i) = sum over carried of
-  // the result x carried weight.
+  // Applies the transpose: sum over nodes of values[i] x (weight at node first + i) = sum over
+  // carried of the result x carried weight.
   [[nodiscard]] std::vector<double> fold(std::size_t first, std::span<const double> values) const;
 };
 

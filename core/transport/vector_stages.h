@@ -28,7 +28,7 @@ struct SampleList {
 };
 void draw_pairs(SampleList& list);           // as sobol_pair
 void draw_pairs_shuffled(SampleList& list);  // as sobol_pair_shuffled
-// Instead of either: independent numbers, hashed from the index and the seeds x and y.
+// Draws independent numbers instead of either, hashed from the index and the seeds x and y.
 // [wellons2018]
 void draw_pairs_random(SampleList& list);
 // Fills cos_y and sin_y; |error| < 3e-7 (tests/physics/sampling_test.cpp).
@@ -58,11 +58,11 @@ struct VertexList {
   }
 };
 
-// The probability with which a sun contribution is followed up: about brdf / (faint x diffuse
-// brdf), at most 1; 0 where the sun's disk is below the facet's plane. Any positive value is
-// unbiased; this one follows the point of the disk whose half vector is nearest to the normal, so
-// that no point is much brighter than the probability says, and it underflows to 0 only where the
-// lobe does.
+// Computes the probability with which a sun contribution is followed up: about brdf / (faint x
+// diffuse brdf), at most 1; 0 where the sun's disk is below the facet's plane. Any positive value
+// is unbiased; this one follows the point of the disk whose half vector is nearest to the normal,
+// so that no point is much brighter than the probability implies, and it underflows to 0 only where
+// the lobe does.
 //   roughness2: m^2 of a Beckmann lobe, 0: diffuse.
 //   inverse_distance_per_m: 0 for the sun, else of a lamp in that direction from the origin
 void sun_probability(VertexList& vertices, Float3 sun, float inverse_distance_per_m,

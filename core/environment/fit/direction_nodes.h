@@ -40,9 +40,9 @@ class DirectionNodes {
   // the horizon): up to four that add up to 1. Returns their number.
   int shares(float x, float y, float z, Share* out) const;
 
-  // Unit vector towards a node.
+  // Returns the unit vector towards a node.
   [[nodiscard]] Vec<Body> direction(std::uint32_t node) const;
-  // sin(elevation) of the node's ring: negative below the horizon.
+  // Returns sin(elevation) of the node's ring: negative below the horizon.
   [[nodiscard]] double sin_elevation(std::uint32_t node) const;
 
  private:

@@ -19,7 +19,7 @@ void fit_to_hats(std::vector<AirSpectrum>& node, const std::vector<double>& sine
 //   mean  over the hats, >= 0
 void keep_positive(std::vector<AirSpectrum>& node, const std::vector<AirSpectrum>& mean);
 
-// The most that a node's value can be if what is fitted is between 0 and 1.
+// Returns the largest value that a node can have if the fitted function lies between 0 and 1.
 [[nodiscard]] double fit_overshoot(const std::vector<double>& sine, std::uint32_t azimuths);
 
 }  // namespace irsig

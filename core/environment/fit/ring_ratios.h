@@ -26,16 +26,16 @@ class RingRatios {
   using Exact = std::function<AirSpectrum(std::size_t ring)>;
   RingRatios(std::size_t rings, Exact exact);
 
-  // The rings of so many that are computed exactly, increasing.
+  // Returns the rings of so many that are computed exactly, increasing.
   [[nodiscard]] static std::vector<std::size_t> exact_rings(std::size_t rings);
 
   // Returns the ratio of a ring; it does not depend on the rings asked for before.
   [[nodiscard]] AirSpectrum at(std::size_t ring);
-  // Linear between the first, a middle and the last of the exact rings.
+  // Interpolates linearly between the first, a middle and the last of the exact rings.
   [[nodiscard]] AirSpectrum coarse(std::size_t ring);
   [[nodiscard]] std::size_t rings() const { return rings_; }
 
-  // The rings coarse() knows.
+  // Returns the rings from which coarse() interpolates.
   [[nodiscard]] std::array<std::size_t, 3> coarse_rings() const;
 
  private:

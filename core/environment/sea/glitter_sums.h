@@ -13,10 +13,11 @@ namespace irsig {
 inline constexpr std::size_t kIncidences = 24;
 using Incidences = std::array<double, kIncidences>;
 
-// The largest of a step: water reflects the more the flatter.
+// Returns the largest reflectance within a step: water reflects more where it is flatter.
 [[nodiscard]] double largest_reflectance(std::complex<double> index, std::size_t step);
 
-// glint_per_sr over all directions above the sea, and the largest of any.           [1; 1/sr]
+// Integrates glint_per_sr over all directions above the sea, and returns the largest of any. [1;
+// 1/sr]
 //   to_light  unit vector; of light from below the horizon z > 0
 // Accuracy: 1 %; 0.1 % (tests/physics/environment_bounds_test.cpp).
 [[nodiscard]] Incidences mirrored_in_all(Vec<Body> to_light, double wind_speed_m_s);

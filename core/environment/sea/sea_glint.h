@@ -14,7 +14,8 @@ struct SeaGlint {
   float per_sr;         // radiance / (irradiance normal to the beam x reflectance)
   float cos_incidence;  // on the facets
 };
-//   to_observer, to_sun  unit vectors in the body frame (z < 0 is up); nothing where one is not up
+// Returns the glint of the sun by facets of the sea; none where a direction does not point upwards.
+//   to_observer, to_sun  unit vectors in the body frame (z < 0 is up)
 [[nodiscard]] SeaGlint sea_glint(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s);
 
 // rho depends on wavelength and on the incidence: paths add their weight to the incidences around

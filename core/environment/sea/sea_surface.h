@@ -17,11 +17,11 @@ namespace irsig {
 inline constexpr double kMostSlopeWindMS = 20;
 [[nodiscard]] double sea_slope_variance(double wind_speed_m_s);
 
-// Complex refractive index of sea water (1.33 + 0i and so on), 2.5-16 um: pure water's at 25 C,
-// from the material library's sea_water. [hale1973]
+// Returns the complex refractive index of sea water (1.33 + 0i and so on), 2.5-16 um: pure water's
+// at 25 C, from the material library's sea_water. [hale1973]
 [[nodiscard]] std::complex<double> sea_water_index(double lambda_um);
 
-// Unpolarised Fresnel reflectance of water at an angle of incidence.
+// Returns the unpolarised Fresnel reflectance of water at an angle of incidence.
 [[nodiscard]] double water_reflectance(std::complex<double> index, double cos_incidence);
 
 // Refractive indices of water at many wavelengths.
@@ -47,11 +47,11 @@ struct SeaFacet {
 };
 //   to_observer  unit vector from the sea towards the observer, z < 0
 [[nodiscard]] std::vector<SeaFacet> sea_facets(Vec<Body> to_observer, double wind_speed_m_s);
-// One facet that lies level.
+// Returns one level facet.
 [[nodiscard]] std::vector<SeaFacet> flat_sea(Vec<Body> to_observer);
 
-// Sunlight mirrored by the facets that face the right way, per unit of irradiance normal to the
-// beam and of reflectance: P(slope) / (4 n_z^4 projected area).                        [1/sr]
+// Returns the sunlight mirrored by the facets with the right slope, per unit of irradiance normal
+// to the beam and of reflectance: P(slope) / (4 n_z^4 projected area). [1/sr]
 [[nodiscard]] double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s);
 
 // Returns one sigma of glint_per_sr(), relative. The first part is the slopes' variance, 0.004
@@ -63,8 +63,8 @@ struct SeaFacet {
 [[nodiscard]] double glint_model_relative(Vec<Body> to_observer, Vec<Body> to_sun,
                                           double wind_speed_m_s);
 
-// Area of the facets that face the observer, projected towards him, per area of sea: cos(zenith)
-// as long as none face away.
+// Returns the area of the facets that face the observer, projected towards the observer, per area
+// of sea: cos(zenith) as long as none face away.
 [[nodiscard]] double sea_projected_area(double cos_zenith, double wind_speed_m_s);
 
 }  // namespace irsig

@@ -21,7 +21,7 @@ struct SlopeTerm {
 inline constexpr int kSlopeOrder = 8;
 [[nodiscard]] const std::vector<SlopeTerm>& slope_terms();
 
-// he_0(x) .. he_kSlopeOrder(x).
+// Returns he_0(x) .. he_kSlopeOrder(x).
 [[nodiscard]] std::vector<double> hermite_functions(double x);
 
 // Slopes in standard deviations, with weights that add up to 1: means of polynomials up to the 23rd
@@ -38,7 +38,8 @@ class SlopeAverages {
 
   // [term] Variance of the mean of a term with c_ab = 1. Within 2 % (tests/physics).
   [[nodiscard]] const std::vector<double>& term() const { return term_; }
-  // Variance of the mean of light from the facets of one slope alone, over its mean squared.
+  // Returns the variance of the mean of light from the facets of one slope alone, over its mean
+  // squared.
   //   blur  variance of that slope, such as the sun's disk makes it, in variances of a slope; > 0
   [[nodiscard]] double of_one_slope(double x, double y, double blur) const;
 

@@ -6,8 +6,9 @@
 
 namespace irsig {
 
-// Spectrum S(k) of the elevation of a fully developed sea, all directions together: the variance of
-// the elevation is the integral of S over k, that of the slopes the integral of k^2 S.  [m^3]
+// Returns the spectrum S(k) of the elevation of a fully developed sea, all directions together: the
+// variance of the elevation is the integral of S over k, that of the slopes the integral of k^2 S.
+// [m^3]
 //   k_rad_m  wave number, > 0
 //   wind_speed_m_s  at 10 m, > 0
 // [elfouhaily1997, eqs. 30 to 41 and 49], with the drag coefficient (0.8 + 0.065 wind) / 1000. Its
@@ -23,11 +24,11 @@ class SlopeCorrelation {
   struct Pair {
     double x, y;  // correlation of the slopes along x, and of those along y; 1 at lag 0
   };
-  // The correlation of the slope along x with that along y, which is 0 along both axes and at most
-  // 0.3 between them, is left out.
+  // Returns the correlations of both slopes at a lag. The correlation of the slope along x with
+  // that along y, which is 0 along both axes and at most 0.3 between them, is left out.
   [[nodiscard]] Pair at(double lag_x_m, double lag_y_m) const;
 
-  // Variance of the mean of one slope over a rectangle, over the variance of the slope.
+  // Returns the variance of the mean of one slope over a rectangle, over the variance of the slope.
   [[nodiscard]] Pair variance_of_mean(double side_x_m, double side_y_m) const;
 
  private:

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// Spectra as the public libraries write them: header lines of text, then rows of numbers.
+// Reads spectra as the public libraries write them: header lines of text, then rows of numbers.
 //   ECOSTRESS and ASTER  lines "Key: value", of which "X Units" (wavelength in micrometers or
 //                        nanometers, wave number), "Y Units" (reflectance or emissivity, in percent
 //                        or not) and "Measurement" are used

@@ -22,14 +22,15 @@ struct LibraryEntry {
 // every one.
 [[nodiscard]] const std::vector<LibraryEntry>& material_library();
 
-// One entry; NOT_FOUND if there is none of that name.
+// Returns one entry. NOT_FOUND: there is none of that name.
 [[nodiscard]] absl::StatusOr<LibraryEntry> library_entry(std::string_view name);
 
-// An entry's file (data/README.md has the format). Errors: file:line:column.
+// Reads an entry's file (data/README.md has the format). Errors: file:line:column.
 [[nodiscard]] absl::StatusOr<LibraryEntry> read_library_entry(std::string_view text,
                                                               std::string_view file_name);
 
-// "cook_torrance", "ward_1992" ...: the kind of a sweep file's [[material]] that this model is.
+// Returns the kind of a sweep file's [[material]] that this model is: "cook_torrance", "ward_1992"
+// ...
 [[nodiscard]] std::string model_kind(const MaterialModel& model);
 [[nodiscard]] inline std::string model_kind(const MaterialSpec& spec) {
   return model_kind(spec.model);

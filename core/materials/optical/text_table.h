@@ -39,11 +39,12 @@ class TableErrors {
 // Returns true, and reports it with the remedy, if the bytes are UTF-16 or binary.
 [[nodiscard]] bool is_no_text(std::string_view text, TableErrors& errors);
 
-// The lines of a text without their ends ("\n", "\r\n" or "\r") and without a byte order mark.
+// Returns the lines of a text without their ends ("\n", "\r\n" or "\r") and without a byte order
+// mark.
 [[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
-// The finite numbers of one line, separated by `separator` (' ': any white space). Whatever is no
-// such number is reported, and so is a row of another length than `columns`; then the row is empty.
+// Returns the finite numbers of one line, separated by `separator` (' ': any white space). Reports
+// other words, and rows of another length than `columns`; then the row is empty.
 [[nodiscard]] std::vector<PlacedNumber> number_row(std::string_view line, int line_number,
                                                    char separator, std::size_t columns,
                                                    TableErrors& errors);
@@ -61,7 +62,7 @@ struct NumberTable {
   std::vector<Name> column;
   std::vector<std::vector<PlacedNumber>> row;  // each as long as `column`
 };
-// Never without a column or a row: that is reported to `errors`.
+// Reads a table of numbers. Reports a table without a column or row to `errors`.
 [[nodiscard]] NumberTable read_number_table(std::string_view text, TableErrors& errors);
 
 // Reports each wavelength of a column that is not above 0 or not above the one before it.

@@ -10,11 +10,11 @@
 
 namespace irsig {
 
-// The document, or nothing if it is no YAML (reported).
+// Parses the document; nothing if it is not YAML (reported).
 [[nodiscard]] std::optional<YAML::Node> load_yaml(std::string_view text, TableErrors& errors);
 
-// The rows of a literal block ("data: |") of `columns` numbers a line; `parent` is where errors
-// stand if there is no such block. Never without a row: that is reported to `errors`.
+// Returns the rows of a literal block ("data: |") of `columns` numbers a line. Reports a block
+// without a row to `errors`. `parent` is the place of errors if there is no such block.
 [[nodiscard]] std::vector<std::vector<PlacedNumber>> block_rows(const YAML::Node& block,
                                                                 const YAML::Mark& parent,
                                                                 std::string_view text,

@@ -27,16 +27,18 @@ struct BoundInput {
 
 // Weights between the wavelengths that paths carry, and temperatures between blackbodies.
 [[nodiscard]] ThreeBounds spectral_basis_bound(const BoundInput& in);
-// Light of sky and sea between the directions in which it is known.
+// Bounds the light of sky and sea between the directions in which it is known.
 [[nodiscard]] ThreeBounds direction_interpolation_bound(const BoundInput& in);
 // Temperatures of emitters that are computed or measured.
 [[nodiscard]] ThreeBounds temperature_bound(const BoundInput& in);
-// Interpolation of the background, and computed temperatures of land in it. Stored runs only.
+// Bounds the interpolation of the background, and the errors of computed temperatures of land in
+// it. Stored runs only.
 [[nodiscard]] ThreeBounds background_bound(const BoundInput& in);
-// The air in front of one place of the target for that in front of all. Stored runs only.
+// Bounds the error of the air in front of one place of the target, taken for that in front of all.
+// Stored runs only.
 [[nodiscard]] ThreeBounds target_depth_bound(const BoundInput& in);
 
-// One sigma of the models of the background, in the contrast. [W/sr]
+// Returns one sigma of the models of the background, in the contrast. [W/sr]
 [[nodiscard]] double background_model_w_sr(const BoundInput& in);
 
 // Returns one sigma of which of both skies a target under broken cloud has: the row of the same
@@ -47,7 +49,8 @@ struct BoundInput {
 // Sets all bounds above, and both model errors.
 void set_bounds_of_weights(const BoundInput& in, bool stored, Row& row);
 
-// Quadrature over the band, of outlines, of materials' tables and of the sun's spectrum. [W/sr]
+// Bounds the quadrature over the band, of outlines, of materials' tables and of the sun's spectrum.
+// [W/sr]
 [[nodiscard]] double quadrature_bound_w_sr(const ViewSetup& setup, const Row& row);
 
 // Undersampling error: the scatter of samples does not show it, whether or not a sample has met a
@@ -57,8 +60,8 @@ struct Undersampling {                                       // [W/sr]
 };
 [[nodiscard]] Undersampling undersampling(const ViewSetup& setup, const Row& row,
                                           std::uint64_t samples);
-// Error of the source's intensity by undersampling, for so many samples a replicate: of a view, or
-// of one stratum of a view that aims at bright facets. [W/sr]
+// Returns the undersampling error of the source's intensity, for so many samples a replicate: of a
+// view, or of one stratum of a view that aims at bright facets. [W/sr]
 [[nodiscard]] double undersampling_error_w_sr(const ViewSetup& setup, const Row& row,
                                               std::uint64_t samples);
 [[nodiscard]] double undersampling_error_w_sr(const ViewSetup& setup, const Row& row,

@@ -11,19 +11,19 @@
 
 namespace irsig {
 
-// OK if a sensor sees something of the target above sea or ground, under conditions of one kind of
-// surroundings (the kind and above_surface_m are used). Vertices stand for facets.
+// Checks that a sensor sees some of the target above sea or ground, under conditions of one kind of
+// surroundings (the kind and above_surface_m are used). Vertices stand for facets. Conditions that
+// differ in above_surface_m share paths, so that none of them may hide a vertex.
 //   environment  null: no embedded atmosphere
-//   land         null: none; else it takes the place of the ground
+//   land         null: none; else it replaces the ground
 // INVALID_ARGUMENT: land, surface or Earth hide all vertices; a sensor below the land or inside an
-// object on it. Conditions that differ in above_surface_m
-// share paths, so that none of them may hide a vertex.
+// object on it.
 [[nodiscard]] absl::Status check_in_sight(const Target& target,
                                           std::span<const ConditionSpec> condition,
                                           const Environment* environment, const LandScene* land,
                                           const Viewpoint& viewpoint);
 
-// OK if no vertex of the target lies inside an object of the land. INVALID_ARGUMENT with the
+// Checks that no vertex of the target lies inside an object of the land. INVALID_ARGUMENT with the
 // object's key.
 //   above_m  height of the target's reference point above the land below it
 [[nodiscard]] absl::Status check_outside_objects(const Target& target, const LandScene& land,

@@ -18,8 +18,9 @@ namespace irsig {
 // each condition.
 class LandBackground {
  public:
-  // rays: along each side of a pixel, even. shadow: whether land has the shadow of the target.
-  // INVALID_ARGUMENT as Environment::view() has it.
+  // Computes the land behind a view. INVALID_ARGUMENT as in Environment::view().
+  //   rays    along each side of a pixel, even
+  //   shadow  true: land has the shadow of the target
   [[nodiscard]] static absl::StatusOr<LandBackground> make(
       const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
       const ViewFrame& frame, const PictureFrame& pictures, std::uint32_t rays, bool shadow);

@@ -20,7 +20,7 @@ namespace irsig {
 // is not seen.
 class PixelBackground {
  public:
-  // INVALID_ARGUMENT as Environment::view() has it.
+  // Computes the background of each pixel. INVALID_ARGUMENT as in Environment::view().
   [[nodiscard]] static absl::StatusOr<PixelBackground> make(const PreparedScene& scene,
                                                             const ViewRequest& request,
                                                             const EffectSet& effects,
@@ -38,7 +38,7 @@ class PixelBackground {
   [[nodiscard]] LandBackground::Parts land_parts_of(const Row& row) const {
     return land_->parts_of(row.condition, row.on_axis);
   }
-  // LandBackground::temperature_k; without land: 0.
+  // Returns LandBackground::temperature_k, or 0 without land.
   [[nodiscard]] std::vector<double> land_temperature_k(std::span<const double> kelvin) const;
 
  private:
@@ -47,7 +47,7 @@ class PixelBackground {
   std::vector<double> upper_z_, lower_z_;  // [pixel] directions of its upper and lower side
 };
 
-// Mean of a function that is linear between the directions over [from_z, to_z].
+// Returns the mean over [from_z, to_z] of a function that is linear between the directions.
 //   value  [direction]
 [[nodiscard]] double mean_between(const BackgroundDirections& directions,
                                   const std::vector<double>& value, double from_z, double to_z);

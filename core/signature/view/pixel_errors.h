@@ -26,7 +26,7 @@ class PixelErrors {
   PixelErrors(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t samples,
               std::span<const TracedPictures::Met> met);
 
-  // [pixel] of a picture. [W/sr]
+  // Returns the errors of a picture's pixels. [pixel] [W/sr]
   [[nodiscard]] std::vector<double> of(const PixelSums& picture) const;
 
  private:

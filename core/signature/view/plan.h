@@ -29,7 +29,7 @@ struct ViewPlan {
   bool operator==(const ViewPlan&) const = default;
 };
 
-// Some lines of text; numbers to the last bit.
+// Formats a plan as lines of text, with numbers to the last bit.
 [[nodiscard]] std::string to_string(const ViewPlan& plan);
 
 }  // namespace irsig

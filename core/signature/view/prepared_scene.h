@@ -6,8 +6,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/materials/material.h"
-#include "core/scene/trace/target_facets.h"
 #include "core/scene/trace/target.h"
+#include "core/scene/trace/target_facets.h"
 #include "core/spectral/solar.h"
 #include "core/spectral/spectral_axis.h"
 #include "core/transport/spectral_basis.h"
@@ -59,7 +59,7 @@ struct PreparedScene {
                                            double hottest_k) const;
   // Null if all materials are grey: weights then have one column.
   [[nodiscard]] const SpectralBasis* path_basis() const;
-  // Height of the water or ground on which the target stands, relative to its centre.
+  // Returns the height of the water or ground on which the target stands, relative to its centre.
   [[nodiscard]] double surface_z_m() const { return -target.centre.z; }
 };
 

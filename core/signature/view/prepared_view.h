@@ -32,7 +32,7 @@ struct PreparedView {
 //   above_m  height of the target's reference point above the land below it
 [[nodiscard]] double land_bend_per_m(const Environment* environment, const Viewpoint& viewpoint,
                                      double above_m);
-// Land around the target of a request that has some, for a sensor at that range.
+// Returns the land around the target of a request with land, for a sensor at that range.
 [[nodiscard]] Land land_of(const ViewRequest& request, const Target& target, double range_m);
 // Returns increasing ranges (SensorLine::land_range_m) for land that these rays of a sensor meet;
 // none if they meet none. Directions are unit vectors, places relative to the target's centre.
@@ -42,8 +42,9 @@ struct PreparedView {
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {
  public:
-  // behind, land_range_m: where the background is wanted; null: where these conditions need it. The
-  // request and the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
+  // Makes the surroundings of a view. The request and the wavelengths outlive them.
+  // INVALID_ARGUMENT as in Environment::view().
+  //   behind, land_range_m  where the background is wanted; null: where these conditions need it
   [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(
       const ViewRequest& request, const Target& target, double range_m,
       const std::vector<double>& node_um, const BackgroundDirections* behind = nullptr,
@@ -51,12 +52,12 @@ class ViewSurroundings {
 
   // The most that light can be, before any sky is computed.
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
-  // Emission and the line's air alone: what a pilot without reflections needs.
+  // Computes emission and the line's air alone, for a pilot without reflections.
   [[nodiscard]] ViewEnvironments without_light();
   // Returns the environments of these conditions, as far as these effects need them.
   [[nodiscard]] absl::StatusOr<ViewEnvironments> evaluate(std::span<const std::uint32_t> conditions,
                                                           const EffectSet& effects);
-  // One condition, in the directions of another view's light.
+  // Computes one condition, in the directions of another view's light.
   [[nodiscard]] absl::StatusOr<ViewEnvironment> see_like(const ViewEnvironments& other,
                                                          std::uint32_t condition,
                                                          const EffectSet& effects);
@@ -79,12 +80,13 @@ class ViewSurroundings {
   std::vector<std::optional<LightBounds>> plain_bounds_, land_bounds_;
 };
 
-// Everything on, for these conditions.
+// Computes some conditions with all effects.
 [[nodiscard]] absl::StatusOr<ViewEnvironments> view_environments(
     const ViewRequest& request, const Target& target, double range_m,
     std::span<const std::uint32_t> conditions, const std::vector<double>& node_um);
 
-// A plan with everything on, as many reflections as the request allows, no number of samples.
+// Returns a plan with all effects, as many reflections as the request allows, and no number of
+// samples.
 [[nodiscard]] ViewPlan plan_with_everything(const ViewRequest& request);
 
 }  // namespace irsig

@@ -45,7 +45,7 @@ class SeenPlaces {
   SeenPlaces(const Target& target, std::span<const Material> material, const AimedView& view,
              const Emitters& emitters, const std::optional<Plane>& plane);
 
-  // Place of light that an emitter of one temperature sends straight to the sensor.
+  // Returns the place of the light that an emitter of one temperature sends straight to the sensor.
   [[nodiscard]] MeanPlace emitted(std::uint32_t emitter) const { return emitted_[emitter]; }
   // Places of all emission of the target together, and of all light that the target reflects. A
   // source of a part of this light may leave elsewhere: the mean is widened by the standard

@@ -33,7 +33,7 @@ struct SourceTable {
 [[nodiscard]] SourceTable source_table(const ConditionSources& light, const SpectralBasis* basis,
                                        std::size_t first_node, std::span<const double> weight);
 
-// One row for every source alike: radiance 1, weights that add up to 1.
+// Returns one row for all sources alike: radiance 1, weights that add up to 1.
 [[nodiscard]] SourceTable unit_table(const SpectralBasis* basis, std::size_t first_node,
                                      std::span<const double> weight);
 
@@ -82,13 +82,14 @@ struct Shares {
 [[nodiscard]] Shares shares(const SummedWeights& sums, const SourceLayout& layout,
                             const SourceTable& unit);
 
-// The in-band sum over the weights of one replicate, and of what is seen straight alone.
+// Returns the in-band sum over the weights of one replicate, and of the light that is seen straight
+// alone.
 [[nodiscard]] double in_band_w_sr(const ConditionSources& light, const SummedWeights& sums,
                                   const SourceTable& in_band);
 [[nodiscard]] double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sums,
                                           const SourceTable& in_band);
 
-// The bounds on sources around the target, met with one replicate's weights or their mean.
+// Returns the bounds on sources around the target, met with one replicate's weights or their mean.
 [[nodiscard]] double interpolation_w_sr(const SourceTable& table, SourceRange nodes,
                                         const SourceLayout& layout, const SummedWeights& sums);
 
@@ -96,10 +97,10 @@ struct Shares {
 [[nodiscard]] double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,
                                 const BandOnAxis& band, const double* weight);
 
-// The largest of each source's weights on any node of the sweep. [source]
+// Returns the largest of each source's weights on any node of the sweep. [source]
 [[nodiscard]] std::vector<double> largest_on_nodes(const SummedWeights& sums,
                                                    const SpectralBasis& basis);
-// The in-band sum if the weights of every source were the largest at all nodes. [W/sr]
+// Returns the in-band sum if the weights of every source were the largest at all nodes. [W/sr]
 [[nodiscard]] double largest_in_band_w_sr(const ConditionSources& light,
                                           const std::vector<double>& largest,
                                           const BandOnAxis& band);

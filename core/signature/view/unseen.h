@@ -31,7 +31,7 @@ class SmallBrightSources {
     double bound = 0, stderr_ = 0;
   };
   [[nodiscard]] Allowance allowance(double sample_m2) const;
-  // Totals: the sum of radiance x area, and the brightest radiance.
+  // Return totals: the sum of radiance x area, and the brightest radiance.
   [[nodiscard]] double sum() const;
   [[nodiscard]] double brightest() const;
 
@@ -84,11 +84,12 @@ class UndersampledSources {
     };
     std::vector<Parts> parts;
   };
-  // suns: of which light is wanted.                                    [stratum]
+  // Returns the sources of each stratum. suns: all whose light is wanted. [stratum]
   [[nodiscard]] std::vector<Stratum> by_stratum(const AimedView& view,
                                                 std::span<const SunDirection> suns) const;
-  // The largest radiance that each part sends to anyone, given what it sends by itself: what it
-  // reflects of parts above its facets is in it.                         [part]
+  // Returns the largest radiance that each part sends to anyone, with the light of parts above its
+  // facets that it reflects.
+  //   emitted  [part], sent without reflection
   [[nodiscard]] std::vector<double> with_reflected(const std::vector<double>& emitted) const;
 
   // Possible brightness of a facet for the sensor; a guess to choose by, no bound.
@@ -99,17 +100,19 @@ class UndersampledSources {
     double reflected;     // its DHR
     std::size_t parts;    // above it: index into parts_above()
   };
-  // later: of light that is shown by this facet and is more than `least_m2_per_sr` of the sun's
-  // irradiance.
+  // Returns the facets that the sensor may see.
+  //   later  includes light that this facet shows and that exceeds `least_m2_per_sr` of the sun's
+  //          irradiance
   [[nodiscard]] std::vector<Facet> facets(const SunDirection* sun, double least_m2_per_sr) const;
   [[nodiscard]] const std::vector<std::vector<bool>>& parts_above() const { return above().sets; }
 
   // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
   [[nodiscard]] const SmallBrightSources& reflected() const { return reflected_; }
-  // Upper bounds on the light of an irradiance from anywhere, seen after one reflection: the sum of
-  // each facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on, whose
-  // brdf may be very large, contribute their projected area x DHR [m2], per radiance, instead. And
-  // the largest brdf x cos_i of any direction, which most glossy models do not limit [1/sr].
+  // Return upper bounds on the light of an irradiance from anywhere, seen after one reflection: the
+  // sum of each facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on,
+  // whose brdf may be very large, contribute their projected area x DHR [m2], per radiance,
+  // instead; and the largest brdf x cos_i of any direction, which most glossy models do not limit
+  // [1/sr].
   [[nodiscard]] double shown_m2_per_sr() const { return shown_m2_per_sr_; }
   [[nodiscard]] double edge_on_m2() const { return edge_on_m2_; }
   [[nodiscard]] double any_per_sr() const { return any_per_sr_; }
@@ -157,8 +160,8 @@ class UndersampledSources {
   mutable std::unique_ptr<const Above> above_;
 };
 
-// The sea that mirrors a sun, over all directions: brightest along the sun's vertical circle, which
-// is looked at every half degree; 5 % are added. Empty without wind.
+// Returns the brightest glitter of a sea that mirrors a sun, over all directions: along the sun's
+// vertical circle, sampled every half degree, plus 5 %. Empty without wind.
 [[nodiscard]] std::vector<SeaGlint> brightest_glitter(const SunDirection& sun);
 
 // Upper 95 % limit of the expected number of events of which a pilot met none.

@@ -53,9 +53,9 @@ inline constexpr std::uint64_t kLeastPictureSamples = std::uint64_t{1} << 14,
                                        std::size_t images, std::size_t firsts,
                                        const SourceLayout& paths, const SpectralBasis* basis);
 
-// Picture `image` shows the light of a condition as `radiance` has it (SourceTable::source or
+// Plans picture `image` to show the light of a condition with a radiance (SourceTable::source or
 // apparent of `table`), behind gas of class `first`. Paths end on emitters, which are made up of
-// lights. What stands behind the target is not shown.
+// lights. The background behind the target is not shown.
 void show_sources(const SourceTable& table, const std::vector<double>& radiance,
                   const ConditionSources& light, const SourceLayout& paths,
                   const SpectralBasis* basis, std::size_t image, std::size_t first,

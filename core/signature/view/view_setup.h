@@ -45,11 +45,12 @@ struct ViewSetup {
 
   [[nodiscard]] const AimedView& aimed() const { return *view->aimed; }
   [[nodiscard]] std::size_t parts() const { return scene.target.part.size(); }
-  // True where rays that leave a part may meet another part.
+  // Returns true if rays that leave a part may meet another part.
   [[nodiscard]] bool parts_reflected() const {
     return plan.effects.parts && !plan.effects.skip_self_intersection;
   }
-  // Area [m2] that one of so many samples a replicate of a stratum stands for, over all replicates.
+  // Returns the area [m2] for which one of so many samples a replicate of a stratum stands, over
+  // all replicates.
   [[nodiscard]] double sample_m2(std::uint32_t stratum, std::uint64_t samples) const;
 };
 

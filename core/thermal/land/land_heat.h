@@ -41,9 +41,9 @@ struct LandHeatResult {
   std::vector<std::vector<float>> interpolation_k;
 };
 
-// A kind absorbs sunlight from the sky above its horizon and from level land of its own material
-// around it, and exchanges heat with the sky and with land as warm as a level place of the
-// material. INVALID_ARGUMENT: what is wrong in a build-up, by name.
+// Computes temperatures of land by kinds. A kind absorbs sunlight from the sky above its horizon
+// and from level land of its own material around it, and exchanges heat with the sky and with land
+// as warm as a level place of the material. INVALID_ARGUMENT names the fault of a build-up.
 [[nodiscard]] absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
                                                              const LandHeatRequest& request);
 

@@ -18,7 +18,8 @@ class DayResponse {
   //   end_k  [element x nodes + node]
   DayResponse(std::span<const double> end_k, std::size_t nodes);
 
-  // In: end less begin, [node]; out: distance of the begin from that of the day that repeats.
+  // Turns the change of a day (end less begin, [node]) into the distance of the begin from that of
+  // the day that repeats.
   void go_on(std::span<double> change_k) const;
 
  private:

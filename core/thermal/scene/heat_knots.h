@@ -33,9 +33,9 @@ struct HeatKnots {
   std::vector<std::string> warning;
 };
 
-// Knots: the times wanted, those of what changes inside walls, sunrise and sunset, records where
-// they jump (means over hours) or bend (instants under broken cloud), the end of the first day;
-// between them at most step_s. Times within a minute of a wanted one are taken as that.
+// Chooses the knots: the times wanted, changes inside walls, sunrise and sunset, jumps (means over
+// hours) and bends (instants under broken cloud) of the records, the end of the first day; between
+// them at most step_s. A time within a minute of a wanted one counts as that one.
 // INVALID_ARGUMENT: as CourseRadiation::make; the course is shorter than a day before the first
 // time.
 [[nodiscard]] absl::StatusOr<HeatKnots> heat_knots(const HeatKnotsRequest& request);

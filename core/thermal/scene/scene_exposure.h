@@ -33,7 +33,7 @@ class SceneExposure {
   [[nodiscard]] const ThermalFaces& faces() const { return faces_; }
   [[nodiscard]] std::size_t knots() const { return knots_.of_request.size(); }
   [[nodiscard]] std::size_t day_intervals() const { return knots_.day_intervals; }
-  // Index of this computation's knot among the request's knots.
+  // Returns the index of this computation's knot among the request's knots.
   [[nodiscard]] std::size_t of_request(std::size_t k) const { return knots_.of_request[k]; }
   [[nodiscard]] double knot_s(std::size_t k) const { return request_.knot_s[of_request(k)]; }
   [[nodiscard]] const HeatWeather& weather(std::size_t k) const {
@@ -55,9 +55,9 @@ class SceneExposure {
   [[nodiscard]] bool exchanges() const { return request_.exchange && can_exchange(); }
   [[nodiscard]] bool can_exchange() const { return !factors_->to.empty(); }
 
-  // Long-wave irradiance of every face at a knot when they are so warm; `incoming_w_m2` comes with
-  // a guess. Where the sky jumps, of the mean of both sides: sky_jump_w_m2() is what either side
-  // has more or less. All [face].
+  // Computes the long-wave irradiance of every face at a knot, for faces of these temperatures;
+  // `incoming_w_m2` comes with a guess. Where the sky jumps, the result is the mean of both sides,
+  // and sky_jump_w_m2() is the difference of either side from it. All [face].
   void long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
                  std::span<double> incoming_w_m2);
   // Like long_wave(), with the other faces black and as warm as the air, whatever is asked.
@@ -67,7 +67,7 @@ class SceneExposure {
   [[nodiscard]] double sky_jump_w_m2(std::size_t k, std::uint32_t face) const {
     return half_jump_w_m2(k) * static_cast<double>(of_sky_[face]);
   }
-  // Difference of that jump between a world with exchange and one without.
+  // Returns the difference of that jump between a world with exchange and one without.
   [[nodiscard]] double exchanged_jump_w_m2(std::size_t k, std::uint32_t face) const {
     return half_jump_w_m2(k) *
            std::abs(static_cast<double>(of_sky_exchanged_[face] - of_sky_alone_[face]));
@@ -79,7 +79,8 @@ class SceneExposure {
   // a guess.
   void arriving(std::span<const double> emitted_w_m2, double tolerance_w_m2,
                 std::span<double> incoming_w_m2);
-  // Absorbed of the sky's sunlight at a knot, whether asked for or not, on its brighter side.
+  // Returns the absorbed diffuse sunlight of the sky at a knot, also where the request leaves it
+  // out, on its brighter side.
   [[nodiscard]] double absorbed_diffuse_w_m2(std::size_t k, std::uint32_t face) const {
     return std::max(weather(k).before.diffuse_horizontal_w_m2,
                     weather(k).after.diffuse_horizontal_w_m2) *
@@ -100,12 +101,12 @@ class SceneExposure {
   //   kelvin  [knot] of the facet's front
   [[nodiscard]] std::vector<double> uneven_k(std::uint32_t facet,
                                              std::span<const float> kelvin) const;
-  // Error of a facet's temperature at a knot because few rays sample the radiation of their aims:
-  // balanced by the same losses, for as long as it takes.
+  // Returns the error of a facet's temperature at a knot because few rays sample the radiation of
+  // their aims: balanced by the same losses, for as long as it takes.
   [[nodiscard]] double aimed_k(std::size_t k, std::uint32_t facet, double kelvin) const;
-  // Error from all other rays, at every knot: from the differences between blocks of rays, and the
-  // loss of a single ray. An estimate from above: blocks are spread less evenly than all rays.
-  // Needs SceneKnots::keep_hits. [knot]
+  // Returns the error from all other rays, at every knot: from the differences between blocks of
+  // rays, and the loss of a single ray. An estimate from above, since blocks are spread less evenly
+  // than all rays. Needs SceneKnots::keep_hits. [knot]
   //   kelvin       [knot x faces + face]
   //   incoming     likewise, long-wave irradiance
   //   front_kelvin [knot] of the facet's front
@@ -117,19 +118,19 @@ class SceneExposure {
   // Writes what the air does with the water on a face that is not covered.
   void expose_water(std::size_t k, const HeatRadiation& light, std::uint32_t face, std::size_t at,
                     const FaceExposure& to) const;
-  // Half of what the sky sends more after a knot than before.
+  // Returns half of the difference in the sky's radiation after and before a knot.
   [[nodiscard]] double half_jump_w_m2(std::size_t k) const {
     return 0.5 * (weather(k).after.sky_w_m2 - weather(k).before.sky_w_m2);
   }
-  // Warming by a flux into a facet, known at all knots: of as much of the wall as an hour reaches,
-  // or as a day does, whichever gives more, against convection and radiation. [knot]
+  // Returns the warming by a flux into a facet, known at all knots: of as much of the wall as an
+  // hour reaches, or as a day does, whichever gives more, against convection and radiation. [knot]
   [[nodiscard]] std::vector<double> warms_k(std::uint32_t facet, std::span<const double> heat_w_m2,
                                             std::span<const float> front_kelvin) const;
-  // Standard error of what a face absorbs, by its rays.
+  // Returns the standard error of the absorbed radiation of a face, by its rays.
   [[nodiscard]] double ray_stderr_w_m2(std::size_t k, std::uint32_t face,
                                        std::span<const float> kelvin,
                                        std::span<const float> incoming) const;
-  // Lower bound of the additional loss of a face that is a kelvin warmer.
+  // Returns a lower bound of the additional loss of a face that is a kelvin warmer.
   [[nodiscard]] double loss_w_m2_k(std::size_t k, std::uint32_t face, double kelvin) const;
   // Coordinates are known to a part of the target's size.
   [[nodiscard]] double touching_m() const;

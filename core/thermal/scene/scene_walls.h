@@ -24,7 +24,7 @@ class SceneWalls {
   //   shortest_s  first_step_s() of the shortest interval that its cells are made for
   SceneWalls(SceneExposure& exposure, const SceneHeatRequest& request, double shortest_s);
 
-  // InvalidArgument: what is wrong in a build-up, by name.
+  // Checks the build-ups. INVALID_ARGUMENT names the fault and the build-up.
   [[nodiscard]] absl::Status check() const;
   // Passes until another one would change nothing by more than half of exchange_tolerance_k and
   // the day begins where it ends.
@@ -48,10 +48,10 @@ class SceneWalls {
   [[nodiscard]] const std::vector<float>& kelvin() const { return kelvin_; }
   // Likewise: long-wave irradiance, of the mean of both sides where the sky jumps.
   [[nodiscard]] const std::vector<float>& incoming() const { return incoming_; }
-  // Error at any knot from conduction, and from the begin of the day.
+  // Returns the error at any knot from conduction, and from the begin of the day.
   [[nodiscard]] double error_k(std::uint32_t face) const { return error_k_[face]; }
   [[nodiscard]] int passes() const { return passes_; }
-  // Upper bound of the change by another pass.
+  // Returns an upper bound of the change by another pass.
   [[nodiscard]] double left_k() const { return left_k_; }
   [[nodiscard]] double closure_w_m2() const { return closure_w_m2_; }
 
@@ -71,7 +71,7 @@ class SceneWalls {
   [[nodiscard]] const WallBuildUp& build_up_of(const Wall& wall) const {
     return request_.build_up[wall.build_up];
   }
-  // Some of a wall's elements, with cells half as long.
+  // Returns some of a wall's elements, with cells half as long.
   [[nodiscard]] static Wall refined(const Wall& wall, std::span<const std::size_t> element);
   [[nodiscard]] absl::Status named(const Wall& wall, const absl::Status& status) const;
   [[nodiscard]] std::vector<WallWalk> walks_at_begin(std::span<const Wall> walls, int level) const;
@@ -93,12 +93,12 @@ class SceneWalls {
   // Passes from knot to knot until they are settled; `walks` at the first come out at the last.
   [[nodiscard]] absl::Status settle(std::size_t first, std::size_t last, bool repeats,
                                     std::vector<WallWalk>& walks);
-  // A typical element of a wall, and others like it that begin warmer at one node each.
+  // Returns a typical element of a wall, and others like it that begin warmer at one node each.
   [[nodiscard]] WallWalk probes(const Wall& wall, int level) const;
   double next_begin(const WallWalk& walk, Wall& wall) const;
   [[nodiscard]] double largest_change_k(const std::vector<float>& before, std::size_t first,
                                         std::size_t last) const;
-  // All but the long-wave irradiance of an inner face.
+  // Computes the exposure of an inner face without its long-wave irradiance.
   void inside(const Wall& wall, std::size_t k, SceneExposure::Side side,
               const FaceExposure& to) const;
   void note_closure(const std::vector<WallWalk>& walks);
