@@ -19,19 +19,19 @@ struct SlopeLobe {
   double width;
 };
 
-// The density of half vectors. [1/sr]
+// Returns the density of half vectors. [1/sr]
 [[nodiscard]] double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h);
 
-// The largest exp(-t / w2) (1 + t)^power for t >= tan2.
+// Returns the largest exp(-t / w2) (1 + t)^power for t >= tan2.
 [[nodiscard]] double largest_bell(double tan2, double w2, int power);
 
-// Upper bounds, in a range of reflections, of the two factors by which brdf x cos_i of a lobe
-// diverges at grazing: 1 / (4 cos_o) for the open lobe, and cos_h / (2 cos_d) <= 1 / (cos_i +
+// Return upper bounds, in a range of reflections, of the two factors by which brdf x cos_i of a
+// lobe diverges at grazing: 1 / (4 cos_o) for the open lobe, and cos_h / (2 cos_d) <= 1 / (cos_i +
 // cos_o) with V-grooves. Infinite where the range holds no limit.
 [[nodiscard]] double open_grazing(const ReflectionRange& range);
 [[nodiscard]] double groove_grazing(const ReflectionRange& range);
 
-// tan^2 of the angle that a fraction u in [0, 1) of the half vectors does not reach.
+// Returns tan^2 of the angle that a fraction u in [0, 1) of the half vectors does not reach.
 [[nodiscard]] double slope2_at(const SlopeLobe& lobe, double u);
 
 }  // namespace irsig

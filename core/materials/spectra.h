@@ -11,13 +11,14 @@ namespace irsig {
 [[nodiscard]] double spectrum_at(const Spectrum& table, double lambda_um);
 [[nodiscard]] OpticalConstant constants_at(const OpticalConstants& table, double lambda_um);
 
-// INVALID_ARGUMENT unless the table has one point or increasing ones that cover the wavelengths.
+// Returns INVALID_ARGUMENT unless the table has one point, or increasing ones that cover the
+// wavelengths.
 [[nodiscard]] absl::Status check_covers(const OpticalConstants& table, double lambda_min_um,
                                         double lambda_max_um);
 // Like check_covers(), and requires every value in [0, 1].
 [[nodiscard]] absl::Status check_fraction(const Spectrum& table, const char* what,
                                           double lambda_min_um, double lambda_max_um);
-// INVALID_ARGUMENT unless least <= value <= most.
+// Returns INVALID_ARGUMENT unless least <= value <= most.
 [[nodiscard]] absl::Status check_between(double value, const char* what, double least, double most);
 
 // The fewest wavelengths at which the tables of a material bend: between them the tables differ
@@ -31,7 +32,7 @@ struct TableCorners {
 [[nodiscard]] TableCorners table_corners(const MaterialSpec& material, double from_um, double to_um,
                                          double tolerance);
 
-// The first failure of several, or ok.
+// Returns the first failure of several, or ok.
 [[nodiscard]] absl::Status first_failure(std::vector<absl::Status> statuses);
 
 }  // namespace irsig

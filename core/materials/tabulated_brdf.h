@@ -5,7 +5,7 @@
 
 namespace irsig {
 
-// A measured or simulated BRDF on a grid, made reciprocal. [1/sr]
+// Prepares a measured or simulated BRDF on a grid, made reciprocal. [1/sr]
 //
 //   f_r(i, o, phi) = (t(i, o, phi) + t(o, i, phi)) / 2
 //
@@ -28,7 +28,7 @@ struct TabulatedBrdfFindings {
   double last_zenith_deg;    // beyond it, in or out, the table is continued as a constant
   double clamped_fraction;   // how much of the cosine-weighted hemisphere lies beyond it
 };
-// Errors: a table that is not one (sizes, order, ranges, negative values).
+// Examines a table. Errors: wrong sizes, order or ranges, negative values.
 [[nodiscard]] absl::StatusOr<TabulatedBrdfFindings> examine(const TabulatedBrdf& spec);
 
 }  // namespace irsig

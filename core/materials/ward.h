@@ -4,7 +4,7 @@
 
 namespace irsig {
 
-// Ward's BRDF and its two renormalised forms. [1/sr]
+// Prepares Ward's BRDF, or one of its two renormalised forms. [1/sr]
 //
 //   f_r = rho_d / pi + rho_s exp(-tan^2 theta_h / alpha^2) / (pi alpha^2) N
 //   N = 1 / (4 sqrt(cos_i cos_o))          [ward1992], isotropic

@@ -84,7 +84,7 @@ class SourceLayout {
     // Index of the emitter, the node (below the horizon: as above it), the sun; of land: kind x
     // ranges + node of the range.
     std::uint32_t index;
-    // Of kGlintCosines; of the land of a sun: material x ranges + node of the range.
+    // Node of kGlintCosines; for the land of a sun: material x ranges + node of the range.
     std::uint32_t second = 0;
   };
   [[nodiscard]] Place place_of(SourceId id) const;

@@ -42,7 +42,7 @@ class CellOrder {
       high_of_;  // the index's upper m bits behind a value of their linear map
 };
 
-// Even bits of a Morton code.
+// Returns the even bits of a Morton code.
 [[nodiscard]] constexpr std::uint32_t compact_even_bits(std::uint64_t code) {
   code &= 0x5555555555555555ULL;
   code = (code | (code >> 1)) & 0x3333333333333333ULL;
