@@ -7,17 +7,17 @@
 
 namespace irsig {
 
-// --workers, --relative-error, --time-budget-s, --effects and --yes: what commands that run a
-// sweep, or plan one, are told besides the sweep file. Both must outlive the command.
+// Adds --workers, --relative-error, --time-budget-s, --effects and --yes to a command that runs or
+// plans a sweep. `accuracy` and `workers` must outlive the command.
 void add_accuracy_options(CLI::App& command, AccuracyAsked& accuracy, std::uint32_t& workers);
 
-// --yes alone: from here on large sweeps need it.
+// Adds --yes alone; large sweeps need it from then on.
 void add_size_option(CLI::App& command, AccuracyAsked& accuracy);
 
-// --shard alone.
+// Adds --shard alone.
 void add_shard_option(CLI::App& command, AccuracyAsked& accuracy);
 
-// --effects alone.
+// Adds --effects alone.
 void add_effects_option(CLI::App& command, AccuracyAsked& accuracy);
 
 }  // namespace irsig

@@ -39,7 +39,8 @@ class AirOptions {
   // Returns true if any of the options was given.
   [[nodiscard]] bool given() const;
 
-  // INVALID_ARGUMENT names the options that are missing, contradict each other or are out of range.
+  // Returns the chosen air. INVALID_ARGUMENT: names the options that are missing, contradict each
+  // other or are out of range.
   [[nodiscard]] absl::StatusOr<ChosenAir> choose() const;
 
  private:

@@ -17,10 +17,10 @@ struct ChosenMaterial {
       lambda_um;  // a few wavelengths there: the middles of the bands, or usual ones
 };
 
-// "iron" (the library), "hull" (built in) or "sweeps/frigate.toml:deck".
+// Finds a material by name: "iron" (the library), "hull" (built in) or "sweeps/frigate.toml:deck".
 [[nodiscard]] absl::StatusOr<ChosenMaterial> choose_material(const std::string& name);
 
-// Every material of a sweep file.
+// Returns every material of a sweep file.
 [[nodiscard]] absl::StatusOr<std::vector<ChosenMaterial>> materials_of_sweep(
     const std::string& path);
 

@@ -6,9 +6,8 @@
 
 namespace irsig {
 
-// Each subcommand of `irsig` lives in the file of its name and adds itself here; its callback
-// leaves the exit code in `exit_code`: 0, 2 = the user's input is wrong, 1 = anything else that
-// failed.
+// Adds a subcommand of `irsig`. Each one is in the file of its name; its callback sets `exit_code`
+// to 0 (success), 2 (wrong input of the user) or 1 (any other failure).
 void add_show(CLI::App& app, int& exit_code);
 void add_show_atmosphere(CLI::App& show, int& exit_code);  // irsig show atmosphere, sky, sun
 void add_show_effects(CLI::App& show, int& exit_code);     // irsig show effects

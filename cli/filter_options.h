@@ -16,12 +16,13 @@ class FilterOptions {
   // Adds DB and the options to a subcommand; the object must outlive the parse.
   explicit FilterOptions(CLI::App& command);
 
-  // --range-m, of commands that show rows as seen from elsewhere.
+  // Adds --range-m, for commands that can show rows as seen from other ranges.
   void add_ranges(CLI::App& command);
 
   [[nodiscard]] const std::string& database() const { return database_; }
   [[nodiscard]] absl::StatusOr<Query> query() const;
-  // The given options that choose signatures, as they were written; empty: none.
+  // Returns the options that select signatures as written on the command line; empty: none were
+  // given.
   [[nodiscard]] std::string text() const;
 
  private:

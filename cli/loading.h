@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// load_sweep and spend_time_budget with a line on standard error while they last, where that is
+// Runs load_sweep or spend_time_budget, and prints a line on standard error while the call lasts
 // longer than two seconds.
 [[nodiscard]] absl::StatusOr<LoadedSweep> load_shown(const std::string& path,
                                                      const AccuracyAsked& asked);

@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// DHR and directional emissivity against angle (at the given wavelengths) and against wavelength
-// (at a few angles), as SVG.
+// Plots DHR and directional emissivity against angle (at the given wavelengths) and against
+// wavelength (at a few angles), as SVG.
 [[nodiscard]] absl::StatusOr<std::string> plot_material(const ChosenMaterial& material);
 
 }  // namespace irsig

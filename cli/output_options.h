@@ -19,7 +19,7 @@ class OutputOptions {
   // people and may also be called "table".
   OutputOptions(CLI::App& command, std::vector<std::string> formats);
 
-  // Option for commands that need a file: "-" is not one.
+  // Returns the option --out, for commands that need a file; "-" is not a file.
   [[nodiscard]] CLI::Option* out_option() const { return out_option_; }
   [[nodiscard]] const std::string& out() const { return out_; }
 

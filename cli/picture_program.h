@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// A ReadPictures (view/pictures/thumbnail.h): what needs OpenImageIO is done by irsig-picture, by as many
-// processes as the machine has cores where there are many images.
+// Reads pictures with irsig-picture, as a ReadPictures (view/pictures/thumbnail.h); only that
+// program uses OpenImageIO. For many images it runs as many processes as the machine has cores.
 [[nodiscard]] absl::StatusOr<std::vector<PictureAnswer>> read_pictures(
     const std::vector<PictureTask>& tasks);
 

@@ -18,7 +18,7 @@ class BackgroundThread {
   BackgroundThread() : thread_([this] { run(); }) {}
   ~BackgroundThread() { stop(); }
 
-  // False: it has stopped, and `work` will not run.
+  // Queues `work`. Returns false if the thread has stopped: `work` will not run.
   [[nodiscard]] bool post(Work work) {
     {
       const std::lock_guard lock(mutex_);

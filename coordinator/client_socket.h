@@ -25,9 +25,9 @@ class ClientSocket {
   virtual Step shake_hands() = 0;
   virtual Step read(char* into, std::size_t room) = 0;
   virtual Step write(const char* from, std::size_t size) = 0;
-  // Why the handshake ended; empty: the client left it.
+  // Returns the reason for which the handshake ended. Empty: the client closed the connection.
   [[nodiscard]] virtual std::string problem() const = 0;
-  // The client's certificate, in PEM; empty without TLS.
+  // Returns the client's certificate in PEM; empty without TLS.
   [[nodiscard]] virtual std::string certificate() const = 0;
 };
 
@@ -39,8 +39,9 @@ class ClientSockets {
 };
 
 [[nodiscard]] std::unique_ptr<ClientSockets> plain_sockets();
-// Mutual TLS 1.2 or 1.3 for HTTP/2: who shows no certificate of the authority does not get in.
-// INVALID_ARGUMENT: OpenSSL does not take the identity, although read_tls() did.
+// Creates sockets with mutual TLS 1.2 or 1.3 for HTTP/2; clients without a certificate of the
+// authority are refused. INVALID_ARGUMENT: OpenSSL refuses the identity, although read_tls()
+// accepted it.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<ClientSockets>> tls_sockets(const TlsIdentity& tls);
 
 }  // namespace irsig

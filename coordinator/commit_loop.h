@@ -12,7 +12,8 @@
 
 namespace irsig {
 
-// A refusal concerns one request, and what it has written (a failure that was counted) is meant.
+// Returns true if an error refuses one request only. Changes that the refused request wrote (a
+// counted failure, for example) are kept.
 [[nodiscard]] inline bool is_refusal(const absl::Status& status) {
   return absl::IsFailedPrecondition(status) || absl::IsInvalidArgument(status) ||
          absl::IsNotFound(status) || absl::IsAlreadyExists(status) || absl::IsAborted(status);
@@ -31,7 +32,8 @@ class CommitLoop {
 
   ~CommitLoop();
 
-  // `work` runs on the loop's thread; `acknowledge` gets its status after the commit.
+  // Queues a request: `work` runs on the loop's thread, and `acknowledge` gets its status after the
+  // commit.
   void post(Kind kind, Work work, Acknowledge acknowledge);
 
   // Starts to serve the requests. A request that fails in another way than by a refusal (an

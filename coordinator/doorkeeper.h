@@ -23,14 +23,16 @@ namespace irsig {
 // do everything. Thread-safe.
 class Doorkeeper {
  public:
-  // tls: null without TLS. crl_path: a file that is read anew when it has changed; empty: none.
-  // INVALID_ARGUMENT: the list cannot be read, or is not the authority's.
+  // Creates a doorkeeper. tls: null without TLS. crl_path: the revocation list, read again whenever
+  // the file has changed; empty: no list. INVALID_ARGUMENT: the list cannot be read, or the
+  // authority has not signed it.
   static absl::StatusOr<std::unique_ptr<Doorkeeper>> make(std::shared_ptr<const TlsIdentity> tls,
                                                           const Visitors& visitors,
                                                           std::string crl_path, Clock unix_clock);
 
-  // PERMISSION_DENIED: none of the roles that do; UNAUTHENTICATED: revoked, or expired since it
-  // connected. Both leave a line in the log: the call, who, and why. CANCELLED: the connection has
+  // Checks that the caller has one of the roles in `enough`. PERMISSION_DENIED: the caller has none
+  // of them. UNAUTHENTICATED: the certificate was revoked, or has expired since the connection
+  // began. Both are logged with the call, the caller and the reason. CANCELLED: the connection has
   // ended meanwhile.
   absl::Status admit(const grpc::ServerContextBase& context, std::string_view call,
                      const std::set<Role>& enough);

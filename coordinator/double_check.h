@@ -25,10 +25,12 @@ class DoubleCheck {
   // share: of all jobs. salt: differs with every start of the coordinator.
   DoubleCheck(double share, std::string salt) : share_(share), salt_(std::move(salt)) {}
 
-  // `worker` was the first to compute it: is another one to compute it again?
+  // Returns true if another worker is to compute the job again after its first result. ask_for()
+  // requests such a computation by a worker that is not in `not_by`.
   [[nodiscard]] bool chosen(const JobName& job) const;
   void ask_for(const JobName& job, std::set<std::string> not_by);
-  // One that was asked for and that this worker may compute, taken off the list.
+  // Returns a requested job that this worker may compute, and removes the job from the list.
+  // nullopt: there is none.
   [[nodiscard]] std::optional<JobName> next_for(const std::string& worker);
 
   struct Verdict {
@@ -39,7 +41,8 @@ class DoubleCheck {
     } kind;
     std::string wrong;
   };
-  // `worker` has the same content as what is stored. nullopt: so has everybody else.
+  // Records a second result: agrees() if it equals the stored result, differs() if not. nullopt:
+  // all results of the job agree.
   std::optional<Verdict> agrees(const JobName& job, const std::string& content);
   Verdict differs(const JobName& job, const std::string& stored_content,
                   const std::string& stored_by, const std::string& content,
@@ -84,7 +87,7 @@ class Rate {
     at_s_.push_back(now_s);
     if (at_s_.size() > kMost) at_s_.pop_front();
   }
-  // 0: too few, or too long ago.
+  // Returns the rate [1/s]. 0: there were too few events, or the last one is too long ago.
   [[nodiscard]] double per_s(double now_s) const {
     if (at_s_.size() < 2 || now_s - at_s_.back() > kLongAgo_s || !(now_s > at_s_.front())) return 0;
     return static_cast<double>(at_s_.size() - 1) / (now_s - at_s_.front());

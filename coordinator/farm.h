@@ -44,8 +44,8 @@ struct Submission {
   std::optional<schema::Prediction> prediction = std::nullopt;
   std::optional<int> priority = std::nullopt;  // not stated: as it is
 };
-// INVALID_ARGUMENT: check_sweep refuses the sweep, a hash is wrong, or
-// it comes without its physics version.
+// Prepares a sweep for submission. INVALID_ARGUMENT: check_sweep refuses the sweep, a hash is
+// wrong, or the physics version is missing.
 [[nodiscard]] absl::StatusOr<Submission> make_submission(const SweepCheck& check_sweep,
                                                          schema::ResolvedSweep sweep,
                                                          std::uint32_t physics_version,
@@ -91,7 +91,7 @@ class Farm {
   absl::StatusOr<schema::CancelReply> cancel(const std::string& sweep_sha256);
   absl::StatusOr<schema::PrioritizeReply> prioritize(const schema::PrioritizeRequest& request);
 
-  // After a request was undone: leases that no session knows go back to the queue.
+  // Returns leases that no session knows to the queue. Call it after a request was undone.
   absl::Status release_orphaned_leases();
   // Workers that may send a result: may be asked from any thread.
   [[nodiscard]] const LeaseBook& leases() const { return leases_; }
@@ -135,13 +135,14 @@ class Farm {
                                                            const Session& session);
   absl::StatusOr<std::optional<QueuedJob>> next_job_for(const std::string& worker_id,
                                                         const Session& session);
-  // A job for the second time.
+  // Finds a job that is to be computed a second time: for an audit, or because it is late.
   absl::StatusOr<std::optional<QueuedJob>> audit_for(const Session& session);
   absl::StatusOr<std::optional<QueuedJob>> straggling_job_for(const Session& session);
   absl::StatusOr<std::optional<QueuedJob>> duplicate(const JobName& job, JobState expected);
   absl::Status check_class(const Session& session);
   absl::Status check_physics(const Session& session, const JobName& job);
-  // OK if this worker's results may be stored here; the first one binds the database's class.
+  // Checks that this worker's results may be stored here. The first admitted worker binds the
+  // database's determinism class.
   absl::Status admit(const Session& session, const JobName& job);
   SweepRules& remember(const std::string& sweep_sha256, const schema::ResolvedSweep& sweep);
   absl::Status check_against_session(const Session& session, const std::string& sweep_sha256,

@@ -33,8 +33,8 @@ class FarmServer {
   static absl::StatusOr<std::unique_ptr<FarmServer>> start(FarmServerOptions options);
   virtual ~FarmServer() = default;
 
-  // The address at which the server listens: with the port that the system chose, if port 0 was
-  // asked for.
+  // Returns the address at which the server listens; if port 0 was requested, with the port that
+  // the system chose.
   [[nodiscard]] virtual std::string address() const = 0;
   // Refuses further calls, commits waiting ones, and makes the database one plain file.
   // UNAVAILABLE: a reader has it open; it is complete, but its journal stays beside it.

@@ -39,7 +39,7 @@ class FarmService final : public schema::Farm::CallbackService {
   FarmService(CommitLoop& loop, std::string folder, SweepCheck check_sweep)
       : desk_(loop, std::move(folder), std::move(check_sweep)) {}
 
-  // Before the first call.
+  // Sets the lease book and the doorkeeper; must be called before the first call arrives.
   void use(const LeaseBook& leases, Doorkeeper& door) {
     desk_.leases = &leases;
     desk_.door = &door;

@@ -187,8 +187,8 @@ inline constexpr SessionRow kSessionTable[] = {
 
 // ---------------------------------------------------------------------------------------------------
 
-// The row of a state and an event. Both tables have every pair, once: checked when this is
-// compiled.
+// Returns the row of a state and an event. Both tables have every pair exactly once, which is
+// checked at compile time.
 template <class Row, std::size_t rows, class State, class Event>
 [[nodiscard]] constexpr const Row& row_of(const Row (&table)[rows], State state, Event event) {
   std::size_t at = 0;

@@ -57,8 +57,8 @@ class FrameScanner {
 
   explicit FrameScanner(std::size_t preface_bytes) : to_skip_(preface_bytes) {}
 
-  // The next frame whose header is complete; `bytes` loses what was looked at. False: there is no
-  // other one in them.
+  // Finds the next frame whose header is complete, and removes the bytes read from `bytes`. Returns
+  // false if there is no further complete header in `bytes`.
   [[nodiscard]] bool next(std::string_view& bytes, Frame& frame);
 
  private:
@@ -79,8 +79,8 @@ class FrameMeter {
   FrameMeter(const FrameMeter&) = delete;
   FrameMeter& operator=(const FrameMeter&) = delete;
 
-  // RESOURCE_EXHAUSTED: the client did too much of something, and the message says of what. The
-  // bytes must not reach the server, and the connection is to be closed.
+  // Counts the bytes of one direction. RESOURCE_EXHAUSTED: the client exceeded a limit, which the
+  // message names; drop the bytes and close the connection.
   [[nodiscard]] absl::Status from_client(std::string_view bytes, double now_s);
   [[nodiscard]] absl::Status from_server(std::string_view bytes, double now_s);
 

@@ -17,7 +17,7 @@ namespace irsig {
 // one turns the last ones away, and goes on: the database needs some, too. Belongs to one thread.
 class FrontGate {
  public:
-  // More than the usual 1024, as far as the hard limit of this process allows.
+  // Raises the limit of open files from the usual 1024 to the hard limit of this process.
   static void raise_open_files();
 
   // Holds the address: the port (0: any free one) of an IPv4 address, an [IPv6] one or a name, or a
@@ -33,7 +33,7 @@ class FrontGate {
                      int patience_ms) = 0;
   // Refuses further connections; existing ones continue.
   virtual void close_door() = 0;
-  // After the server has been shut down: what it has said last is sent.
+  // Sends the server's last bytes and ends. Call it after the server has shut down.
   virtual void stop() = 0;
 };
 

@@ -10,7 +10,8 @@ class SharedLimit {
  public:
   explicit SharedLimit(std::uint64_t most) : most_(most) {}
 
-  // False, and nothing is taken: it would be too much.
+  // Takes `amount` from the limit. Returns false, and takes nothing, if the limit would be
+  // exceeded.
   [[nodiscard]] bool take(std::uint64_t amount) {
     std::uint64_t taken = taken_.load();
     do {

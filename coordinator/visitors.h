@@ -26,7 +26,7 @@ class Visitors {
     const std::lock_guard lock(mutex_);
     there_.erase(peer);
   }
-  // nullopt: the connection has ended.
+  // Returns the visitor with this address. nullopt: the connection has ended.
   [[nodiscard]] std::optional<Visitor> find(const std::string& peer) const {
     const std::lock_guard lock(mutex_);
     const auto found = there_.find(peer);

@@ -16,7 +16,7 @@ struct GoniometerFile {
   SweepFile scene;
 };
 
-// TOML -> Goniometer; errors as parse_sweep's.
+// Reads a goniometer from TOML. Errors: those of parse_sweep.
 [[nodiscard]] absl::StatusOr<GoniometerFile> parse_goniometer(std::string_view text,
                                                               std::string_view file_name);
 

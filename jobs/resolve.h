@@ -16,29 +16,29 @@ namespace irsig {
 // (before any default is filled in), reports to `findings`, and where it says so completes the
 // resolved sweep.
 
-// [model] [[material]] [[part]]. Built-in and library materials that parts name are added
+// Resolves [model] [[material]] [[part]]. Built-in and library materials that parts name are added
 // to sweep.material.
 void resolve_target(std::string_view model_bytes, schema::ResolvedSweep& resolved,
                     Findings& findings);
 
-// [[material]]: their names, in order. A library's entry is written out into sweep.material, so
-// that its numbers are part of the sweep.
+// Resolves [[material]] and returns the names in order. A library entry is written out into
+// sweep.material, so that its numbers are part of the sweep.
 [[nodiscard]] std::vector<std::string> resolve_materials(schema::Sweep& sweep, Findings& findings);
 
-// A part's material that no [[material]] declares: built in or in the library, then it is added to
-// sweep.material and to `known`; otherwise reported.
+// Resolves a part's material that no [[material]] declares. If it is built in or in the library, it
+// is added to sweep.material and to `known`; otherwise an error is reported.
 void resolve_part_material(const std::string& name, const SectionCheck& check,
                            std::vector<std::string>& known, schema::Sweep& sweep,
                            Findings& findings);
 
-// [[build_up]], and which parts and materials have what computed temperatures need. Solids of the
-// library are written out as their numbers.
+// Resolves [[build_up]], and checks that parts and materials have the properties that computed
+// temperatures need. Library solids are written out as their numbers.
 void resolve_build_ups(schema::Sweep& sweep, Findings& findings);
 
 // Returns true if the sweep file states a part's temperature in a season: its own, or the season's.
 [[nodiscard]] bool is_stated(const schema::Season& season, const schema::Part& part);
 
-// [[temperature_field]], and where seasons name them.
+// Checks [[temperature_field]] and the keys of seasons that name fields.
 void check_temperature_fields(const SweepFile& file, Findings& findings);
 // Resolves the fields by name, with the hashes of their files; then takes a season's field into its
 // condition, with the parts that have their temperatures from it.
@@ -48,31 +48,33 @@ void take_temperature_field(const std::map<std::string, schema::ConditionField>&
                             const schema::Sweep& sweep, const schema::Season& season,
                             schema::Condition& condition);
 
-// [place] [[season]] time [air] transport.sun and the surroundings: writes ResolvedSweep.condition,
-// if nothing was found so far. `file` has the text of the files that air and seasons name.
+// Resolves [place] [[season]] time [air] transport.sun and the surroundings, and writes
+// ResolvedSweep.condition if no error was found so far. `file` has the text of the files that air
+// and seasons name.
 void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, Findings& findings);
 
 void check_place(const schema::Sweep& sweep, Findings& findings);
 
 // Reports settings that contradict above_surface_m of [place], seasons and conditions.
 void check_heights(const schema::Sweep& sweep, Findings& findings);
-// The lowest of all seasons. [m]
+// Returns the lowest above_surface_m of all seasons. [m]
 [[nodiscard]] double lowest_above_surface_m(const schema::Sweep& sweep);
 
-// [air], and what a season says about the air; `surroundings`: the season's, complete.
+// Checks [air] and the season's settings of air. `surroundings`: complete surroundings of the
+// season.
 void check_air(const schema::Sweep& sweep, Findings& findings);
 void check_season_air(const schema::Sweep& sweep, int season_index,
                       const schema::Surroundings& surroundings, Findings& findings);
 
-// The weather of a season's conditions, if nothing was found so far; `season`: the season itself,
-// or with the surface weather of one time filled in.
+// Resolves the weather of a season's conditions, if no error was found so far. `season`: the season
+// itself, or the season with the surface weather of one time filled in.
 [[nodiscard]] schema::Weather resolve_weather(const SweepFile& file, int season_index,
                                               const schema::Season& season, int month,
                                               Findings& findings);
 void write_air_defaults(schema::Air& air);
 
-// [surroundings] and [season.surroundings]: the complete one of each season, in the order of the
-// seasons.
+// Resolves [surroundings] and [season.surroundings]. Returns the complete surroundings of each
+// season, in the order of seasons.
 [[nodiscard]] std::vector<schema::Surroundings> resolve_surroundings(const schema::Sweep& sweep,
                                                                      Findings& findings);
 
@@ -80,28 +82,30 @@ void write_air_defaults(schema::Air& air);
 void check_complete_surroundings(const schema::Sweep& sweep, const schema::Surroundings& complete,
                                  const std::string& path, Findings& findings);
 
-// [viewpoints]: writes ResolvedSweep.viewpoint.
+// Resolves [viewpoints] and writes ResolvedSweep.viewpoint.
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 
-// [[band]] [transport] [accuracy] [precompute]
+// Checks [[band]] [transport] [accuracy] [precompute].
 void check_run(const schema::Sweep& sweep, Findings& findings);
 
-// [effects], and its defaults.
+// Checks [effects]; write_effect_defaults() writes its defaults.
 void check_effects(const SweepFile& file, Findings& findings);
-// The names in it.
+// Checks the names in [effects].
 void check_effect_names(const schema::Effects& effects, Findings& findings);
 void write_effect_defaults(schema::Sweep& sweep);
 
-// [image], once viewpoints are known; and its defaults, and those of [output].
+// Checks [image] once viewpoints are known; write_image_defaults() writes the defaults of [image]
+// and [output].
 void check_image(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_image_defaults(schema::Sweep& sweep);
 
-// [imager], once all defaults are written out.
+// Checks [imager] once all defaults are written.
 void check_sweep_imager(const schema::Sweep& sweep, Findings& findings);
 // Checks a sweep file only: the sweeps of pilots have no images.
 void check_imager_has_images(const schema::Sweep& sweep, Findings& findings);
 
-// [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.
+// Checks [[profile]] and [[published]] once viewpoints and everything else are known;
+// write_profile_defaults() writes their defaults.
 void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_profile_defaults(schema::Sweep& sweep);
 

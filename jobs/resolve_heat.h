@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// [heat], and what makes sense only with it or without it: build_up of parts, place.speed_m_s. What
-// a build_up is made of is checked elsewhere.
+// Checks [heat] and the keys that need it or exclude it: build_up of parts, place.speed_m_s. The
+// layers of a build_up are checked elsewhere.
 void check_heat(const schema::Sweep& sweep, Findings& findings);
 void write_heat_defaults(schema::Sweep& sweep);
 

@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// "land.object[2]"
+// Returns the path of an object: "land.object[2]".
 [[nodiscard]] std::string land_object_path(int i);
 
 // Adds the files that the tables [[land.object]] name, by the key of each.

@@ -18,10 +18,11 @@ namespace irsig {
 // resolve_sweep. INVALID_ARGUMENT (file:line:column): a file that cannot be read. What is in it is
 // read where the scene is made.
 [[nodiscard]] absl::Status read_plume_file(SweepFile& file, const FileReader& read);
-// Empty: there is none.
+// Returns the bytes of the plume's file. Empty: there is none.
 [[nodiscard]] std::string_view plume_bytes(const SweepFile& file);
 
-// [plume], and what sweeps with it may not have; then its defaults.
+// Checks [plume] and the settings that sweeps with it may not have; write_plume_defaults() writes
+// its defaults.
 void check_plume(const schema::Sweep& sweep, Findings& findings);
 void write_plume_defaults(schema::Sweep& sweep);
 

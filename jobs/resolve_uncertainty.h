@@ -4,9 +4,9 @@
 
 namespace irsig {
 
-// [uncertainty], of a sweep that is resolved but for it: an input that nothing in the sweep depends
-// on is an error, since it would silently add nothing. Then writes its default, and a heat run of
-// changes (HeatRun.input) for each run whose temperatures depend on one of them.
+// Resolves [uncertainty] of a sweep that is resolved otherwise, and writes its default. An input on
+// which nothing in the sweep depends is an error, because it would silently add nothing. For each
+// run whose temperatures depend on an input, a heat run of changes (HeatRun.input) is added.
 void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings);
 
 }  // namespace irsig

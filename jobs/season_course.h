@@ -20,14 +20,14 @@ struct SeasonGroup {
   std::vector<Problem> warning;  // of the weather file
 };
 
-// instants: [season][time]. Courses of seasons with a weather file or a day, and with [heat] of
-// all; what is wrong with a weather file is reported at its own lines. With [heat] and a history of
-// days a course begins so long before the first condition.
+// Groups seasons. instants: [season][time]. Seasons with a weather file or a day have courses; with
+// [heat] all seasons have. Errors in a weather file are reported at its own lines. With [heat] and
+// a history of days, a course begins that many days before the first condition.
 [[nodiscard]] std::vector<SeasonGroup> season_groups(
     const SweepFile& file, const std::vector<std::vector<UtcTime>>& instants, Findings& findings);
 
-// A season with the surface weather of an instant of its course in the place of what it does not
-// say; what it says and the course contradicts is reported.
+// Returns a season whose missing surface weather is taken from the course at an instant. Statements
+// of the season that contradict the course are reported.
 [[nodiscard]] schema::Season with_weather_of(const WeatherCourse& course, double unix_s,
                                              const schema::Season& season, int season_index,
                                              Findings& findings);

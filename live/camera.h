@@ -23,9 +23,9 @@ struct LiveCamera {
   std::uint32_t width_px = 320, height_px = 256;
 
   [[nodiscard]] Viewpoint viewpoint() const { return {azimuth_deg, elevation_deg, range_m}; }
-  // Angle of a pixel in the middle of the picture.
+  // Returns the angle [rad] of a pixel in the middle of the picture.
   [[nodiscard]] double pixel_rad() const;
-  // With the layer "at_sensor", without an accuracy.
+  // Returns the image specification: layer "at_sensor", without an accuracy.
   [[nodiscard]] ImageSpec image() const;
   bool operator==(const LiveCamera&) const = default;
 };

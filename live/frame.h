@@ -61,7 +61,8 @@ class FrameTracer {
               PlaceGrid& grid, TileThreads& threads);
   ~FrameTracer();
 
-  // samples: rays of each pixel, 1 to 4. Errors as PlaceGrid::at and picture_frame have them.
+  // Draws a frame. samples: rays per pixel, 1 to 4. Errors: those of PlaceGrid::at and
+  // picture_frame.
   [[nodiscard]] absl::StatusOr<LiveFrame> draw(const LiveCamera& camera, std::uint32_t samples,
                                                LiveLight light);
   [[nodiscard]] absl::StatusOr<LivePick> pick(const LiveCamera& camera, std::uint32_t x,

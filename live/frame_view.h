@@ -81,7 +81,7 @@ class FrameView {
   void find_target_rectangle();
   [[nodiscard]] bool overlaps_target(std::uint32_t tile_x, std::uint32_t tile_y) const;
 
-  // The target (view_target.cpp).
+  // Traces rays against the target (view_target.cpp).
   void trace_target(const Vec<Body>* direction, FrameWorker& worker) const;
   // Returns false if the ray passes the target, or what it meets is hidden.
   bool shade_target(Vec<Body> d, FrameWorker& worker, std::uint32_t i, Sample& out) const;
@@ -95,11 +95,12 @@ class FrameView {
   [[nodiscard]] float reflected_sun(const RayPacket& packet, std::uint32_t lane,
                                     FrameWorker& worker) const;
 
-  // Land (view_land.cpp). Body to the land's local frame, and places relative to the target's
-  // centre to places there.
+  // Converts directions and positions to the land's local frame (view_land.cpp): turned() a
+  // direction of the body frame, place_of() a position relative to the target's centre.
   [[nodiscard]] Vec<Enu> turned(Vec<Body> d) const;
   [[nodiscard]] Vec<Enu> place_of(Vec<Body> p) const;
-  // A line of sight leaves the sensor higher than a straight one (Land).
+  // Returns the direction in which a line of sight leaves the sensor: higher than a straight line
+  // to the same point (Land).
   [[nodiscard]] Vec<Enu> in_sight(Vec<Body> d) const;
   void trace_land(const Vec<Body>* direction, FrameWorker& worker) const;
   // Returns false if the ray meets no land.

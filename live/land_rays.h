@@ -16,7 +16,7 @@ namespace irsig {
 // Limits: float32 places land 50 km away within 4 mm; a ray within that of an edge may miss it.
 class LandRays {
  public:
-  // land: outlives the rays. INTERNAL as PacketScene::make has it.
+  // Makes the rays of land. land: must outlive the rays. INTERNAL: as PacketScene::make.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<const LandRays>> make(const LandScene& land,
                                                                             double bend_per_m);
 

@@ -17,8 +17,9 @@ namespace irsig {
 // threads may ask.
 class LiveSweep {
  public:
-  // heat: outputs of the sweep's heat jobs. INVALID_ARGUMENT: errors of the scene, with their keys;
-  // UNIMPLEMENTED: the sweep has hot gas, which the live view does not follow.
+  // Makes the live view's scene of a sweep. heat: outputs of the sweep's heat jobs.
+  // INVALID_ARGUMENT: errors of the scene, with their keys. UNIMPLEMENTED: the sweep has hot gas,
+  // which the live view does not support.
   [[nodiscard]] static absl::StatusOr<std::shared_ptr<const LiveSweep>> make(
       schema::ResolvedSweep resolved, const Assets& assets, const HeatOutputs& heat);
   // Returns the same scene under the conditions of another resolved sweep, which differs in its

@@ -27,7 +27,7 @@ struct OwnParts {
 
   static constexpr int kRays = 32;  // of each facet
 
-  // emitters: null: the parts
+  // Makes the table of a target. emitters: null: the target's parts.
   [[nodiscard]] static OwnParts make(const Target& target, const Emitters* emitters);
 
   // Returns the mean radiance that arrives at each facet from sunlit parts of the target, per unit

@@ -13,7 +13,7 @@ namespace irsig {
 // may be called by any thread.
 class PlaceAhead {
  public:
-  // grid: outlives it.
+  // Starts computing nodes ahead. grid: must outlive this object.
   explicit PlaceAhead(PlaceGrid& grid);
   ~PlaceAhead();
   PlaceAhead(const PlaceAhead&) = delete;

@@ -16,7 +16,7 @@ namespace irsig {
 // the three. Any number of threads may ask.
 class PlaceGrid {
  public:
-  // lights: outlives the grid.
+  // Creates an empty grid. lights: must outlive the grid.
   explicit PlaceGrid(const PlaceLights& lights) : lights_(lights) {}
 
   struct Seen {
@@ -32,7 +32,7 @@ class PlaceGrid {
   [[nodiscard]] bool make_one(const Viewpoint& viewpoint);
   // Returns the number of nodes around a place that are not made yet.
   [[nodiscard]] int missing(const Viewpoint& viewpoint) const;
-  // Number of nodes that were made.
+  // Returns the number of nodes that are stored now.
   [[nodiscard]] std::size_t nodes() const;
 
  private:
@@ -50,7 +50,7 @@ class PlaceGrid {
   };
   [[nodiscard]] Corners corners_of(const Viewpoint& viewpoint) const;
   [[nodiscard]] Viewpoint place_of(const Key& key) const;
-  // Null: the node cannot be seen from.
+  // Returns a node; makes it if it is not stored. Null: the target cannot be seen from the node.
   [[nodiscard]] std::shared_ptr<const PlaceLight> node(const Key& key);
 
   const PlaceLights& lights_;

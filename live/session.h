@@ -69,8 +69,8 @@ class LiveSession {
   // Measures what is asked for as the sweep's job would: the layer "at_sensor", bit for bit, with
   // its errors, as good as kStoredPixelErrorPercent asks for.
   [[nodiscard]] absl::StatusOr<LiveFrame> measure(const LiveAsk& ask);
-  // Likewise with a number of rays for each pixel, in the asked band alone and without a pilot.
-  // Different `seed` give independent pictures.
+  // Measures as measure(), but with a number of rays per pixel, in the requested band alone and
+  // without a pilot. Different `seed` give independent pictures.
   [[nodiscard]] absl::StatusOr<LiveFrame> measure_quickly(const LiveAsk& ask, std::uint32_t samples,
                                                           std::uint64_t seed);
 

@@ -13,7 +13,7 @@ namespace irsig {
 // Threads that share the tiles of a frame. run() is for one thread at a time.
 class TileThreads {
  public:
-  // threads: >= 1, the caller of run() included.
+  // Starts the threads. threads: >= 1, including the caller of run().
   explicit TileThreads(std::uint32_t threads);
   ~TileThreads();
   TileThreads(const TileThreads&) = delete;

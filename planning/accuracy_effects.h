@@ -15,8 +15,9 @@ struct EffectsCurves {
   std::vector<LeftOutEffects> left_out;
 };
 
-// One row of a sweep computed as a sweep of this one row would be: with the effects that the
-// asked error calls for, and with all effects; 10 % to 0.03 %, as far as the budget goes.
+// Computes one row of a sweep as a sweep of this row alone would: with the effects that the
+// requested error needs, and with all effects. Requested errors fall from 10 % to 0.03 %, as far as
+// the budget allows.
 [[nodiscard]] absl::StatusOr<EffectsCurves> effects_curves(
     const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
     const Viewpoint& viewpoint, std::uint32_t condition, std::uint32_t band,

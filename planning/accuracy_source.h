@@ -15,8 +15,8 @@ struct AccuracySource {
   std::unique_ptr<StoreReader> database;  // null: a file
 };
 
-// sweep_name: which one, where a database holds several. INVALID_ARGUMENT: it holds none, or
-// several and no name is given.
+// Loads the sweep to study. sweep_name: needed if a database has several sweeps. INVALID_ARGUMENT:
+// the database has none, or several and no name is given.
 [[nodiscard]] absl::StatusOr<AccuracySource> load_accuracy_source(const std::string& path,
                                                                   const std::string& sweep_name);
 

@@ -7,11 +7,12 @@
 
 namespace irsig {
 
-// CSV: the temperatures of each facet under each condition that a stored sweep was computed with,
-// stated, computed or from a file, and their errors: what a [[temperature_field]] with unit = "K"
-// reads; where the sweep asks for the error of the heat model, that too (temperature_model_error_k,
-// which a [[temperature_field]] does not read). An empty season, time: all. NOT_FOUND: no condition
-// matches. FAILED_PRECONDITION: they have yet to be computed.
+// Writes a CSV of the temperatures of each facet under each condition that a stored sweep was
+// computed with, and of their errors; temperatures may be stated, computed or from a file. A
+// [[temperature_field]] with unit = "K" reads this format. If the sweep requests the error of the
+// heat model, the column temperature_model_error_k is added, which a [[temperature_field]] does not
+// read. An empty season or time selects all. NOT_FOUND: no condition matches. FAILED_PRECONDITION:
+// the temperatures have not been computed yet.
 [[nodiscard]] absl::Status export_temperatures(const std::string& database,
                                                const std::string& sweep, const std::string& season,
                                                const std::string& time, std::ostream& out);

@@ -34,20 +34,21 @@ struct LoadedSweep {
   SweepSize size = {};
 };
 
-// A sweep file with the content of the files that it names, not yet resolved.
+// Reads a sweep file and the files that it names, without resolving the sweep.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
 // Like load_sweep_file(), for a text that is not written yet: as if it stood in the file `path`.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_text(const std::string& text,
                                                         const std::string& path);
 
-// Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND with every error as
-// file:line:column: ..., those of the model and of the scene included.
+// Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND: lists every error as
+// file:line:column: ..., including errors of the model and of the scene.
 [[nodiscard]] absl::StatusOr<LoadedSweep> load_sweep(const std::string& path,
                                                      const AccuracyAsked& asked);
 [[nodiscard]] absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
                                                     const AccuracyAsked& asked);
 
-// Computes, in this process, the temperatures that jobs compute, unless they are known already.
+// Computes the temperatures of the sweep's heat jobs in this process, unless they are known
+// already.
 [[nodiscard]] absl::Status have_temperatures(LoadedSweep& loaded);
 
 }  // namespace irsig

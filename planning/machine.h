@@ -12,12 +12,14 @@ namespace irsig {
 // Cores that this process may use, which a container or a batch system may have restricted.
 [[nodiscard]] std::uint32_t usable_cores();
 
-// "about 1.35 GB with 1 worker, 2.5 GB with 2 (16.1 MB for each of 72 conditions)".
+// Describes the memory needed: "about 1.35 GB with 1 worker, 2.5 GB with 2 (16.1 MB for each of 72
+// conditions)".
 [[nodiscard]] std::string memory_text(const JobMemory& memory, std::uint64_t conditions,
                                       std::uint32_t workers);
 
-// RESOURCE_EXHAUSTED: so many workers need more than that; says how many conditions would fit, with
-// them and with one.
+// Checks that so many workers have enough memory. RESOURCE_EXHAUSTED: they need more than
+// usable_bytes; the message states how many conditions would fit with this number of workers and
+// with one.
 [[nodiscard]] absl::Status check_memory(const JobMemory& memory, std::uint64_t conditions,
                                         std::uint32_t workers, double usable_bytes);
 

@@ -38,8 +38,8 @@ class PilotFarm {
   [[nodiscard]] virtual double wall_s() const = 0;  // of the last run
 };
 
-// A coordinator and one worker, with a database that is thrown away: jobs that share the machine
-// with nothing but the plan itself. `assets` outlive it.
+// Starts a coordinator and one worker on a database that is deleted afterwards. The jobs share the
+// machine only with the plan itself. `assets` must outlive the farm.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(const Assets& assets);
 
 }  // namespace irsig

@@ -35,7 +35,7 @@ struct SweepPilot {
 // Like pilot_sweep(loaded), on another farm.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& farm);
 
-// The costs of the piloted views.
+// Returns the costs of the piloted views.
 [[nodiscard]] std::vector<ViewCost> view_costs(const SweepPilot& pilot, const CountRule& rule);
 
 }  // namespace irsig

@@ -21,19 +21,22 @@ struct SweepSize {
   [[nodiscard]] std::uint64_t rows() const { return viewpoints * conditions * bands; }
 };
 
-// asset_bytes: of the files that the database holds: model, temperature fields.
+// Computes the size of a sweep. asset_bytes: size of the files stored in the database (model,
+// temperature fields).
 [[nodiscard]] SweepSize size_of(const schema::ResolvedSweep& sweep, std::size_t asset_bytes);
 
-// "191 viewpoints x 3 conditions x 2 bands = 1146 rows"; of a shard "64 of 191 viewpoints ...".
+// Describes the rows: "191 viewpoints x 3 conditions x 2 bands = 1146 rows"; for a shard: "64 of
+// 191 viewpoints ...".
 [[nodiscard]] std::string rows_text(const SweepSize& size);
-// "191 viewpoints x 3 conditions x 2 bands = 1146 rows, 122 wavelengths, database about 45 MB".
+// Describes the size: "191 viewpoints x 3 conditions x 2 bands = 1146 rows, 122 wavelengths,
+// database about 45 MB".
 [[nodiscard]] std::string size_text(const SweepSize& size);
 
 // More than this is written only for who says --yes.
 inline constexpr double kMostBytesUnasked = 5e9;
 inline constexpr std::uint64_t kMostRowsUnasked = 1'000'000, kMostWavelengthsUnasked = 10'000;
 
-// INVALID_ARGUMENT: above one of these limits; the message says which.
+// Checks these limits. INVALID_ARGUMENT: one is exceeded; the message names it.
 [[nodiscard]] absl::Status check_size(const SweepSize& size);
 
 }  // namespace irsig

@@ -40,7 +40,7 @@ struct TemplateAsked {
 [[nodiscard]] absl::StatusOr<std::vector<int>> numbers_of_list(std::string_view text, int least,
                                                                int most);
 
-// INVALID_ARGUMENT: an unknown season.
+// Returns the text of a sweep file for a mesh. INVALID_ARGUMENT: an unknown season.
 [[nodiscard]] absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked,
                                                          const Mesh& mesh);
 

@@ -11,10 +11,11 @@
 
 namespace irsig {
 
-// The temperatures of a target's facets as seen from an aspect: one parallel ray through the middle
-// of each pixel, the temperature of the facet that it meets first, from whichever side.
-//   condition  of the sweep
-//   long_side_px  of the picture, the target's outline fills it; > 0
+// Draws the temperatures of a target's facets as seen from an aspect. One parallel ray passes
+// through the middle of each pixel; the pixel shows the temperature of the first facet met, from
+// either side.
+//   condition     index into the sweep's conditions
+//   long_side_px  of the picture, which the target's outline fills; > 0
 [[nodiscard]] absl::StatusOr<FalseColorPicture> draw_temperatures(
     const SweepFacets& facets, int condition, const SignatureFilter::Direction& aspect,
     std::uint32_t long_side_px);

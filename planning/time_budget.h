@@ -8,7 +8,7 @@
 
 namespace irsig {
 
-// The sweep with this number of samples in place of whatever accuracy it asks for.
+// Returns the sweep with this number of samples instead of its requested accuracy.
 [[nodiscard]] schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep,
                                                  std::uint64_t samples);
 

@@ -8,13 +8,13 @@
 
 namespace irsig {
 
-// OK if a view's numbers may be stored. INTERNAL, naming each reason, if the core had to drop path
-// weights that were not finite or negative (the rest would be silently too small), if a number is
-// not finite (an apparent temperature is NaN where no blackbody has the radiance, a negative one
-// among them), if a transmittance lies outside 0 to 1, or if an intensity, area or picture is
-// negative by more than its own error; contrast has any sign. Facets met from behind and paths cut
-// off after the last reflection are no reason: the first are counted in the result, the second
-// bounded by it.
+// Checks that a view's numbers may be stored. INTERNAL, naming each reason: the core dropped path
+// weights that were not finite or negative (the rest would be silently too small); a number is not
+// finite (an apparent temperature is NaN where no blackbody has the radiance, such as a negative
+// one); a transmittance lies outside 0 to 1; or an intensity, area or picture is negative by more
+// than its own error. Contrast may have any sign. Two findings are no errors: facets met from
+// behind, which the result counts, and paths cut off after the last reflection, which the result
+// bounds.
 [[nodiscard]] absl::Status check_numbers(const ViewResult& view);
 
 // Like check_numbers(view), for a profile; each reason begins with the profile's name.

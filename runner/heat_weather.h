@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// The weather of a HeatRun at the knots of its computation (heat_knots.h).
+// Returns the weather of a HeatRun at the knots of its computation (heat_knots.h).
 [[nodiscard]] absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep,
                                                      const schema::HeatRun& heat);
 

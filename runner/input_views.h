@@ -19,7 +19,8 @@ namespace irsig {
 // is another, a prepared scene where materials are.
 class InputViews {
  public:
-  // scene: its own; kept only if materials are to be moved. heat: what its heat jobs have left.
+  // Creates the views. scene: the sweep's own, kept only if materials are moved. heat: outputs of
+  // the sweep's heat jobs.
   static absl::StatusOr<InputViews> make(const schema::ResolvedSweep& sweep, const SceneSpec& scene,
                                          const Simulator& simulator,
                                          const std::shared_ptr<const Environment>& environment,

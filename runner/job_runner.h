@@ -59,20 +59,22 @@ class JobRunner {
       std::optional<ThumbnailEncoder> encoder = {}, KeptScene* kept = nullptr);
   virtual ~JobRunner() = default;
 
-  // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
-  // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
+  // Computes a job. A sweep may have samples_per_replicate beside relative_error; pilots of `irsig
+  // plan` set both, sweep files cannot. Such a job uses the effects and pilots that the error
+  // needs, and that number of samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const = 0;
   // Warnings for people (model_warnings.h).
   [[nodiscard]] virtual std::vector<Problem> warnings() const { return {}; }
-  // Memory of a worker with this runner; nothing for runners that compute nothing.
+  // Returns the memory of a worker with this runner; zero for runners that compute nothing.
   [[nodiscard]] virtual JobMemory memory() const { return {}; }
-  // Size of the outputs of the sweep's heat jobs, all together. [bytes]
+  // Returns the total size of the outputs of the sweep's heat jobs. [bytes]
   [[nodiscard]] virtual std::size_t heat_bytes() const { return 0; }
 };
 
-// build id, CPU vendor, the ray tracer's instruction set, libc, and a fingerprint of what libm and
-// the processor's approximate reciprocals really return here (libm chooses its code by the
-// processor, with or without fused multiply-add): results are bit-equal within one class.
+// Returns the determinism class: build id, CPU vendor, the ray tracer's instruction set, libc, and
+// a fingerprint of the actual results of libm and of the processor's approximate reciprocals. (libm
+// chooses its code by the processor, with or without fused multiply-add.) Results are bit-equal
+// within one class.
 [[nodiscard]] std::string determinism_class();
 [[nodiscard]] std::string build_id();
 [[nodiscard]] int physics_version();

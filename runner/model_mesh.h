@@ -6,9 +6,9 @@
 
 namespace irsig {
 
-// The sweep's model, imported or generated, where it lies; of a sweep whose temperatures are
-// computed cut at the surface below it, but for temperature fields that count facets, and to
-// heat.element_size_m.
+// Returns the sweep's model, imported or generated, at its position. If temperatures are computed,
+// its mesh is refined to heat.element_size_m and cut at the surface below the target. The cut at
+// the surface is omitted if a temperature field counts facets (match = "index").
 [[nodiscard]] absl::StatusOr<Mesh> model_mesh(const schema::ResolvedSweep& sweep,
                                               const Assets& assets);
 

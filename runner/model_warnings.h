@@ -21,21 +21,22 @@ struct PlacementNote {
   std::string key;  // of the sweep file: "model.unit_m"
   std::string text;
 };
-// Size, axes, and over a sea or ground where it floats or stands: what suggests that a key is
-// wrong.
+// Returns notes on size, axes and, over a sea or ground, the floating or standing position: facts
+// that suggest a wrong key.
 [[nodiscard]] std::vector<PlacementNote> placement_notes(const Mesh& mesh,
                                                          const Placement& placement);
 
 // Returns the fraction of the facets' area below z = 0, by their middles: 0 to 1.
 [[nodiscard]] double fraction_below_surface(const Mesh& mesh);
 
-// INVALID_ARGUMENT: nothing of the target rises above the sea or ground, so that nothing is seen,
-// where above_surface_m is lowest.
+// Checks that a part of the target rises above the sea or ground where above_surface_m is lowest.
+// INVALID_ARGUMENT: none does, so that the target would be invisible.
 [[nodiscard]] absl::Status check_above_surface(const schema::ResolvedSweep& sweep,
                                                const Mesh& mesh);
 
-// INVALID_ARGUMENT: model.offset_m moves the target away from its reference point, farther than it
-// is large and than 1 % of the shortest range; between the two it is a warning.
+// Checks model.offset_m. INVALID_ARGUMENT: it moves the target from its reference point by more
+// than the target's size and more than 1 % of the shortest range. An offset beyond the size but
+// within 1 % gives a warning.
 [[nodiscard]] absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh);
 
 // Returns warnings for people about a model from a file, each at the key that may be wrong.

@@ -20,25 +20,28 @@ struct SweepScene : SceneSpec {
   SweepTemperatures temperatures;
   std::shared_ptr<const LandScene> land;  // null: none
 };
-// assets: its files; heat: of its heat runs, or nothing for a scene that no view is asked of.
+// Makes the scene of a sweep. assets: files of the sweep. heat: outputs of its heat runs, or empty
+// for a scene without views.
 [[nodiscard]] absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& sweep,
                                                           const Assets& assets,
                                                           const HeatOutputs& heat);
 
-// INVALID_ARGUMENT for each material that creates energy in the sweep's bands and is not declared
-// with allow_energy_gain = true. `materials`: of the scene above, prepared.
+// Checks that each material conserves energy in the sweep's bands, unless it declares
+// allow_energy_gain = true. materials: those of the scene above, prepared. INVALID_ARGUMENT: lists
+// each material that creates energy.
 [[nodiscard]] absl::Status check_energy(const schema::Sweep& sweep,
                                         const std::vector<Material>& materials);
 
-// The air of a sweep with the embedded atmosphere, for all its jobs, at the wavelengths that the
-// scene is computed at; null for other sweeps. OUT_OF_RANGE: the air's table does not cover them.
+// Makes the air of a sweep with the embedded atmosphere, shared by all its jobs, at the scene's
+// wavelengths. Null: other sweeps. OUT_OF_RANGE: the table of the air does not cover the
+// wavelengths.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
     const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
 
-// Everything of one view's job but the scene: the sun's position is computed here. `environment`:
-// of environment_from_sweep; `temperatures`, `land`: of its scene. FAILED_PRECONDITION: they are
-// awaited.
-// `plumes`: of plumes_from_sweep; or none, and hot gas is left out (of a sweep without it: none).
+// Makes the request of one view's job, without the scene; computes the sun's position.
+//   environment         from environment_from_sweep
+//   temperatures, land  of the job's scene; FAILED_PRECONDITION: they are awaited
+//   plumes              from plumes_from_sweep; empty: hot gas is left out, or the sweep has none
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
     const schema::ResolvedSweep& sweep, const schema::ViewJob& job,
     std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures,

@@ -32,7 +32,8 @@ struct SweepTemperatures {
   LandTemperatures land;
 };
 
-// Why a view that sees such a facet fails: which it is, where, and what there is of it.
+// Returns the INVALID_ARGUMENT error of a view that sees a facet without a known temperature. The
+// message names the facet, its place and the computed temperature as far as it is known.
 [[nodiscard]] absl::Status unknown_temperature(
     const schema::ResolvedSweep& sweep, const Target& target, std::size_t facet,
     const schema::Condition& condition,
@@ -42,18 +43,20 @@ struct SweepTemperatures {
 // outputs.
 [[nodiscard]] bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
 
-// The sweep's facets in its model's file's own coordinates; of a generated one, in those of the OBJ
-// that `irsig model` writes: x forward, y to port, z up.
+// Returns the sweep's facets in the coordinates of its model's file; for a generated model, in
+// those of the OBJ that `irsig model` writes: x forward, y to port, z up.
 [[nodiscard]] absl::StatusOr<FieldMesh> field_mesh(const schema::ResolvedSweep& sweep,
                                                    const Assets& assets);
 
-// [condition][facet] of a sweep, NaN where its part's temperature is stated; empty: all are.
-// heat: of its heat runs; part_of_facet: of `mesh`, the sweep's. INVALID_ARGUMENT: what is wrong
-// with a file; a facet of a part without temperature, or with an error that leaves nothing of it;
-// an instant beyond the file's, or one that no heat run was asked for. FAILED_PRECONDITION:
-// computed temperatures are not known. A computed temperature that is no number, or has an error
-// that leaves nothing of it, is the mean of its part's with an infinite error: it matters to those
-// who see the facet.
+// Returns the temperatures [condition][facet] of a sweep; NaN where the temperature of the facet's
+// part is stated; empty: all are stated.
+//   heat           outputs of the sweep's heat runs
+//   part_of_facet  of `mesh`, the sweep's mesh
+// A computed temperature that is not a number, or whose error is too large to leave any
+// information, is replaced by its part's mean with an infinite error. It matters only to views that
+// see the facet. INVALID_ARGUMENT: an error in a file; a facet of a part without temperature, or
+// with such a large error; an instant beyond the file's range, or one for which no heat run was
+// requested. FAILED_PRECONDITION: computed temperatures are not known.
 [[nodiscard]] absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
     const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet,

@@ -16,11 +16,11 @@ using Assets = std::map<std::string, std::string>;
 // Results of a sweep's heat runs, in their order: each a serialized HeatField. Empty: not known.
 using HeatOutputs = std::vector<std::string>;
 
-// The files that it needs: its model's (unless it is generated), its temperature fields', its
-// hot gas's, the maps of its land.
+// Returns the SHA-256 of every file that a sweep refers to: its model (unless the model is
+// generated), its temperature fields, its hot gas and the maps of its land.
 [[nodiscard]] std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep);
 
-// Empty: the sweep has no such file.
+// Returns the bytes of the file with this SHA-256. Empty: the sweep has no such file.
 [[nodiscard]] std::string_view asset(const Assets& assets, const std::string& sha256);
 
 // Returns the assets of a sweep whose only file is its model; none if the model is generated.

@@ -10,30 +10,33 @@ namespace irsig {
 // The commands that print what the page shows, for a POSIX shell. database: as it was named when
 // the page was started.
 
-// `irsig query` of one condition and band: every viewpoint.
+// Returns the `irsig query` command for every viewpoint of one condition and band.
 [[nodiscard]] std::string selection_command(const std::string& database, const Selection& selection,
                                             SignatureQuantity quantity);
-// `irsig plot --kind polar`, as CSV.
+// Returns the `irsig plot --kind polar` command, as CSV.
 [[nodiscard]] std::string cut_command(const std::string& database, const Question& question,
                                       double elevation_deg);
-// `irsig plan --refine`: every condition and band of the selection's sweep and range.
+// Returns the `irsig plan --refine` command for every condition and band of the selection's sweep
+// and range.
 [[nodiscard]] std::string left_out_command(const std::string& database, const Question& question);
-// detector: its file; empty: that of the question's noise.
+// Returns the `irsig bands` command. detector: the detector's file; empty: the question's noise
+// (NEI) is used.
 [[nodiscard]] std::string bands_command(const std::string& database, const Question& question,
                                         const std::string& detector);
-// `irsig query --row`; spectrum: of its spectrum.
+// Returns the `irsig query --row` command; spectrum: for the row's spectrum.
 [[nodiscard]] std::string row_command(const std::string& database, const Question& question,
                                       bool spectrum);
-// `irsig query --thumbnail`: its stored image.
+// Returns the `irsig query --thumbnail` command for the row's stored image.
 [[nodiscard]] std::string image_command(const std::string& database, const Question& question);
-// `irsig plot --kind picture --layer`: a layer of that image.
+// Returns the `irsig plot --kind picture` command for a layer of that image; counts_command() is
+// for camera counts.
 [[nodiscard]] std::string counts_command(const std::string& database, const Question& question);
 [[nodiscard]] std::string layer_command(const std::string& database, const Question& question,
                                         std::string_view layer);
-// `irsig explain`.
+// Returns the `irsig explain` command.
 [[nodiscard]] std::string explain_command(const std::string& database, const Question& question);
 
-// One word of a shell's command, quoted where it must be.
+// Returns one word of a shell command, quoted where necessary.
 [[nodiscard]] std::string shell_word(std::string_view text);
 
 }  // namespace irsig

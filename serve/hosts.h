@@ -13,7 +13,7 @@ struct ListenAddress {
   bool loopback;
 };
 
-// INVALID_ARGUMENT: neither an IP address nor localhost.
+// Parses an address. INVALID_ARGUMENT: the host is neither an IP address nor localhost.
 [[nodiscard]] absl::StatusOr<ListenAddress> parse_listen_address(const std::string& text);
 
 // Returns "http://127.0.0.1:8017/SECRET/": every route of the page lies below it.

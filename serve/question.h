@@ -57,8 +57,8 @@ enum class Needs {
   kImage,      // likewise; layer and stderr allowed
 };
 
-// INVALID_ARGUMENT, naming it: a parameter that is unknown, there twice, lacking or no number;
-// a database that there is not.
+// Parses the parameters of a question. INVALID_ARGUMENT: names a parameter that is unknown, occurs
+// twice, is missing or is not a number, or a database that does not exist.
 [[nodiscard]] absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs needs,
                                                       std::size_t databases);
 

@@ -30,7 +30,7 @@ class SharedRunners {
   // none.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const JobRunner>> get(const Key& key,
                                                                      const Make& make);
-  // After a failure: whoever asks next gets a new one.
+  // Forgets a runner after a failure; the next request makes a new one.
   void forget(const std::shared_ptr<const JobRunner>& runner);
 
  private:

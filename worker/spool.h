@@ -29,8 +29,9 @@ class Spool {
   enum class Step { kCreated, kWritten, kSynced, kNamed, kKept, kRemoved, kForgotten };
   using AtStep = std::function<void(Step)>;
 
-  // INVALID_ARGUMENT: the folder cannot be made, or others may write to it. most_bytes: of all
-  // records together; the oldest that belong to nobody make room.
+  // Opens or creates a spool. most_bytes: limit for all records together; the oldest records
+  // without an owner are removed to stay below it. INVALID_ARGUMENT: the folder cannot be made, or
+  // other users may write to it.
   static absl::StatusOr<std::unique_ptr<Spool>> open(const std::string& folder,
                                                      std::uint64_t most_bytes = 4'000'000'000,
                                                      AtStep at_step = {});
@@ -38,19 +39,19 @@ class Spool {
   Spool(const Spool&) = delete;
   Spool& operator=(const Spool&) = delete;
 
-  // The record is on the disk, and this worker's. RESOURCE_EXHAUSTED: there is no room; anything
-  // else that fails has its reason in the message.
+  // Writes a record to the disk as one of this worker and returns its name. RESOURCE_EXHAUSTED: the
+  // record does not fit below most_bytes. Other errors have their reason in the message.
   absl::StatusOr<std::string> keep(const schema::SpooledResult& record);
 
   struct Found {
     std::string name;
     schema::SpooledResult record;
   };
-  // Whole records that belonged to nobody, the oldest first, and to this worker from now on: those
-  // of which `mine` is true. Torn ones are removed, with a line in the log.
+  // Takes over complete records without an owner for which `mine` returns true. Returns them, the
+  // oldest first. Torn records are removed and logged.
   std::vector<Found> take_over(const std::function<bool(const schema::SpooledResult&)>& mine);
 
-  // A result was acknowledged, or nobody wants it.
+  // Removes a record whose result was acknowledged, or that nobody needs.
   void remove(const std::string& name);
   // Keeps the record without an owner.
   void leave(const std::string& name);

@@ -25,14 +25,15 @@ struct NetworkOptions {
   bool insecure_network = false;   // and on other machines
 };
 
-// "unix:PATH", or HOST:PORT with TLS: an IPv4 address, [IPv6] or a name. Without TLS, 127.x.y.z,
-// [::1] and localhost (which stands for 127.0.0.1) only with insecure_loopback or insecure_network,
-// other hosts only with the latter. INVALID_ARGUMENT for everything else, and if the files of TLS
-// are not what read_tls expects.
+// Parses an address: "unix:PATH", or HOST:PORT with TLS, where HOST is an IPv4 address, [IPv6] or a
+// name. Without TLS, 127.x.y.z, [::1] and localhost (read as 127.0.0.1) need insecure_loopback or
+// insecure_network; other hosts need insecure_network. INVALID_ARGUMENT: any other text, or files
+// of TLS that read_tls refuses.
 [[nodiscard]] absl::StatusOr<Address> parse_address(std::string_view text,
                                                     const NetworkOptions& network = {});
 
-// The options of a program that listens or connects, into `network`; App: CLI::App.
+// Adds the options of a program that listens or connects; the parsed values go to `network`. App:
+// CLI::App.
 template <class App>
 void add_network_options(App& app, NetworkOptions& network) {
   app.add_option("--tls-cert", network.tls.certificate, "PEM file: the certificate to show");

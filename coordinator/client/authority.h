@@ -17,7 +17,7 @@ namespace irsig {
 // Errors: INVALID_ARGUMENT names the name, host or file that is wrong; ALREADY_EXISTS a file that
 // would be written over.
 
-// The folder must not exist, or be empty.
+// Creates an authority in `folder`, which must be empty or not exist. Times in seconds.
 [[nodiscard]] absl::Status make_authority(const std::string& folder, const std::string& name,
                                           double now_unix_s, double valid_s);
 
@@ -31,9 +31,9 @@ struct CertificateWish {
                                              const std::string& out_folder, double now_unix_s,
                                              double valid_s);
 
-// Every certificate of this name, or the one of this serial number; how many were not revoked
-// before. NOT_FOUND: it has signed none. A coordinator that was started with --tls-crl refuses them
-// from the moment at which the list is replaced.
+// Revokes every certificate of this name, or the one with this serial number. Returns the number of
+// certificates that were not revoked before. A coordinator started with --tls-crl refuses them as
+// soon as the list is replaced. NOT_FOUND: the authority has signed no such certificate.
 [[nodiscard]] absl::StatusOr<std::size_t> revoke_certificates(const std::string& folder,
                                                               const std::string& name_or_serial,
                                                               double now_unix_s);
@@ -42,7 +42,7 @@ struct IssuedCertificate {
   CertificateFacts facts;
   bool revoked = false;
 };
-// All that it has signed, by name and beginning of validity.
+// Returns all certificates that the authority has signed, by name and beginning of validity.
 [[nodiscard]] absl::StatusOr<std::vector<IssuedCertificate>> issued_certificates(
     const std::string& folder);
 

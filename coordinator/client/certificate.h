@@ -19,14 +19,14 @@ enum class Role {
 };
 inline constexpr Role kRoles[] = {Role::kSubmit, Role::kWork, Role::kRead};
 [[nodiscard]] std::string_view role_name(Role role);
-// INVALID_ARGUMENT: there is no such role.
+// Returns the role of this name. INVALID_ARGUMENT: there is no such role.
 [[nodiscard]] absl::StatusOr<Role> role_by_name(std::string_view name);
-// "submit or read".
+// Returns the names of the roles, joined by `word`: "submit or read".
 [[nodiscard]] std::string role_list(const std::set<Role>& roles, std::string_view word);
 
-// A role is a key purpose of the certificate's extended key usage (RFC 5280, 4.2.1.12): the UUID
-// acc0ccce-a7ea-482a-8189-ffc958fec560 below 2.25 (ITU-T X.667), and 1, 2 or 3 for submit, work or
-// read.
+// Returns the object identifier of a role. A role is a key purpose in the certificate's extended
+// key usage (RFC 5280, 4.2.1.12): the UUID acc0ccce-a7ea-482a-8189-ffc958fec560 below 2.25 (ITU-T
+// X.667), then 1, 2 or 3 for submit, work or read.
 [[nodiscard]] std::string role_oid(Role role);
 
 // Facts that a certificate states about its holder.
@@ -40,14 +40,15 @@ struct CertificateFacts {
 // Reads the first certificate of a PEM text. INVALID_ARGUMENT: there is none.
 [[nodiscard]] absl::StatusOr<CertificateFacts> certificate_facts(const std::string& pem);
 
-// "expires in 3 days", "has expired": a certificate is soon at its end when less than 14 days, or
-// less than a tenth of its time, is left. Empty: there is time.
+// Returns a warning about a certificate that expires soon ("expires in 3 days", "has expired"):
+// less than 14 days, or less than a tenth of its validity, is left. Empty: no warning is due.
 [[nodiscard]] std::string running_out(const CertificateFacts& facts, double now_unix_s);
-// One line for each of an identity's own certificate and the authority's that is soon at its end.
+// Returns one warning for each certificate that expires soon: the identity's own and the
+// authority's.
 [[nodiscard]] std::vector<std::string> running_out(const TlsIdentity& identity, double now_unix_s);
 
-// The serial numbers (as above) that an authority has revoked: a revocation list in PEM, signed by
-// one of the authorities in `ca`. INVALID_ARGUMENT: it is none.
+// Returns the serial numbers (as above) that an authority has revoked. `crl` is a revocation list
+// in PEM, signed by one of the authorities in `ca`. INVALID_ARGUMENT: `crl` is not such a list.
 [[nodiscard]] absl::StatusOr<std::set<std::string>> revoked_serials(const std::string& crl,
                                                                     const std::string& ca);
 

@@ -35,8 +35,8 @@ inline constexpr std::uint64_t kMaxResultBytes = 256 << 20;
 // The largest asset: SQLite's default limit of a value is 10^9 bytes.
 inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
 
-// A channel of its own (never shared with another one of this process) that reconnects within 2 s
-// of the moment at which somebody listens again.
+// Creates a channel that is never shared with another channel of this process. The channel
+// reconnects within 2 s of the moment at which a server listens again.
 [[nodiscard]] std::shared_ptr<grpc::Channel> connect(const Address& address);
 
 // Returns the time at which a call ends that may take so many seconds from now.
@@ -45,11 +45,11 @@ inline void set_deadline(grpc::ClientContext& context, double seconds) {
   context.set_deadline(deadline(seconds));
 }
 
-// gRPC reports on standard error what our own messages say better ("address already in use", three
-// lines); GRPC_VERBOSITY in the environment brings its lines back.
+// Silences gRPC's own lines on standard error: our messages report the same problems ("address
+// already in use", three lines). GRPC_VERBOSITY in the environment restores the lines.
 void silence_grpc();
 
-// The two libraries number their codes alike.
+// Converts a status; both libraries use the same numbers for their codes.
 [[nodiscard]] absl::Status to_absl(const grpc::Status& status);
 [[nodiscard]] grpc::Status to_grpc(const absl::Status& status);
 

@@ -15,24 +15,25 @@ namespace irsig {
 // object belongs to one thread.
 class ChildProcess {
  public:
-  // death_signal: what it gets when its parent dies.
+  // Starts a process. death_signal: the signal that the process receives when its parent dies.
   static absl::StatusOr<ChildProcess> start(const std::vector<std::string>& arguments,
                                             const std::string& log_path, int death_signal);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&& other) noexcept;
   ~ChildProcess();  // kills what still runs
 
-  // The process's end ("killed by signal 9", "exit code 1"); nullopt while it runs.
+  // Returns how the process ended ("killed by signal 9", "exit code 1"); nullopt while it runs.
   [[nodiscard]] std::optional<std::string> ended();
   [[nodiscard]] bool succeeded() const { return exit_code_ == 0; }
-  // Exit code of a process that has ended by itself; nullopt while it runs, or if it was killed.
+  // Returns the exit code of a process that ended by itself; nullopt while the process runs, or if
+  // a signal killed it.
   [[nodiscard]] std::optional<int> exit_code() const { return exit_code_; }
   void signal(int number) const;
   // Waits for its end, at most so long, then kills it. True if it ended by itself.
   bool wait(double seconds);
 
   [[nodiscard]] pid_t pid() const { return pid_; }
-  // The last lines of its output.
+  // Returns the last lines of the process's output.
   [[nodiscard]] std::string last_words() const;
 
  private:

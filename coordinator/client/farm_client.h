@@ -38,7 +38,7 @@ namespace irsig {
                                       std::string_view sweep_name_or_sha256, int priority,
                                       double patience_s = 30);
 
-// The resolved sweep that a coordinator holds under this hash.
+// Returns the resolved sweep that a coordinator stores under this hash.
 [[nodiscard]] absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,
                                                                  const std::string& sweep_sha256,
                                                                  double patience_s = 30);

@@ -20,7 +20,7 @@ struct LogOptions {
   std::string format = "text";  // or "json": an object a line; time in UTC
   std::string level = "info";   // and what is worse; debug: every lease and result
 };
-// The options of a program that logs; App: CLI::App.
+// Adds the options of a program that logs. App: CLI::App.
 template <class App>
 void add_log_options(App& app, LogOptions& options) {
   app.add_option("--log-format", options.format,

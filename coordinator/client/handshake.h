@@ -5,10 +5,11 @@
 
 namespace irsig {
 
-// Why a coordinator that listens there does not talk to us, which gRPC keeps to itself: a handshake
-// of its own, of a few seconds at most. FAILED_PRECONDITION says what is wrong with whose
-// certificate, or that one side alone speaks TLS. OK: the handshake succeeds, nobody listens there,
-// or the connection ended without a reason (the coordinator ends just now).
+// Finds out why a coordinator that listens at this address refuses the connection, by a separate
+// TLS handshake of at most a few seconds; gRPC does not report the reason. FAILED_PRECONDITION: the
+// message names the certificate and its problem, or states that only one side uses TLS. OK: the
+// handshake succeeds, nothing listens at the address, or the connection ended without a reason (the
+// coordinator is shutting down).
 [[nodiscard]] absl::Status check_handshake(const Address& coordinator);
 
 }  // namespace irsig

@@ -30,8 +30,9 @@ struct LocalFarmPlan {
 // from the main thread only (see ChildProcess).
 class LocalFarm {
  public:
-  // The coordinator runs and answers. What it says when it cannot (the database is held by another
-  // writer, is from a newer version, ...) is the error, with its own code.
+  // Starts a coordinator and returns when it answers. If the coordinator cannot run (another writer
+  // holds the database, the database is of a newer version, ...), its message is returned as the
+  // error, with its own code.
   static absl::StatusOr<std::unique_ptr<LocalFarm>> start(const LocalFarmPlan& plan);
   ~LocalFarm();
 
@@ -63,7 +64,7 @@ class LocalFarm {
   std::string warning_;
 };
 
-// The executable of this name in the folder of the running one.
+// Returns the path of the executable of this name in the folder of the running executable.
 [[nodiscard]] std::string beside_this_executable(const std::string& name);
 
 }  // namespace irsig

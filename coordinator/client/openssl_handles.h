@@ -27,9 +27,11 @@ using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
 using PrivateKey = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
 using CertificateStore = std::unique_ptr<X509_STORE, Freed<X509_STORE_free>>;
 
-// The certificates of a PEM text, in its order; what is not one ends the list.
+// Reads the certificates of a PEM text, in their order; stops at the first block that is not a
+// certificate.
 std::vector<Certificate> certificates_of(const std::string& pem);
-// Null: it is none, or has a password, which nobody is asked for.
+// Reads a private key. Null: the text is not a key, or the key has a password; no password is asked
+// for.
 PrivateKey private_key_of(const std::string& pem);
 // Returns the number as lower-case hex.
 std::string hex_of(const ASN1_INTEGER* serial);

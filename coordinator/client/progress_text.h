@@ -16,8 +16,9 @@ struct ProgressView {
   std::uint32_t workers = 0;
 };
 
-// "temperatures 1 of 2, then 191 views" while jobs compute what the views need; then
-// "jobs 57/191  2.1 Mrays/s  1:23 left  worst error 0.12 %": one line without a line feed.
+// Returns the progress of a sweep as one line without a line feed. While jobs compute the
+// temperatures that views need: "temperatures 1 of 2, then 191 views"; later: "jobs 57/191  2.1
+// Mrays/s  1:23 left  worst error 0.12 %".
 [[nodiscard]] std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view);
 
 // Jobs that nobody will compute any more: done, failed for good or cancelled.
@@ -26,7 +27,7 @@ struct ProgressView {
 // Watches one sweep from the moment when it is first asked, and says how far it is.
 class SweepWatch {
  public:
-  // seconds: of any clock that does not jump.
+  // Returns the progress at a time [s] of any clock that does not jump.
   [[nodiscard]] std::string text(const schema::SweepStatus& sweep, std::uint32_t workers,
                                  double seconds);
 
@@ -36,13 +37,14 @@ class SweepWatch {
   ProgressView view_;
 };
 
-// "idle", "computing", "set aside"; empty: one that this version does not know.
+// Returns the name of a state: "idle", "computing" or "set aside". Empty: this version does not
+// know the state.
 [[nodiscard]] std::string_view state_name(schema::WorkerStatus::State state);
 
-// "1:23", "2:03:04".
+// Formats a duration: "1:23", "2:03:04".
 [[nodiscard]] std::string duration_text(double seconds);
 
-// "3.2 Mrays", with three significant digits.
+// Formats a count with three significant digits: "3.2 Mrays".
 [[nodiscard]] std::string count_text(double count, std::string_view noun);
 
 }  // namespace irsig

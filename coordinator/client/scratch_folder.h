@@ -14,8 +14,8 @@ namespace irsig {
 // which the kernel releases in whatever way it ends.
 class ScratchFolder {
  public:
-  // longest_path: where TMPDIR is longer than that, /tmp serves (the path of a Unix socket is
-  // short).
+  // Creates the folder in TMPDIR. longest_path: if the path of TMPDIR is longer, the folder is
+  // created in /tmp (the path of a Unix socket must be short).
   static absl::StatusOr<std::unique_ptr<ScratchFolder>> make(
       std::size_t longest_path = std::numeric_limits<std::size_t>::max());
   // Makes it in a folder of the user's own.

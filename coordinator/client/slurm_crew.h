@@ -26,8 +26,8 @@ struct SlurmPlan {
 // there is work.
 class SlurmCrew : public WorkerCrew {
  public:
-  // command: of a worker, but for its name; folder: of its script and logs, which all nodes see.
-  // INVALID_ARGUMENT: there is no Slurm here.
+  // Creates a crew. command: the worker's command without its name. folder: the place of the script
+  // and logs; all nodes can read and write there. INVALID_ARGUMENT: Slurm is not installed here.
   static absl::StatusOr<std::unique_ptr<SlurmCrew>> make(const SlurmPlan& plan,
                                                          std::uint32_t workers,
                                                          std::vector<std::string> command,
@@ -40,7 +40,7 @@ class SlurmCrew : public WorkerCrew {
   SlurmCrew() = default;
   [[nodiscard]] absl::Status write_script() const;
   absl::Status hand_in();
-  // The end of what the first worker wrote; empty: nothing.
+  // Returns the end of the first worker's output. Empty: there is no output.
   [[nodiscard]] std::string last_words() const;
   // Returns the output of a program of Slurm's; UNAVAILABLE: it failed, with its last words.
   absl::StatusOr<std::string> run(const std::vector<std::string>& arguments, const char* name);

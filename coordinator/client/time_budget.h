@@ -17,10 +17,10 @@ struct BudgetQuestion {
   std::uint64_t max_samples_per_replicate;
 };
 
-// The samples per replicate that fill the budget: a power of two (the sampler's sequences are
-// balanced there), rounded down, so that the budget is kept. The last wave of jobs keeps some
-// workers idle: time is counted in whole waves, ceil(jobs / workers). INVALID_ARGUMENT if not even
-// 16 samples fit: the message says what would be needed.
+// Returns the samples per replicate that fill the time budget: a power of two (the sampler's
+// sequences are balanced there), rounded down so that the budget is kept. Time is counted in whole
+// waves, ceil(jobs / workers), because the last wave leaves some workers idle. INVALID_ARGUMENT:
+// not even 16 samples fit; the message states the budget that would be needed.
 [[nodiscard]] absl::StatusOr<std::uint64_t> samples_per_replicate_for(
     const BudgetQuestion& question);
 

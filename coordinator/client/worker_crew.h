@@ -22,7 +22,7 @@ class WorkerCrew {
 // Decides if workers may be started once more.
 class DeathsWithoutProgress {
  public:
-  // One more has died.
+  // Counts one more death. Returns true if too many workers died since a job was last settled.
   [[nodiscard]] bool too_many(std::uint64_t jobs_settled) {
     if (jobs_settled > settled_at_last_) count_ = 0;
     settled_at_last_ = jobs_settled;

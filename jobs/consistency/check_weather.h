@@ -7,16 +7,17 @@
 
 namespace irsig {
 
-// The consistency gate: whether what a resolved sweep says about its conditions can be true all at
-// once. A contradiction is reported to `findings` at the key that causes it, with both values
-// named; what is possible but odd is added to Condition.warning as "<path> ...", to be stored with
-// the rows and shown once. docs/reference/sweep-file.md, "What is checked", lists every rule.
+// Checks that the statements of a resolved sweep about its conditions are consistent. A
+// contradiction is reported to `findings` at the key that causes it, with both values named. Values
+// that are possible but odd are added to Condition.warning as "<path> ..."; the warning is stored
+// with the rows and shown once. docs/reference/sweep-file.md, "What is checked", lists every rule.
 void check_weather(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Its pieces. Names of seasons, dates and the sun: of every sweep that has a place.
 void check_calendar(schema::ResolvedSweep& resolved, Findings& findings);
-// Profile, surface weather, sea, ground, parts and imports: of sweeps with the embedded atmosphere
-// only. Elsewhere sky and sea are stated idealisations (a sea at 0 K), which may be as they like.
+// Checks profile, surface weather, sea, ground, parts and imports, only in sweeps with the embedded
+// atmosphere. Other sweeps state sky and sea as idealisations (a sea at 0 K), which are not
+// restricted.
 void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Temperatures that may be in Celsius, an accuracy that may be in percent, steps that are adjusted:

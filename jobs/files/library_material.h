@@ -6,10 +6,10 @@
 
 namespace irsig {
 
-// A material as the [[material]] table that means the same, with its kind and all its numbers
-// inline: how an entry of the material library becomes part of a sweep. (The way back is
-// messages/scene/material_from_message.h.) Masking that a sweep file cannot ask for is
-// INVALID_ARGUMENT.
+// Converts a material of the library to the equivalent [[material]] table, with its kind and all
+// its numbers inline; the entry thereby becomes part of a sweep. The inverse is
+// messages/scene/material_from_message.h. INVALID_ARGUMENT: masking that a sweep file cannot
+// request.
 [[nodiscard]] absl::StatusOr<schema::Material> message_of(const MaterialSpec& spec);
 
 }  // namespace irsig

@@ -27,7 +27,7 @@ struct MaterialKind {
 // One of them, or null: the kind is built in, a library's or unknown.
 [[nodiscard]] const MaterialKind* find_material_kind(const std::string& name);
 
-// Every key that a [[material]] of this kind may have.
+// Returns every key that a [[material]] of this kind may have.
 [[nodiscard]] std::vector<const char*> keys_of(const MaterialKind& kind);
 
 }  // namespace irsig

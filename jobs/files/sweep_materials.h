@@ -5,9 +5,9 @@
 
 namespace irsig {
 
-// The materials of a sweep file alone, checked and written out as resolve_sweep does it, those of
-// the library that its parts name included: to look at one while the rest of the file is not ready.
-// Errors as those of resolve_sweep.
+// Checks and resolves the materials of a sweep file alone, as resolve_sweep does, including library
+// materials that parts name. A user can thus inspect one material while the rest of the file is
+// unfinished. Errors: those of resolve_sweep.
 [[nodiscard]] absl::StatusOr<std::vector<schema::Material>> resolved_materials(
     const SweepFile& file);
 

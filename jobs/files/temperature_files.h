@@ -15,7 +15,7 @@ namespace irsig {
 // that cannot be read. What is in it is read where the mesh is known.
 [[nodiscard]] absl::Status read_temperature_files(SweepFile& file, const FileReader& read);
 
-// The bytes of the fields' files, by their names.
+// Returns the bytes of the fields' files, by their names.
 [[nodiscard]] std::map<std::string, std::string_view> fields_of(const SweepFile& file);
 
 }  // namespace irsig

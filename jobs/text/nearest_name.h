@@ -7,16 +7,16 @@
 
 namespace irsig {
 
-// The known name that is close to an unknown one, if any is.
+// Returns the known name that is close to an unknown one. nullopt: none is close.
 [[nodiscard]] std::optional<std::string> nearest_name(std::string_view unknown,
                                                       const std::vector<std::string>& known);
 
-// The end of an error about a name that nobody knows: `did you mean "funnel"?` when one of the
-// known names is close to it, else `expected one of "deck", "hull"`.
+// Returns the end of an error message about an unknown name: `did you mean "funnel"?` if a known
+// name is close, else `expected one of "deck", "hull"`.
 [[nodiscard]] std::string suggestion(std::string_view unknown,
                                      const std::vector<std::string>& known);
 
-// "a", "b", "c"
+// Returns the names as a list: "a", "b", "c".
 [[nodiscard]] std::string quoted_list(const std::vector<std::string>& names);
 
 }  // namespace irsig

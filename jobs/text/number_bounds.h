@@ -20,25 +20,26 @@ struct NumberBounds {
   std::string_view reason;
 };
 
-// A row for each field of schema/sweep.proto, schema/goniometer.proto, schema/detector.proto,
-// schema/imager.proto and (what a resolved sweep has of it) schema/job.proto that holds numbers,
-// lists and maps of them included (tests/unit/number_bounds_test.cpp).
+// Returns a row for each numeric field of schema/sweep.proto, schema/goniometer.proto,
+// schema/detector.proto, schema/imager.proto and (as far as a resolved sweep has its fields)
+// schema/job.proto, including lists and maps of numbers (tests/unit/number_bounds_test.cpp).
 [[nodiscard]] std::span<const NumberBounds> number_bounds();
 
 // Returns the bounds of a key such as "Viewpoints.range_m". The key must be in the table.
 [[nodiscard]] const NumberBounds& bounds_of(std::string_view key);
 
-// A limit as it is printed: six digits, or all of them where those are another number.
+// Formats a limit with six digits, or with all digits where six would give another number.
 [[nodiscard]] std::string number_text(double value);
 
-// "from 0.001 to 1e+09 (...)": how errors say it.
+// Returns the bounds as error messages state them: "from 0.001 to 1e+09 (...)".
 [[nodiscard]] std::string text_of(const NumberBounds& bounds);
 
-// INVALID_ARGUMENT "<name> = <value>, expected a number from ..." for a number that stands
-// elsewhere than in a file: on the command line.
+// Checks a number that is not in a file but on the command line. INVALID_ARGUMENT: "<name> =
+// <value>, expected a number from ...".
 [[nodiscard]] absl::Status check_number(std::string_view key, std::string_view name, double value);
 
-// Every number in `message`, which stands at `path` ("" for the file itself), against its row.
+// Checks every number in `message` against its row. path: place of the message in the file; "" for
+// the file itself.
 void check_numbers(const google::protobuf::Message& message, const std::string& path,
                    Findings& findings);
 

@@ -26,13 +26,14 @@ class Findings {
   void add_at(const std::string& place, const std::string& what);
   // Remembers the key of what is possible but odd, and returns it as a line for a warning.
   std::string odd(const std::string& key, const std::string& what);
-  // The key of a line that odd() returned; empty for others.
+  // Returns the key of a line that odd() returned; empty for other lines.
   [[nodiscard]] std::string key_of_odd(const std::string& warning) const;
   [[nodiscard]] bool empty() const { return found_.empty(); }
   // Returns true if there is a finding at the path itself, or in the table at the path.
   [[nodiscard]] bool any_at(const std::string& path) const;
   [[nodiscard]] std::size_t count() const { return found_.size(); }
-  // INVALID_ARGUMENT with a problem (core/base/problems.h) for each error; OK if there are none.
+  // Returns OK if there are no errors; otherwise INVALID_ARGUMENT with a problem
+  // (core/base/problems.h) for each error.
   [[nodiscard]] absl::Status status() const;
 
  private:
@@ -59,7 +60,8 @@ class SectionCheck {
   void error(const char* name, const std::string& what) const;  // "<path> <what>" at the key
   void error_at(const std::string& key, const std::string& what) const;  // the same: "only[1]"
 
-  // Missing keys are errors; `why` ends the sentence: "place.latitude_deg is missing, <why>".
+  // Reports missing keys as errors. `why` ends the sentence: "place.latitude_deg is missing,
+  // <why>".
   void require(const Names& names, const std::string& why) const;
   // Keys other than these are errors: "<path> does not apply <why>".
   void only(const Names& names, const std::string& why) const;

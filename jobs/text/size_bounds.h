@@ -17,11 +17,12 @@ struct SizeBound {
   std::size_t most;
 };
 
-// A row for each list and map of schema/sweep.proto and schema/job.proto that a sweep has, and for
-// each text that may be longer than a name (tests/unit/size_bounds_test.cpp).
+// Returns a row for each list and map of schema/sweep.proto and schema/job.proto that a sweep has,
+// and for each text that may be longer than a name (tests/unit/size_bounds_test.cpp).
 [[nodiscard]] std::span<const SizeBound> size_bounds();
 
-// Every list, map and text in `message`, which stands at `path` ("" for the file itself).
+// Checks every list, map and text in `message` against its row. path: place of the message in the
+// file; "" for the file itself.
 void check_sizes(const google::protobuf::Message& message, const std::string& path,
                  Findings& findings);
 

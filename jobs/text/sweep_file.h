@@ -24,7 +24,8 @@ struct SweepFile {
   // Text of the files that [air] and [[season]] name, by the path of the key (read_weather_files).
   std::map<std::string, std::string> content;
 
-  // "file:line:column" of a path, or of its nearest enclosing table; line 1 if there is none.
+  // Returns "file:line:column" of a path, or of its nearest enclosing table; line 1 if there is
+  // none.
   [[nodiscard]] std::string location(std::string_view path) const;
   [[nodiscard]] std::string as_written(const std::string& message) const;
 };
@@ -33,9 +34,10 @@ struct SweepFile {
 // INVALID_ARGUMENT are returned as they are.
 [[nodiscard]] absl::Status located(const SweepFile& file, const absl::Status& status);
 
-// TOML -> Sweep by protobuf reflection. Errors (INVALID_ARGUMENT, one a line, each
-// file:line:column: what is wrong, what was expected): a syntax error alone (a key given twice is
-// one, and so are more than 32 levels of tables); else every unknown key, wrong type, nan and inf.
+// Reads a sweep from TOML, by protobuf reflection. INVALID_ARGUMENT, one error a line, each
+// file:line:column with the problem and the expected value. A syntax error is reported alone; a key
+// given twice and more than 32 levels of tables are syntax errors. Otherwise every unknown key,
+// wrong type, nan and inf is reported.
 [[nodiscard]] absl::StatusOr<SweepFile> parse_sweep(std::string_view text,
                                                     std::string_view file_name);
 

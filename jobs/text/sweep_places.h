@@ -12,13 +12,14 @@ namespace irsig {
 [[nodiscard]] inline bool has_position(const schema::Sweep& sweep) {
   return sweep.place().has_latitude_deg();
 }
-// Height of the target's reference point above sea or ground, in a season of the sweep. [m]
+// Returns the height of the target's reference point above sea or ground in a season of the sweep.
+// [m]
 [[nodiscard]] inline double above_surface_m(const schema::Sweep& sweep,
                                             const schema::Season& season) {
   return season.has_above_surface_m() ? season.above_surface_m() : sweep.place().above_surface_m();
 }
 
-// The key that viewpoint `index` of `all` comes from.
+// Returns the key from which viewpoint `index` of `all` viewpoints comes.
 [[nodiscard]] std::string viewpoint_path(const schema::Viewpoints& set, std::size_t index,
                                          std::size_t all);
 

@@ -18,7 +18,7 @@ struct DayTime {
   double local_s, utc_s;  // since midnight: [0, 86400)
   double offset_s;        // of local time from UTC
 };
-// INVALID_ARGUMENT: no day has it ("25:00:00Z").
+// Parses a time of day. INVALID_ARGUMENT: no day has this time ("25:00:00Z").
 [[nodiscard]] absl::StatusOr<DayTime> day_time(const std::string& text);
 
 }  // namespace irsig

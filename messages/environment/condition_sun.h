@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// The sun as the target's reference point has it in one condition.
+// Returns the sun's position in one condition, at the target's reference point.
 [[nodiscard]] absl::StatusOr<SunPosition> condition_sun(const schema::ResolvedSweep& sweep,
                                                         const schema::Condition& condition);
 

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// The value that a message's name stands for. What it does not know is an error: "KEY: there is no
-// "given"; expected one of ...", never the last of the values.
+// Returns the value that a message's name stands for. An unknown name is an error, never the last
+// of the values: "KEY: there is no "given"; expected one of ...".
 template <typename Value>
 [[nodiscard]] absl::StatusOr<Value> named(
     std::string_view key, std::string_view given,

@@ -23,8 +23,8 @@ struct SweepWeathers {
 };
 [[nodiscard]] SweepWeathers weathers_of(const schema::ResolvedSweep& sweep);
 
-// All conditions of the sweep, in its order; those of one weather share it.
-//   node_um  the wavelengths: OUT_OF_RANGE outside the atmosphere's table
+// Makes all conditions of the sweep, in its order; conditions with the same weather share it.
+//   node_um  the wavelengths [um]; OUT_OF_RANGE outside the atmosphere's table
 [[nodiscard]] absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const schema::ResolvedSweep& sweep, std::span<const double> node_um);
 

@@ -45,12 +45,13 @@ struct MovedSweep {
 [[nodiscard]] MovedSweep moved_sweep(const schema::ResolvedSweep& sweep,
                                      const UncertainInput& input, double move);
 
-// The moves by which an input is judged: 1 and -1 if `sides` is "both", else the one which its
-// values can make better, 1 if both are the same.
+// Returns the moves by which an input is evaluated: 1 and -1 if `sides` is "both"; else the one
+// that its values can make better, and 1 if both are equal.
 [[nodiscard]] std::vector<double> moves_of(const schema::ResolvedSweep& sweep,
                                            const UncertainInput& input);
 
-// The first index in ResolvedSweep.heat of changes to the temperatures of a run, -1: none.
+// Returns the first index in ResolvedSweep.heat of the changes to the temperatures of a run. -1:
+// there is none.
 [[nodiscard]] int changes_of_run(const schema::ResolvedSweep& sweep, int run);
 
 }  // namespace irsig

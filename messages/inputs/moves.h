@@ -32,7 +32,8 @@ class Mover {
   double shares_ = 0;
 };
 
-// The emissivity of a material, by numbers that are stated; false: it follows from something else.
+// Moves the emissivity of a material by its stated numbers. Returns false if the emissivity follows
+// from other quantities.
 [[nodiscard]] bool move_emissivity(Mover& mover, schema::Material& material);
 
 }  // namespace irsig

@@ -8,15 +8,16 @@
 
 namespace irsig {
 
-// Core -> messages: scalars and spectra as they are, pictures encoded as PNG and EXR. Provenance is
-// left to the caller. FAILED_PRECONDITION when the view has pictures and `encoder` is null.
+// Converts a result to a message: scalars and spectra unchanged, pictures encoded as PNG and EXR.
+// Provenance is left to the caller. FAILED_PRECONDITION: the view has pictures and `encoder` is
+// null.
 [[nodiscard]] absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
                                                                 const Simulator& simulator,
                                                                 const schema::ResolvedSweep& sweep,
                                                                 const ThumbnailEncoder* encoder);
 
-// The background around the target into a row that has its wavelengths. Of the modes as many as may
-// be stored (stored_modes of core/accuracy/spectral_modes.h).
+// Writes the background around the target into a row that has its wavelengths. The number of modes
+// is limited to the number that may be stored (stored_modes of core/accuracy/spectral_modes.h).
 void set_clutter(schema::SignatureRow* row, const BackgroundClutter& clutter);
 
 }  // namespace irsig

@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// The grains of a resolved goniometer file at one coverage; nullopt: a bed of stated layers.
-// INVALID_ARGUMENT: a name that this program does not know.
+// Returns the grains of a resolved goniometer file at one coverage. nullopt: a bed of stated
+// layers. INVALID_ARGUMENT: an unknown name.
 [[nodiscard]] absl::StatusOr<ParticleBed> bed_of(const schema::Goniometer& spec,
                                                  std::optional<double> coverage);
 

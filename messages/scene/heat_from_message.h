@@ -12,21 +12,22 @@ namespace irsig {
 
 // Conversions of a heat run: walls, weather, the surface below and the sky.
 
-// path: of the build-up in the sweep file, for errors.
+// Converts a build-up. path: place of the build-up in the sweep file, for errors.
 [[nodiscard]] absl::StatusOr<WallBuildUp> wall_from_message(const schema::BuildUp& message,
                                                             const std::string& path);
 
 [[nodiscard]] WeatherCourse course_from_message(const schema::WeatherCourse& message);
 
-// INVALID_ARGUMENT: surroundings without a sea or ground.
+// Converts the ground or sea of a sweep. INVALID_ARGUMENT: surroundings without a sea or ground.
 [[nodiscard]] absl::StatusOr<GroundBoundary> ground_from_message(const schema::Sweep& sweep,
                                                                  const schema::Surroundings& s);
 
-// A layer of cloud above walls, in the air of a profile. INVALID_ARGUMENT as cloud_from_message.
+// Converts a layer of cloud above walls, in the air of a profile. INVALID_ARGUMENT: as
+// cloud_from_message.
 [[nodiscard]] absl::StatusOr<CloudAbove> cloud_above(const schema::CloudLayer& layer,
                                                      const AirProfile& profile);
 
-// solar_albedo: of the ground.
+// Converts the sky of a heat run. solar_albedo: albedo of the ground.
 [[nodiscard]] absl::StatusOr<SkyAerosol> sky_from_message(const schema::HeatRun& heat,
                                                           double solar_albedo);
 

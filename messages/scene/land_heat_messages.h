@@ -18,13 +18,13 @@ namespace irsig {
 // Returns which materials objects on the land may have. [material]
 [[nodiscard]] std::vector<bool> land_on_objects(const schema::Sweep& sweep);
 
-// by_time: an output for each time of the field.
+// Converts temperatures of land to a message. by_time: a result for each time of the field.
 [[nodiscard]] schema::LandHeat land_heat_to_message(const LandKinds& kinds,
                                                     const LandHeatResult& by_time);
 
-// Without held_out, indexed: every horizon that at() can take exists.
-// INVALID_ARGUMENT: sizes that do not fit, numbers that are not finite or out of range, kinds of
-// other materials than the sweep has or computes.
+// Converts kinds of land without held_out, and indexes them; every horizon that at() can take
+// exists. INVALID_ARGUMENT: sizes do not fit, numbers are not finite or out of range, or kinds have
+// materials that the sweep does not have or compute.
 [[nodiscard]] absl::StatusOr<LandKinds> land_kinds_from_message(const schema::LandKinds& message,
                                                                 const schema::Sweep& sweep);
 
@@ -32,7 +32,7 @@ struct LandHeat {
   LandKinds kinds;
   LandHeatResult by_time;
 };
-// Likewise; with temperatures of each kind at so many times.
+// Converts temperatures of land, with the same errors; each kind must have `times` temperatures.
 [[nodiscard]] absl::StatusOr<LandHeat> land_heat_from_message(const schema::LandHeat& message,
                                                               const schema::Sweep& sweep,
                                                               std::size_t times);

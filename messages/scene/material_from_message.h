@@ -6,8 +6,8 @@
 
 namespace irsig {
 
-// A [[material]] of a resolved sweep, which names no file and no entry of the library any more.
-// INVALID_ARGUMENT for a kind that is not known.
+// Converts a [[material]] of a resolved sweep, which names no file and no library entry.
+// INVALID_ARGUMENT: an unknown kind.
 [[nodiscard]] absl::StatusOr<MaterialSpec> material_from_message(const schema::Material& material);
 
 }  // namespace irsig

@@ -6,14 +6,15 @@
 
 namespace irsig {
 
-// The effects that a sweep chooses. INVALID_ARGUMENT "effects...": a name that is none of them.
+// Converts the effects that a sweep selects. INVALID_ARGUMENT "effects...": an unknown name.
 [[nodiscard]] absl::StatusOr<EffectChoice> effects_from_message(const schema::Effects& effects);
 
-// INVALID_ARGUMENT: nothing but a time budget, which pilots turn into samples before jobs are run.
+// Converts the accuracy. INVALID_ARGUMENT: only a time budget is given, which pilots convert to
+// samples before jobs run.
 [[nodiscard]] absl::StatusOr<AccuracySpec> accuracy_from_message(const schema::Accuracy& accuracy);
 
-// INVALID_ARGUMENT "image...": a kind or a layer that there is not, pixels or points that are no
-// numbers of them.
+// Converts the request for an image. INVALID_ARGUMENT "image...": an unknown kind or layer, or
+// invalid numbers of pixels or points.
 [[nodiscard]] absl::StatusOr<ImageSpec> image_from_message(const schema::Image& image);
 
 }  // namespace irsig

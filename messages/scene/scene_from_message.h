@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-// [part], with their materials by number.
+// Converts the parts of a sweep [part], with their materials by index.
 [[nodiscard]] absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& sweep);
 
 // Returns the materials of [land] by number, in their order. INVALID_ARGUMENT

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// StoreReader::contents and StoreReader::values.
+// Implements StoreReader::contents and StoreReader::values.
 [[nodiscard]] absl::StatusOr<std::vector<SweepContents>> find_contents(Database& database);
 [[nodiscard]] absl::StatusOr<std::vector<StoredValue>> find_values(Database& database,
                                                                    const ValueFilter& filter);

@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-// StoreReader::inputs.
+// Implements StoreReader::inputs.
 [[nodiscard]] absl::StatusOr<std::vector<StoredInput>> find_inputs(Database& database,
                                                                    std::int64_t signature_id);
 

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// StoreReader::ledger.
+// Implements StoreReader::ledger.
 [[nodiscard]] absl::StatusOr<StoredLedger> find_ledger(Database& database,
                                                        std::int64_t signature_id);
 

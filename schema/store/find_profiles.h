@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// StoreReader::profiles and StoreReader::published.
+// Implements StoreReader::profiles and StoreReader::published.
 [[nodiscard]] absl::StatusOr<std::vector<StoredProfileRow>> find_profile_rows(
     Database& database, const ProfileFilter& filter);
 [[nodiscard]] absl::StatusOr<std::vector<StoredPublished>> find_published(Database& database,

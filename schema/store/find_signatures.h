@@ -11,11 +11,11 @@
 
 namespace irsig {
 
-// StoreReader::find_ids.
+// Implements StoreReader::find_ids.
 [[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> find_signature_ids(
     Database& database, const SignatureFilter& filter);
 
-// StoreReader::read.
+// Implements StoreReader::read.
 [[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> read_signatures(
     Database& database, std::span<const std::int64_t> ids);
 

@@ -34,14 +34,15 @@ struct WritableDatabase {
 // the journal stays beside it.
 [[nodiscard]] absl::Status end_write_ahead(WritableDatabase& written);
 
-// Before a close without end_write_ahead(): another program may have emptied the journal.
+// Restores the journal if another program has emptied it, before a close without
+// end_write_ahead(): the header asks for a journal.
 void leave_journal(WritableDatabase& written);
 
 // Removes a database and what SQLite keeps beside it. Only for who created it, holds its lock and
 // has closed it.
 void remove_database(const std::string& path);
 
-// Never creates or changes anything. attaches: database.h.
+// Opens a database for reading; creates and changes nothing. attaches: see database.h.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path,
                                                                          bool attaches = false);
 // Like open_for_reading(), for a file whose journal is missing (check_has_its_journal): its own

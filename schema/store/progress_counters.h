@@ -20,17 +20,19 @@ class ProgressCounters {
   // Returns the progress of all sweeps, in the order of their ids. Unknown counts are counted
   // (again).
   absl::StatusOr<std::vector<SweepProgress>> all(Database& database);
-  // The class of the first sweep that is bound to one and has jobs open; empty: none is.
+  // Returns the determinism class of the first sweep that is bound to a class and has open jobs.
+  // Empty: no sweep is.
   absl::StatusOr<std::string> bound_class(Database& database);
 
-  // A transaction, or a part of it, was undone.
+  // Discards all counts. Call it after a transaction, or a part of a transaction, was undone.
   void forget() { counted_.reset(); }
-  // A sweep was submitted, for the first time or again.
+  // Counts the jobs of a sweep again. Call it whenever the sweep is submitted.
   absl::Status recount(Database& database, const std::string& sweep_sha256);
 
   void leased(const std::string& sweep_sha256);
   void released(std::int64_t sweep_id);
-  // quarantined: as fail_lease returns it.
+  // Updates the counts after a change of a job or sweep. quarantined: the value returned by
+  // fail_lease.
   void failed(std::int64_t sweep_id, std::uint64_t quarantined);
   void done(const LeasedJob& job, std::uint64_t rays, double worst_relative_error);
   void cancelled(const std::string& sweep_sha256);

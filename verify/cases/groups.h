@@ -29,7 +29,7 @@ class Worst {
  public:
   explicit Worst(double bound) { finding_.bound = bound; }
 
-  // where: called only for a new worst error.
+  // Counts one check and keeps the largest error. where: called only for a new largest error.
   template <typename Where>
   void see(double error, Where&& where) {
     ++finding_.checks;

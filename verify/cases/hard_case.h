@@ -35,7 +35,7 @@ struct HardCase {
   [[nodiscard]] std::string id() const { return group + "/" + name; }
 };
 
-// All of them, by group, in a fixed order.
+// Returns all hard cases, by group, in a fixed order.
 [[nodiscard]] std::vector<HardCase> hard_cases();
 
 }  // namespace irsig

@@ -17,8 +17,8 @@ struct HardMaterial {
   bool bounded = true;  // the form conserves energy for every roughness
 };
 
-// One material of every model and form, as rough as asked for (models without a roughness appear
-// whatever it is; a tabulated BRDF cannot be narrower than its grid).
+// Returns one material of every model and form with this roughness. Models without a roughness
+// appear for every roughness; a tabulated BRDF cannot be narrower than its grid.
 [[nodiscard]] std::vector<HardMaterial> every_material(double roughness);
 
 // Returns the published forms that create energy at the given parameters, and must report it.

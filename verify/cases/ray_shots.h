@@ -80,7 +80,7 @@ inline Float3 to_float3(Vec<Body> v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-// Distance of a point from the plane of a facet, by the float vertices that the tracer has.   [m]
+// Returns the distance of a point from the plane of a facet, by the tracer's float vertices.   [m]
 [[nodiscard]] double distance_from_plane_m(const Target& target, std::uint32_t triangle, Float3 p);
 
 }  // namespace irsig

@@ -21,8 +21,8 @@ struct CaseResult {
 // the whole group or the case alone.
 [[nodiscard]] std::vector<HardCase> matching(std::vector<HardCase> cases, const std::string& glob);
 
-// One line each, without its end. The table is for people: a case that fails, and one that could
-// not be made, says why on a second line.
+// Returns one line each, without a line feed. The table is for people: a failed case, and a case
+// that could not be made, has the reason on a second line.
 [[nodiscard]] std::string table_header();
 [[nodiscard]] std::string table_row(const CaseResult& result);
 [[nodiscard]] std::string csv_header();

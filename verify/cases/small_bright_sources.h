@@ -16,13 +16,14 @@ struct RareLightScene {
   ViewRequest request;  // one condition, all bands
 };
 
-// The plate alone, of two triangles or cut into squares of this side (0: two triangles).
+// Returns the plate alone, cut into squares of side square_m [m]; 0: two triangles.
 [[nodiscard]] RareLightScene plain_plate(bool sun, double square_m = 0);
-// 1200 K behind a hole; in the second the wall is cut into squares, so that no single triangle
-// hides much. side_m = 0: no hole.
+// Returns a source of 1200 K behind a hole in a wall; side_m = 0: no hole. The second function cuts
+// the wall into squares, so that no single triangle hides much.
 [[nodiscard]] RareLightScene hot_behind_hole(double side_m);
 [[nodiscard]] RareLightScene hot_behind_fine_wall(double side_m, double square_m);
-// A mirror that shows the sun; a mirror that shows another, which shows the sun.
+// Returns a mirror that shows the sun; mirror_pair() returns a mirror that shows a second mirror,
+// which shows the sun.
 [[nodiscard]] RareLightScene small_mirror(double side_m, double slope, bool metal);
 [[nodiscard]] RareLightScene mirror_pair(double side_m, double slope, bool metal);
 

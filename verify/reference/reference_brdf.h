@@ -23,20 +23,20 @@ namespace irsig {
 // grey properties (UNIMPLEMENTED otherwise).
 class ReferenceBrdf {
  public:
-  // UNIMPLEMENTED: what the search does not generate (a scaled lobe of constants that vary with
-  // wavelength; an emissivity that is forced).
+  // Creates the reference of a material. UNIMPLEMENTED: materials that the search does not generate
+  // (a scaled lobe of constants that vary with wavelength; a forced emissivity).
   [[nodiscard]] static absl::StatusOr<ReferenceBrdf> make(const MaterialSpec& spec,
                                                           double lambda_min_um,
                                                           double lambda_max_um);
 
   // Returns true if the BRDF is the same at every wavelength.
   [[nodiscard]] bool grey() const { return grey_; }
-  // rms slope of the narrowest lobe; infinite: diffuse.
+  // Returns the rms slope of the narrowest lobe; infinite for a diffuse material.
   [[nodiscard]] double narrowest_slope() const { return narrowest_; }
   // Wavelengths between which a property is not smooth. [um]
   [[nodiscard]] const std::vector<double>& breaks_um() const { return breaks_; }
 
-  // [1/sr] at each of the wavelengths; out has as many.
+  // Computes the BRDF [1/sr] at each wavelength; out has the size of lambda_um.
   void brdf_per_sr(const ReflectionGeometry& g, std::span<const double> lambda_um,
                    std::span<double> out) const;
 
@@ -45,7 +45,7 @@ class ReferenceBrdf {
     ReflectionGeometry at{};
     double density_per_sr = 0;  // 0: below the surface
   };
-  // u: three numbers in [0, 1).
+  // Draws a direction from u_lobe, u and v, three numbers in [0, 1).
   [[nodiscard]] Drawn draw(double cos_o, double u_lobe, double u, double v) const;
   // Returns the density of draw(): positive wherever the BRDF is. [1/sr]
   [[nodiscard]] double density_per_sr(const ReflectionGeometry& g) const;
@@ -64,7 +64,8 @@ class ReferenceBrdf {
   std::shared_ptr<const BrdfModel> solved_;
 };
 
-// cos_i, cos_o and the half vector of two unit directions in the local frame (z along the normal).
+// Returns cos_i, cos_o and the half vector of two unit directions in the local frame (z along the
+// normal).
 [[nodiscard]] ReflectionGeometry geometry_between(const double in[3], const double out[3]);
 
 }  // namespace irsig

@@ -13,7 +13,7 @@ namespace irsig {
 // In-band integrals and wavelengths of a scene's bands for ReferenceView. Private to
 // verify/reference.
 
-// Integral of response x f over the band, by `points` midpoints in each piece between the
+// Integrates response x f over the band, by `points` midpoints in each interval between the
 // response's corners and `breaks_um`.
 [[nodiscard]] double integral_in_band(const Band& band, const std::function<double(double)>& f,
                                       std::span<const double> breaks_um = {}, int points = 4000);
@@ -24,7 +24,7 @@ class WavelengthDraw {
  public:
   WavelengthDraw(const Band& band, const std::vector<std::function<double(double)>>& spectra,
                  int strata);
-  //   u  in [0, 1): the place in every stratum
+  // Draws the wavelengths [um] and weights of a path. u: place in every stratum, in [0, 1).
   void draw(double u, double* lambda_um, double* weight) const;
   [[nodiscard]] int strata() const { return strata_; }
 
@@ -40,7 +40,7 @@ struct PlainLight {
   bool sun;  // shines
   [[nodiscard]] double sky(double lambda_um) const;
   [[nodiscard]] double lower(double lambda_um) const;
-  // Irradiance normal to the beam.
+  // Returns the spectral irradiance normal to the beam.
   [[nodiscard]] double sunlight(double lambda_um) const;
 };
 

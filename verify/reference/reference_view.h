@@ -36,7 +36,7 @@ namespace irsig {
 // Limits: one condition; no embedded atmosphere (UNIMPLEMENTED).
 class ReferenceView {
  public:
-  // condition: index into the request's.
+  // Prepares one condition of a view. condition: index into the request's conditions.
   [[nodiscard]] static absl::StatusOr<ReferenceView> make(const SceneSpec& scene,
                                                           const ViewRequest& request,
                                                           std::uint32_t condition);
@@ -56,7 +56,7 @@ class ReferenceView {
     std::uint64_t rays = 0;  // of all kinds: the cost
   };
   static constexpr std::uint32_t kBatches = 32;
-  // samples: points on facets, each batch.
+  // Runs all batches. samples: number of points on facets in each batch.
   [[nodiscard]] Result run(std::uint64_t samples, std::uint64_t seed) const;
 
  private:

@@ -133,7 +133,7 @@ struct ReferenceView::Parts {
                                                std::vector<double>& radiance) const;
   void trace(Path& path) const;
   void trace_from_sun(Path& path) const;
-  // Bouguer's law: density x mass coefficient.
+  // Returns the extinction by Bouguer's law: density x mass coefficient. [1/m]
   [[nodiscard]] double extinction_per_m() const {
     return air.model == AirModel::kVacuum
                ? 0
@@ -161,7 +161,7 @@ struct ReferenceView::Parts::Path {
   [[nodiscard]] double first(reference_view::Dimension d, int depth) {
     return depth == 0 ? u[static_cast<std::size_t>(d)] : random();
   }
-  // weight x cos / density of a drawn direction, in each channel.
+  // Computes weight x cos / density of a drawn direction, in each channel.
   void weigh(const ReferenceBrdf& f, const ReferenceBrdf::Drawn& drawn,
              std::vector<double>& out) const {
     if (!(drawn.density_per_sr > 0)) {

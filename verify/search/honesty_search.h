@@ -48,7 +48,7 @@ struct JudgedValue {
   bool by_reference = true;           // else by an invariance
   bool statistical = false;           // its error is mostly standard error, bounds below a tenth
   bool accuracy_reached = false;
-  // (value - truth) / both errors together.
+  // Returns (value - truth) / (root sum of squares of both errors).
   [[nodiscard]] double deviation() const;
 };
 
@@ -77,18 +77,18 @@ struct SearchOptions {
   int shrink_trials = 40;
 };
 
-// The seeds of its scenes.
+// Returns the seeds of the search's scenes.
 [[nodiscard]] std::vector<std::uint64_t> seeds_of(const SearchOptions& options);
 
 // Judges one scene.
 [[nodiscard]] SceneVerdict judge(const RandomScene& scene, const SearchOptions& options);
 
-// The bound on |deviation| for a search: student_t_bound(1 - 0.0005 / values), 31 degrees of
-// freedom; values: what the reference judges of so many scenes.
+// Returns the bound on |deviation| for a search: student_t_bound(1 - 0.0005 / values) with 31
+// degrees of freedom. values: number of values that the reference judges in the search's scenes.
 [[nodiscard]] double failure_bound(const SearchOptions& options);
 
-// A scene that still fails, of fewer bodies, simpler materials, one band ...; terminates after at
-// most shrink_trials judgements.
+// Returns a simpler scene that still fails: fewer bodies, simpler materials, one band ... Stops
+// after at most most_trials judgements.
 [[nodiscard]] RandomScene shrunk(const RandomScene& scene,
                                  const std::function<bool(const RandomScene&)>& fails,
                                  int most_trials);
@@ -110,15 +110,16 @@ struct SearchSummary {
   [[nodiscard]] Spread spread() const;
 };
 
-// done: called after each scene, from one thread at a time.
+// Judges all scenes of a search. done: called after each scene, from one thread at a time.
 [[nodiscard]] SearchSummary search(
     const SearchOptions& options,
     const std::function<void(const SceneVerdict&, double bound)>& done);
 
-// A verdict in one line; the summary of a search: failures, values beyond 5, histogram, counts.
+// Returns a verdict in one line. summary_text() returns the summary of a search: failures, values
+// beyond 5, histogram, counts.
 [[nodiscard]] std::string verdict_line(const SceneVerdict& verdict, double bound);
 [[nodiscard]] std::string summary_text(const SearchSummary& summary);
-// A line of the file in which the counts of all searches come together
+// Returns a line of the file that collects the counts of all searches
 // (docs/evidence/stability-search.csv).
 [[nodiscard]] std::string record_header();
 [[nodiscard]] std::string record_line(const SearchSummary& summary, const SearchOptions& options);

@@ -107,12 +107,13 @@ struct RandomScene {
 
 [[nodiscard]] RandomScene random_scene(std::uint64_t seed, const SceneGrammar& grammar = {});
 
-// The sweep file, which names `model_name`, and that OBJ file. Both are functions of the scene.
+// Returns the text of the sweep file, which names `model_name`, or of that OBJ file. Both are
+// functions of the scene alone.
 [[nodiscard]] std::string sweep_toml(const RandomScene& scene, const std::string& model_name);
 [[nodiscard]] std::string model_obj(const RandomScene& scene);
 
-// The maps that the sweep file of a scene with land names: heights, and fractions of its first
-// material.
+// Returns the names or contents of the maps that the sweep file of a scene with land names:
+// heights, and fractions of the scene's first material.
 [[nodiscard]] std::string heights_name(const std::string& model_name);
 [[nodiscard]] std::string fractions_name(const std::string& model_name);
 [[nodiscard]] std::string heights_asc(const RandomScene& scene);

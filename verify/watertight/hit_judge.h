@@ -31,8 +31,8 @@ class HitJudge {
   // free) before t_max.
   [[nodiscard]] bool blocked_nearby(const Ray& ray, double t_max, bool blocked) const;
 
-  // 2^-20 of the radius: float32 coordinates are rounded by up to a sixteenth of that, and a
-  // float32 edge test errs by about a quarter of it from two radii away.
+  // Returns 2^-20 of the radius. Float32 coordinates are rounded by up to a sixteenth of that, and
+  // a float32 edge test has an error of about a quarter of that from a distance of two radii.
   [[nodiscard]] double tolerance_m() const { return 0x1p-20 * radius_m_; }
   [[nodiscard]] double radius_m() const { return radius_m_; }
   [[nodiscard]] const Point3& half_size() const { return half_size_; }

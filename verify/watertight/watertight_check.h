@@ -40,9 +40,10 @@ struct WatertightCounts {
   }
 };
 
-// The mesh must enclose a volume: rays start at 1024 points inside it, found by crossing numbers.
-// Each ray is traced to its nearest hit, and again as a shadow ray over 0.999 and 1.001 of the true
-// distance, which must be free and blocked. About 3 us a ray.
+// Checks that rays cannot leave a mesh, which must enclose a volume. Rays start at 1024 points
+// inside it, found by crossing numbers. Each ray is traced to its nearest hit. It is traced again
+// as a shadow ray over 0.999 and 1.001 of the true distance, which must be free and blocked. Costs
+// about 3 us per ray.
 [[nodiscard]] absl::StatusOr<WatertightCounts> check_watertight(const Mesh& mesh,
                                                                 const WatertightCheck& check);
 
@@ -54,9 +55,9 @@ struct NamedMesh {
   std::string name;
   Mesh mesh;
 };
-// Closed meshes that are hard on ray tracers: a sphere whose poles are 2000 needles each, a lens of
-// 1 m radius and 1 mm height, a spindle with facets 10^4 times longer than wide, a box of twelve
-// facets, the frigate (of about `frigate_triangles`).
+// Returns closed meshes that are difficult for ray tracers: a sphere whose poles are 2000 needles
+// each, a lens of 1 m radius and 1 mm height, a spindle with facets 10^4 times longer than wide, a
+// box of twelve facets, and the frigate (about `frigate_triangles` facets).
 [[nodiscard]] std::vector<NamedMesh> hard_closed_meshes(std::uint64_t frigate_triangles);
 
 }  // namespace irsig

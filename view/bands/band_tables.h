@@ -10,15 +10,16 @@
 
 namespace irsig {
 
-// "mean SNR", "share with SNR >= 5": of axes and titles.
+// Returns the name of a merit for axes and titles: "mean SNR", "share with SNR >= 5".
 [[nodiscard]] std::string merit_name(const MeritOf& merit);
 
 // Writes the compared windows, one line each, in a format of table.h.
 [[nodiscard]] absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                                         std::string_view format, std::ostream& out);
 
-// Every window: lambda_min_um,lambda_max_um,merit and, of the mean, its samples' standard error;
-// with a pairing that of its best pair and the limits of the other window.
+// Writes one line for each window: lambda_min_um, lambda_max_um and merit; for the mean also its
+// standard error from samples. With a pairing, the merit is that of the window's best pair, and the
+// line has the limits of the other window.
 [[nodiscard]] absl::Status write_map(const BandSearch& search, const MeritOf& merit,
                                      const BandSearch::Found& found, std::string_view format,
                                      std::ostream& out);
@@ -27,7 +28,7 @@ namespace irsig {
                                               const BandSearch::Found& found,
                                               const std::string& title);
 
-// The merit of those that were compared at each range of the population.
+// Writes the merit of each compared candidate at each range of the population.
 [[nodiscard]] absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
                                         const WindowChoice& choice, std::string_view format,
                                         std::ostream& out);
@@ -41,14 +42,16 @@ namespace irsig {
 [[nodiscard]] absl::Status write_detection(const BandSearch& search, const WindowChoice& choice,
                                            double threshold, std::string_view format,
                                            std::ostream& out);
-// Up to which range these shares of the population are seen, of the first one. For people.
+// Returns a note for people: the detection ranges that the best candidate reaches for 10 %, half
+// and 90 % of the population.
 [[nodiscard]] std::string note_on_detection(const BandSearch& search, const WindowChoice& choice,
                                             double threshold);
 
-// "3.9 to 4.1 um", "3.9 to 4.1 and 4.5 to 4.8 um", a filter's name.
+// Returns the title of a candidate: "3.9 to 4.1 um", "3.9 to 4.1 and 4.5 to 4.8 um", or the name of
+// a filter.
 [[nodiscard]] std::string title_of(const BandSearch& search, const Candidate& candidate);
 
-// A response as `irsig query --response` takes it.
+// Returns a response in the CSV format that `irsig query --response` reads.
 [[nodiscard]] std::string response_csv(const ResponseTable& response);
 
 // Returns notes for people: the windows that cannot be told apart, and the line of the sweep file

@@ -83,14 +83,15 @@ struct NamedFilter {
 
 class BandSearch {
  public:
-  // An empty response is 1 over the whole band. INVALID_ARGUMENT: a response outside the stored
-  // band, a filter that lets nothing through, a ratio without another target, a difference of a
-  // population without background.
+  // Prepares a search. An empty response is 1 over the whole band. INVALID_ARGUMENT: the response
+  // extends beyond the stored band, a filter transmits nothing, a ratio has no other target, or a
+  // difference has a population without background.
   static absl::StatusOr<BandSearch> make(BandPopulation population, const Detector& detector,
                                          Pairing pairing = Pairing::kNone,
                                          std::span<const NamedFilter> filters = {});
 
-  // INVALID_ARGUMENT: a merit that this population has not, a range of rows at one range alone.
+  // Checks that the population supports a merit. INVALID_ARGUMENT: it does not, or the merit is a
+  // range and the rows have one range only.
   [[nodiscard]] absl::Status check(const MeritOf& merit) const;
 
   // Limits of windows: those of the stored bins, and of the band.
@@ -102,9 +103,9 @@ class BandSearch {
 
   [[nodiscard]] double lambda_min_um(Passband p) const;
   [[nodiscard]] double lambda_max_um(Passband p) const;
-  // Name of a filter; empty: a window.
+  // Returns the name of a filter; empty for a window.
   [[nodiscard]] std::string_view name(Passband p) const;
-  // The detector's response within a passband.
+  // Returns the detector's response within a passband.
   [[nodiscard]] ResponseTable response(Passband p) const;
 
   // Returns the candidate with its gain and merit.
@@ -122,14 +123,16 @@ class BandSearch {
   [[nodiscard]] Found search(const MeritOf& merit, double least_width_um, std::size_t most) const;
 
   [[nodiscard]] std::vector<double> snr(const Candidate& c) const;  // [row]
-  // Merit of the rows at one of the population's ranges alone.
+  // Returns the merit of the rows at one range of the population.
   [[nodiscard]] double merit_at(const MeritOf& merit, const Candidate& c, double range_m) const;
   // Returns the fraction of the variance of noise and clutter that is clutter, mean over rows: in
   // one passband, in the difference of two, or in their best weighted sum. 0: rows without clutter.
   [[nodiscard]] double clutter_fraction(const Candidate& c) const;
-  // The standard error that samples leave of the mean's merit, to first order. One passband only.
+  // Returns the standard error of the mean's merit that results from samples, to first order; for
+  // candidates of one passband only.
   [[nodiscard]] double mean_stderr(Passband p) const;
-  // Fraction of the first passband's background that a difference leaves: rms over rows.
+  // Returns the rms over rows of the fraction of the first passband's background that remains in
+  // the difference.
   [[nodiscard]] double background_left(const Candidate& c) const;
 
   // Candidates compared by drawing their errors:
@@ -181,9 +184,10 @@ class BandSearch {
   struct Variances {
     double one = 0, other = 0, both = 0;
   };
-  // Clutter alone.
+  // Returns the variances of clutter alone.
   [[nodiscard]] Variances clutter_of(const Candidate& c, std::size_t row) const;
-  // Noise and clutter together. larger: factor on the clutter's standard deviation.
+  // Returns the variances of noise and clutter together. larger: factor on the clutter's standard
+  // deviation.
   [[nodiscard]] Variances variances(const Candidate& c, std::size_t row, double larger = 1) const;
   // One row at all its ranges, the nearest first.
   struct Place {
@@ -191,11 +195,13 @@ class BandSearch {
     double weight;
     std::vector<std::pair<double, std::size_t>> row;  // range, row
   };
-  // Beyond its ranges s goes on along the last line, or the first, but at least as 1 / R^2.
+  // Returns the range [m] at which the SNR falls to the threshold. Beyond the ranges of the place,
+  // the SNR follows the last or first line, but falls at least as 1 / R^2.
   [[nodiscard]] static double range_reached(const Place& place, double threshold,
                                             std::span<const double> snr);
   [[nodiscard]] double merit_of_rows(const MeritOf& merit, std::span<const double> snr) const;
-  // signals: 1, or 0 of the errors alone.
+  // Returns the SNR of one row with errors added. signals: factor on the signals; 0 leaves the
+  // errors alone.
   [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error,
                               double signals = 1) const;
   struct Draws;

@@ -14,7 +14,8 @@ enum class Merit {
   kAbove,  // the share of the population with s >= threshold
   kRange   // up to where all but `percentile` % of the population have s >= threshold [m]
 };
-// "mean", "percentile", "worst", "above", "range"; nullopt: none of these.
+// Returns the merit named "mean", "percentile", "worst", "above" or "range". nullopt: the name is
+// none of these.
 [[nodiscard]] std::optional<Merit> merit_named(std::string_view name);
 [[nodiscard]] std::string_view name_of(Merit merit);
 inline constexpr std::string_view kRatio = "SNR", kRatioInClutter = "SCNR";

@@ -8,9 +8,10 @@
 
 namespace irsig {
 
-// `write` fills a new file beside `path` (same folder, its name is the argument); when it returns
-// OK the file is renamed to `path`, so that `path` is the old file or the complete new one, never a
-// half. Otherwise it is removed. A database is never replaced: INVALID_ARGUMENT.
+// Replaces a file atomically. `write` gets the name of a new file in the folder of `path` and fills
+// it; if `write` returns OK, the new file is renamed to `path`, and otherwise removed. `path` is
+// therefore the old file or the complete new one. INVALID_ARGUMENT: `path` is a database, which is
+// never replaced.
 [[nodiscard]] absl::Status replace_file(
     const std::string& path, const std::function<absl::Status(const std::string&)>& write);
 [[nodiscard]] absl::Status replace_file(const std::string& path, std::string_view bytes);
@@ -19,9 +20,9 @@ namespace irsig {
 // For a caller that is alone in the folder: a call that still writes would lose its file.
 void remove_left_beside(const std::string& path);
 
-// "cannot write PATH: reason" after a stream of the standard library failed: the reason is `errno`,
-// which is 0 before the first write. INVALID_ARGUMENT where the user mends it (a folder that is not
-// there, no permission), else UNAVAILABLE (a full disk).
+// Returns the error "cannot write PATH: reason" after a stream of the standard library failed. The
+// reason is `errno`, which must be 0 before the first write. INVALID_ARGUMENT where the user can
+// correct it (missing folder, no permission), else UNAVAILABLE (full disk).
 [[nodiscard]] absl::Status write_failure(const std::string& path);
 
 }  // namespace irsig

@@ -8,12 +8,13 @@
 
 namespace irsig {
 
-// The doors to the terminal. Names, messages and warnings come from databases, files and other
-// machines: none of them may move a cursor or write a window's title (core/base/printable.h).
+// Functions that print to the terminal. Names, messages and warnings come from databases, files and
+// other machines; none of them may move the cursor or change a window's title
+// (core/base/printable.h).
 
 void print_plain(std::FILE* to, std::string_view text);
 
-// Print for people, to standard output and to standard error.
+// Prints text for people: print_text() to standard output, print_note() to standard error.
 template <typename... Args>
 void print_text(fmt::format_string<Args...> format, Args&&... args) {
   print_plain(stdout, fmt::format(format, std::forward<Args>(args)...));
@@ -23,8 +24,8 @@ void print_note(fmt::format_string<Args...> format, Args&&... args) {
   print_plain(stderr, fmt::format(format, std::forward<Args>(args)...));
 }
 
-// The stream for tables: unchanged bytes for programs, without control characters where standard
-// output is a terminal.
+// Returns the stream for tables. Programs receive unchanged bytes; a terminal receives them without
+// control characters.
 [[nodiscard]] std::ostream& data_output();
 
 }  // namespace irsig

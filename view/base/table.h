@@ -29,10 +29,12 @@ class TableWriter {
   virtual absl::Status finish() = 0;
 };
 
-// format: "csv" (RFC 4180; every double with the digits that give the same double back), "json" (an
-// array of objects, the same digits) or "text" (for people: aligned, 6 digits, units in the
-// header, no control characters). CSV keeps every byte of a text: it is data. But one that a
-// spreadsheet would run (core/base/formula.h) has an apostrophe in front.
+// Creates a writer of tables. format:
+//   "csv"   RFC 4180; each double has enough digits to give the same double back
+//   "json"  an array of objects, with the same digits
+//   "text"  for people: aligned, 6 digits, units in the header, no control characters
+// CSV keeps every byte of a text, because a text is data. An apostrophe is put before a text that a
+// spreadsheet would execute (core/base/formula.h).
 [[nodiscard]] absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(
     std::string_view format, const std::vector<Column>& columns, std::ostream& out);
 

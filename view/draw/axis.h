@@ -22,7 +22,8 @@ struct DisplayUnit {
 };
 [[nodiscard]] DisplayUnit display_unit(double largest, const std::string& unit);
 
-// About `ticks` steps of 1, 2, 2.5 or 5 x 10^n; the ends are ticks. low == high is widened.
+// Returns an axis of about `ticks` steps of 1, 2, 2.5 or 5 x 10^n, with ticks at both ends. If low
+// == high, the axis is widened.
 [[nodiscard]] Axis round_axis(double low, double high, int ticks, double label_factor = 1);
 
 // Ticks inside [low, high], which are kept as the ends.

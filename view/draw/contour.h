@@ -15,8 +15,8 @@ struct ValueGrid {
   std::vector<double> value;
 };
 
-// The closed outlines, in pixels, of the region where the grid (linear between its nodes) is >=
-// level; the grid's edge closes them. Filled with the even-odd rule they are that region.
+// Returns the closed outlines [px] of the region where the grid is >= level. Values are linear
+// between the nodes, and the grid's edge closes the outlines. The even-odd rule fills the region.
 [[nodiscard]] std::vector<std::vector<Point>> outlines(const ValueGrid& grid, double level);
 
 }  // namespace irsig

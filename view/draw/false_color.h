@@ -42,14 +42,16 @@ struct FalseColorPicture {
 // NOT_FOUND: all are NaN.
 [[nodiscard]] absl::StatusOr<ColorRange> range_of(const std::vector<float>& values);
 
-// "0,12.5". INVALID_ARGUMENT: not two finite numbers, the smaller one first.
+// Parses a range such as "0,12.5". INVALID_ARGUMENT: the text is not two finite numbers, the
+// smaller one first.
 [[nodiscard]] absl::StatusOr<ColorRange> parse_color_range(const std::string& text);
 
-// Round values of the range.
+// Returns an axis with round values within the range.
 [[nodiscard]] BarAxis bar_axis(const std::string& title, const ColorRange& range);
 
-// The picture in 255 colours of map_color(), each as wide as the others, with its bar: a complete
-// SVG document with two embedded PNG images, picture and bar. Where nothing is, it is grey.
+// Draws the picture with its bar in 255 colours of map_color(), which cover equal intervals. Pixels
+// without a value are grey. Returns a complete SVG document with two embedded PNG images, the
+// picture and the bar.
 [[nodiscard]] std::string draw_false_color(const FalseColorPicture& picture);
 
 }  // namespace irsig

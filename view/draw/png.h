@@ -12,9 +12,9 @@ struct Rgb {
   std::uint8_t red, green, blue;
 };
 
-// width x height pixels, row by row from the top left, each an index into at most 256 colours; the
-// pixels of `transparent` show what is behind them. PNG of colour type 3 with stored blocks: as
-// large as its pixels, and no library is needed for it.
+// Encodes width x height pixels as a PNG of colour type 3. Pixels are row by row from the top left;
+// each is an index into at most 256 colours. Pixels of the colour `transparent` are transparent.
+// Blocks are stored without compression, so that no library is needed.
 [[nodiscard]] std::string encode_palette_png(std::uint32_t width, std::uint32_t height,
                                              const std::vector<std::uint8_t>& pixel,
                                              const std::vector<Rgb>& palette,

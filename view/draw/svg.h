@@ -39,14 +39,14 @@ class Svg {
   void line(Point a, Point b, const Stroke& stroke);
   void polyline(const std::vector<Point>& points, const Stroke& stroke);
   void polygon(const std::vector<Point>& points, std::string_view fill, double opacity = 1);
-  // Several outlines filled as one region (even-odd).
+  // Draws several outlines filled as one region (even-odd rule).
   void region(const std::vector<std::vector<Point>>& outlines, std::string_view fill);
   void rect(Point corner, double width, double height, std::string_view fill, const Stroke& stroke);
   void circle(Point center, double radius, std::string_view fill, const Stroke& stroke);
   void text(Point at, std::string_view text, const TextStyle& style);
-  // A PNG stretched to a rectangle, each pixel a rectangle of its own.
+  // Draws a PNG stretched to a rectangle, with sharp edges between its pixels.
   void image(Point corner, double width, double height, std::string_view png);
-  // Everything until end_group() is clipped to a rectangle or circle.
+  // Clips everything until end_group() to a rectangle or circle.
   void begin_clip_rect(Point corner, double width, double height);
   void begin_clip_circle(Point center, double radius);
   void end_group();
@@ -61,12 +61,12 @@ class Svg {
   std::string body_;
 };
 
-// The k-th of a set of distinguishable colours (Okabe and Ito: safe for the common colour-vision
-// deficiencies) and dash patterns, for curves in order.
+// Returns the style of the k-th curve. The colours (Okabe and Ito) and dash patterns are
+// distinguishable under the common colour-vision deficiencies.
 [[nodiscard]] Stroke curve_stroke(std::size_t k);
 
-// Perceptually uniform map from [0, 1] to a colour ("inferno" of matplotlib, 9 nodes, linear
-// between: CIE lightness grows by 9.7 to 14.5 from node to node).
+// Maps [0, 1] to a colour, perceptually uniform: matplotlib's "inferno" with 9 nodes and linear
+// interpolation. CIE lightness grows by 9.7 to 14.5 from node to node.
 [[nodiscard]] Rgb map_rgb(double fraction);
 [[nodiscard]] std::string map_color(double fraction);  // "#rrggbb"
 

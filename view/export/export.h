@@ -45,7 +45,7 @@ struct ExportAsked {
 [[nodiscard]] absl::Status export_csv(StoreReader& reader, const ExportAsked& asked,
                                       std::ostream& out);
 
-// The netCDF writer: rows that are not interpolated, not empty.
+// Writes rows to a netCDF file. rows: not empty, not interpolated.
 [[nodiscard]] absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
                                         const std::string& path);
 

@@ -34,8 +34,8 @@ class NetcdfFile {
     std::string bounds = "";       // likewise
     std::string comment = "";      // likewise
   };
-  // The values in row-major order, as many as the dimensions' product. NaN is the fill value of
-  // doubles and floats.
+  // Writes the values in row-major order; their number is the product of the dimensions. NaN is the
+  // fill value of doubles and floats.
   void doubles(const Quantity& what, const std::vector<Dimension>& dimensions,
                const std::vector<double>& values);
   // Instants as seconds since 1970, which readers of CF turn into dates; NaN: none.

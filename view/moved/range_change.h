@@ -16,9 +16,9 @@ namespace irsig {
 // point.
 [[nodiscard]] TargetExtent target_extent(std::span<const Vec<Body>> vertex);
 
-// The largest relative change of what a target subtends when its sensor moves from one range to
-// another on the same line: of a point that lies z towards the sensor, range^2 x solid angle goes
-// as (1 - z / range)^-2, with |z| <= reach.                            [1]
+// Returns the largest relative change of a target's solid angle x range^2 when its sensor moves to
+// another range on the same line. For a point at z towards the sensor, this product is proportional
+// to (1 - z / range)^-2, with |z| <= reach.                            [1]
 [[nodiscard]] double perspective_bound(double from_range_m, double to_range_m, double reach_m);
 
 // Computes rows as they would be seen from another range on the same aspect, without tracing. The
@@ -61,7 +61,7 @@ class RangeChanger {
   RangeChanger(const RangeChanger&) = delete;
   RangeChanger& operator=(const RangeChanger&) = delete;
 
-  // Each row at each of the ranges, in the order of rows, then of ranges.
+  // Returns each row at each of the ranges, in the order of rows, then of ranges.
   [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> moved(const std::vector<QueryRow>& rows);
 
  private:

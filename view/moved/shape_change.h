@@ -30,13 +30,14 @@ class ShapeAtRanges {
   ShapeAtRanges(const TargetShape& shape, const Viewpoint& from, double to_range_m, bool waterline,
                 const Silhouette& before, const Silhouette& after);
 
-  // Each part keeps its own radiance, so that its light goes as its visible area:
+  // Returns the change of a row between both ranges. Each part keeps its own radiance, so that its
+  // light is proportional to its visible area:
   //
   //   ratio = g + sum over parts p of (L_p - L) (A_p(R) - g A_p(R0)) / I(R0),  g = A(R) / A(R0)
   //
-  // with L the mean radiance. Bounds: the light of a part that lies unevenly, times how much its
-  // facets change against each other; parts that the stored viewpoint does not see; cells of the
-  // raster that finds A_p.
+  // with L the mean radiance. Three causes have bounds: the unevenly distributed light of a part
+  // times the relative change of its facets; parts that the stored viewpoint does not see; and the
+  // cells of the raster that gives A_p.
   [[nodiscard]] ShapeChange of(const std::vector<PartLight>& part) const;
 
  private:

@@ -35,10 +35,12 @@ struct SightLine {
   std::array<Values, 2> directions;
 };
 
-// environment: on the band's nodes. nodes: to which environment.around refers. Reflected sky and
-// sea arrive as the mean over the solid angle of their side does: which directions a target mirrors
-// is no longer known.
-// before: the fractions of the silhouette before each node of environment.background_apparent.
+// Computes the air between target and sensor.
+//   environment  on the band's nodes
+//   nodes        the directions of environment.around
+//   before       fractions of the silhouette before each node of environment.background_apparent
+// Reflected sky and sea arrive as the mean over the solid angle of their side, because the mirror
+// directions of the target are no longer known.
 [[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
                                    const BandGrid& grid, const Silhouette::Fractions& before);
 

@@ -30,10 +30,12 @@ class Silhouette {
   Silhouette(const TargetShape& shape, const Viewpoint& viewpoint, bool waterline,
              std::span<const float> horizon_z);
 
-  // range^2 x solid angle [m2], and by how much half as many rows differ.
+  // Returns range^2 x solid angle [m2]. area_error_m2() is its difference from the value with half
+  // as many rows.
   [[nodiscard]] double area_m2() const { return fine_.area_m2; }
   [[nodiscard]] double area_error_m2() const;
-  // Smallest and largest z of the directions (unit vectors away from the sensor) that it covers.
+  // Returns the smallest z of the covered directions (unit vectors away from the sensor); most_z()
+  // returns the largest.
   [[nodiscard]] double least_z() const { return fine_.least_z; }
   [[nodiscard]] double most_z() const { return fine_.most_z; }
 

@@ -18,7 +18,7 @@ struct BandQuadrature {
   [[nodiscard]] double radiance_w_m2_sr(double temperature_k) const;
 };
 
-//   breaks_um  as make_band_grid has them
+// Makes the quadrature of a band. breaks_um: as for make_band_grid.
 [[nodiscard]] absl::StatusOr<BandQuadrature> band_quadrature(
     const schema::Band& band, std::span<const double> breaks_um = {});
 

@@ -48,13 +48,14 @@ struct Journal {
 [[nodiscard]] absl::Status final_end(absl::Status why);
 [[nodiscard]] bool is_final(const absl::Status& why);
 
-// RESOURCE_EXHAUSTED: the disk is full; else INVALID_ARGUMENT.
+// Returns the error for a file that cannot be made. RESOURCE_EXHAUSTED: the disk is full; otherwise
+// INVALID_ARGUMENT.
 [[nodiscard]] absl::Status cannot_make(const std::string& path, const std::error_code& error);
 
 // One call at a time works in a folder.
 class FolderLock {
  public:
-  // FAILED_PRECONDITION: another has it.
+  // Locks a folder. FAILED_PRECONDITION: another process holds the lock.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<FolderLock>> take(const std::string& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

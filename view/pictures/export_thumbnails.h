@@ -47,14 +47,15 @@ struct ThumbnailsAsked {
   std::string said;             // the question, for who resumes
 };
 
-// A folder of the stored images of all rows that a query selects: labels.csv, one line for each
-// (the columns are in docs/reference/export.md), images/ with its pictures, and what else is asked
-// for (docs/reference/export.md). The folder appears
-// when it is complete. Until then it is FOLDER.partial, which the same call goes on with after an
-// end of any kind; INVALID_ARGUMENT if that one is of another question, or the folder is there.
-// Rows without an image are left out. NOT_FOUND: none has one. What going on cannot mend leaves no
-// folder: DATA_LOSS, an image is damaged; INVALID_ARGUMENT and FAILED_PRECONDITION, rows that
-// cannot be put before a background. The number of images.
+// Exports the stored images of all rows that a query selects, and returns their number. The folder
+// has labels.csv with one line for each image (columns: docs/reference/export.md), images/ with the
+// pictures, and the other requested files (docs/reference/export.md). Rows without an image are
+// left out.
+// The folder appears when it is complete. Until then it is FOLDER.partial, and an identical call
+// after an interruption continues it. INVALID_ARGUMENT: FOLDER.partial belongs to another question,
+// or the folder exists. NOT_FOUND: no row has an image. Some errors cannot be resolved by
+// continuing, and leave no folder: DATA_LOSS (an image is damaged), INVALID_ARGUMENT and
+// FAILED_PRECONDITION (rows that cannot be put before a background).
 [[nodiscard]] absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader,
                                                               const ThumbnailsAsked& asked,
                                                               const std::string& folder,

@@ -21,20 +21,22 @@ class ExportedSweeps {
 
   // In the order of sweeps and of their lists.
   [[nodiscard]] const std::vector<std::string>& parts() const { return parts_; }
-  // The longest side that any image may have.
+  // Returns the longest side [px] that any image may have.
   [[nodiscard]] std::uint32_t most_px() const;
-  // The longest side that the image of a row may have.
+  // Returns the longest side [px] that the image of a row may have.
   [[nodiscard]] std::uint32_t most_px(const StoredSignature& s) const;
-  // The largest number of bands of a sweep.
+  // Returns the largest number of bands of a sweep.
   [[nodiscard]] std::size_t most_bands() const { return most_bands_; }
   // Returns null for a row of an earlier version of its sweep, with another band.
   [[nodiscard]] const Band* band_of(const StoredSignature& s) const;
 
-  // "images/0000012", or "images/2-0000012" where there are several sweeps: without an ending.
+  // Returns a file name without ending: "images/0000012", or "images/2-0000012" if there are
+  // several sweeps.
   [[nodiscard]] std::string name_of(const StoredSignature& s) const;
   [[nodiscard]] std::string mask_of(const StoredSignature& s) const;
 
-  // DATA_LOSS that names the row; the export ends for good (export_journal.h).
+  // Returns a DATA_LOSS error that names the row; such an export cannot be continued
+  // (export_journal.h).
   [[nodiscard]] absl::Status damaged(const StoredSignature& s, const std::string& how) const;
 
  private:

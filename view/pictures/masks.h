@@ -12,14 +12,14 @@
 
 namespace irsig {
 
-// [pixel, row by row from the top left] Returns the fraction of it that the target fills.
+// Returns the fraction of each pixel that the target fills [pixel, row by row from the top left].
 [[nodiscard]] std::vector<float> filled_fractions(const StoredSilhouette& silhouette);
 
 // Returns the pixels that show any of the target, and their box.
 [[nodiscard]] ImageContent covered_pixels(const StoredSilhouette& silhouette);
 
-// [pixel] Returns 1 + the place in `parts` of the part that most of its samples meet; 0 where the
-// target fills less than half of it.
+// Returns for each pixel 1 + the index in `parts` of the part that most samples meet; 0 where the
+// target fills less than half of the pixel.
 [[nodiscard]] std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
                                                    const std::vector<std::string>& parts);
 
@@ -45,8 +45,8 @@ struct WholeObject {
     const StoredSilhouette& silhouette, const SeenObject& seen,
     const std::function<bool(const std::string&)>& has);
 
-//   has  whether a part belongs to the object
-// Returns nothing if no sample meets such a part.
+// Returns the visible pixels of an object. has: callback that returns true if a part belongs to the
+// object. nullopt: no sample meets such a part.
 [[nodiscard]] std::optional<SeenObject> seen_object(
     const StoredSilhouette& silhouette, const std::function<bool(const std::string&)>& has);
 

@@ -67,7 +67,7 @@ class PictureFiles {
   const ReadPictures& read_;
 };
 
-// The hottest pixel [W/(m2 sr)].
+// Returns the radiance of the hottest pixel [W/(m2 sr)].
 [[nodiscard]] double hottest_of(const RadianceImage& image);
 
 }  // namespace irsig

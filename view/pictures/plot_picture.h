@@ -14,19 +14,18 @@
 
 namespace irsig {
 
-// The stored image of the only row that a query selects (an aspect alone: the nearest viewpoint) in
-// false colours: in-band radiance at the target, without the air, from the first to the
-// 99th percentile of the target's pixels or over `range` [W/(m2 sr)]; beside it the temperature of
-// the blackbody with the same in-band radiance. Errors: those of run_query and of stored_thumbnail
-// (thumbnail.h); NOT_FOUND: it shows nothing of the target.
-//
-//   layer         empty: the radiance at the target; else a further image of the row
-//   (kImageLayers).
+// Returns the stored image of the only row that a query selects, in false colours; a query with an
+// aspect alone selects the nearest viewpoint. The values are in-band radiance at the target,
+// without the air. They extend over `range` [W/(m2 sr)], or from the first to the 99th percentile
+// of the target's pixels. A second scale shows the temperature of the blackbody with the same
+// in-band radiance. Errors are those of run_query and of stored_thumbnail (thumbnail.h); NOT_FOUND:
+// the image shows nothing of the target.
+//   layer         empty: radiance at the target; else an image layer of the row (kImageLayers).
 //                 NOT_FOUND: the row has no such layer
-//   imager        if there is one, the picture shows its counts, whole pixels of the camera;
-//                 errors: those of counts_of_row (sweep_imager.h)
-//   long_side_px  at most: pixels are means over squares of stored ones; without: as many as are
-//                 stored. INVALID_ARGUMENT: more than are stored
+//   imager        if set, the picture shows the camera's counts in whole pixels; errors: those of
+//                 counts_of_row (sweep_imager.h)
+//   long_side_px  upper limit: pixels are means over squares of stored pixels; unset: the stored
+//                 size. INVALID_ARGUMENT: more pixels than are stored
 [[nodiscard]] absl::StatusOr<FalseColorPicture> radiance_picture(
     StoreReader& reader, const Query& query, const std::optional<ColorRange>& range,
     const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read,

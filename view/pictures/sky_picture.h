@@ -11,12 +11,13 @@
 
 namespace irsig {
 
-// The in-band radiance of the sky around a target, in all directions above the horizontal, in an
-// equal-area projection: seen from above, the bow up, the zenith in the middle, as plot_map draws
-// aspects. It is the light that a run lets the target reflect, cloud and scattered sunlight
-// included; the sun's disk is not in it. The sun and the north are labelled.
-//   condition  of the sweep; FAILED_PRECONDITION: it has no embedded atmosphere
-//   side_px    of the picture, > 0
+// Draws the in-band radiance of the sky around a target in all directions above the horizontal. The
+// projection is equal-area, seen from above: the bow is up, the zenith in the centre, as in
+// plot_map. The radiance is the light that a run lets the target reflect: cloud and scattered
+// sunlight are included, the sun's disk is not. The sun and the north are labelled.
+//   condition  index into the sweep's conditions
+//   side_px    side of the picture, > 0
+// FAILED_PRECONDITION: the condition has no embedded atmosphere.
 [[nodiscard]] absl::StatusOr<FalseColorPicture> draw_sky(const schema::ResolvedSweep& sweep,
                                                          int condition, const schema::Band& band,
                                                          std::uint32_t side_px);

@@ -33,8 +33,9 @@ struct CountsFrame {
   DetectorGrid grid;
   ImagerInBand figures;
 };
-// Errors: those of record_image (recorded_image.h); FAILED_PRECONDITION: an earlier version of the
-// sweep had another band; INVALID_ARGUMENT: gas lets part of the background through.
+// Computes the camera's counts of an image. Errors: those of record_image (recorded_image.h).
+// FAILED_PRECONDITION: an earlier version of the sweep had another band. INVALID_ARGUMENT: gas
+// transmits a part of the background.
 [[nodiscard]] absl::StatusOr<CountsFrame> counts_frame(StoreReader& reader,
                                                        const SweepImager& imager,
                                                        const StoredSignature& row,
@@ -48,8 +49,8 @@ struct CountsOfRow {
 };
 // Returns counts as the pixels of an EXR file, which holds each whole number exactly.
 [[nodiscard]] absl::StatusOr<std::string> counts_exr(const CountsImage& counts);
-// Errors: those of record_image (recorded_image.h), of shown_image (shown_image.h), and NOT_FOUND:
-// the row has no image.
+// Computes the camera's counts of a row. Errors: those of record_image (recorded_image.h) and of
+// shown_image (shown_image.h). NOT_FOUND: the row has no image.
 [[nodiscard]] absl::StatusOr<CountsOfRow> counts_of_row(StoreReader& reader,
                                                         const SweepImager& imager,
                                                         const StoredSignature& row,

@@ -15,16 +15,17 @@ namespace irsig {
 using ReadPictures =
     std::function<absl::StatusOr<std::vector<PictureAnswer>>(const std::vector<PictureTask>&)>;
 
-// The longest side that an image of a sweep may have: what it asked for, or, where an older irsig
-// did not store that, what any sweep may ask for.
+// Returns the longest side [px] that an image of a sweep may have: the size that the sweep
+// requests. If an older irsig did not store the request: the largest size that any sweep may
+// request.
 [[nodiscard]] std::uint32_t most_px_of(const schema::Sweep& sweep);
 // Returns the limit for a row; for a row of an earlier version of its sweep, the limit of any
 // sweep.
 [[nodiscard]] absl::StatusOr<std::uint32_t> most_px_of(StoreReader& reader,
                                                        const StoredSignature& row);
 
-// The stored image of the only row. INVALID_ARGUMENT: no row, an interpolated one, or several (they
-// are listed); NOT_FOUND: stored without image.
+// Returns the stored image of the only row. INVALID_ARGUMENT: there is no row, an interpolated row,
+// or several (the message lists them). NOT_FOUND: the row has no image.
 [[nodiscard]] absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
                                                                  const std::vector<QueryRow>& rows);
 

@@ -24,14 +24,15 @@ namespace irsig {
                                                      std::optional<double> elevation_deg,
                                                      const ExtentOf& extent_of = {});
 
-// The numbers of that plot, one line for each point of a curve (kind: stored or interpolated) and
-// each viewpoint near an interpolated one (kind: near), in a format of table.h.
+// Writes the numbers of that plot in a format of table.h. There is one line for each point of a
+// curve (kind: stored or interpolated) and for each viewpoint near an interpolated curve (kind:
+// near).
 [[nodiscard]] absl::Status write_polar(StoreReader& reader, const Query& query,
                                        std::optional<double> elevation_deg, std::string_view format,
                                        std::ostream& out, const ExtentOf& extent_of = {});
 
-// The spectrum against wavelength from one viewpoint (row, nearest 1 or interpolate), one
-// curve per season and time, all bands on one axis, each with its 2 sigma band.
+// Plots the spectrum against wavelength from one viewpoint (row, nearest 1 or interpolate). There
+// is one curve per season and time, with its 2 sigma range; all bands share one axis.
 [[nodiscard]] absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query,
                                                         const ExtentOf& extent_of = {});
 

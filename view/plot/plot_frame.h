@@ -16,7 +16,7 @@ namespace irsig {
 struct CurveNames {
   explicit CurveNames(const std::vector<StoredSignature>& signatures);
   [[nodiscard]] std::string name(const StoredSignature& s) const;
-  // The place of a signature's curve among all, in order of appearance.
+  // Returns the index of a signature's curve, in order of appearance.
   [[nodiscard]] std::size_t index(const StoredSignature& s) const;
   [[nodiscard]] std::size_t size() const { return key_.size(); }
 
@@ -25,15 +25,16 @@ struct CurveNames {
   bool several_sweeps_ = false, several_times_ = false, several_ranges_ = false;
 };
 
-// "3-5 (3 to 5 um)"
+// Returns the title of a band, "3-5 (3 to 5 um)", or of a range.
 [[nodiscard]] std::string band_title(const StoredSignature& s);
 [[nodiscard]] std::string range_title(double range_m);
-// ", range 5 km"; empty: of several, which the curves name.
+// Returns ", range 5 km". Empty: the signatures have several ranges, and the curves are named by
+// them.
 [[nodiscard]] std::string range_title(const std::vector<StoredSignature>& signatures);
 
-// The signatures of a plot. Errors: NOT_FOUND if nothing matches, INVALID_ARGUMENT if they are of
-// several sweeps or stored ranges, since one picture shows one; of ranges that were asked for,
-// all.
+// Returns the signatures of a plot: all requested ranges, otherwise one sweep and one stored range,
+// since one picture shows one. NOT_FOUND: nothing matches. INVALID_ARGUMENT: several sweeps or
+// stored ranges match.
 [[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(
     StoreReader& reader, const Query& query, const ExtentOf& extent_of);
 
@@ -43,8 +44,7 @@ struct LegendEntry {
 };
 // Returns the number of entries that fit side by side, at least 1.
 [[nodiscard]] int legend_entries_per_line(const std::vector<LegendEntry>& entries, double width);
-// Side by side, centred at x; returns nothing: entries take one line of 20 px each `per_line`
-// entries.
+// Draws the entries side by side, centred at x. Each `per_line` entries take one line of 20 px.
 void draw_legend(Svg& svg, Point top_center, const std::vector<LegendEntry>& entries, int per_line);
 
 }  // namespace irsig

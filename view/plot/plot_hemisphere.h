@@ -11,9 +11,9 @@ struct HemisphereValues {
   std::vector<double> value;
 };
 
-// Seen from above: zenith outwards, azimuth 0 up, clockwise. A cell of one colour around each view,
-// with a colour bar from the smallest to the largest value; a cross where the source stands. A
-// complete SVG document.
+// Plots values over a hemisphere seen from above: zenith angle outwards, azimuth 0 up, clockwise.
+// Each view has a cell of one colour; a colour bar covers the smallest to the largest value. A
+// cross marks the source. Returns a complete SVG document.
 [[nodiscard]] std::string plot_hemisphere(const std::string& title, const std::string& quantity,
                                           const HemisphereValues& values, double source_zenith_deg);
 

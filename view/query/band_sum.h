@@ -30,8 +30,9 @@ struct BandWeights {
   [[nodiscard]] double shape_bound(std::span<const double> bin_mean) const;
 };
 
-// lambda_um: the stored wavelengths of a band, two or more. INVALID_ARGUMENT: a response that is
-// not 0 outside them (from the first to the last), or 0 everywhere.
+// Computes the weights of a band's wavelengths. lambda_um: the stored wavelengths, two or more.
+// INVALID_ARGUMENT: the response is not 0 outside these wavelengths (from the first to the last),
+// or is 0 everywhere.
 [[nodiscard]] absl::StatusOr<BandWeights> band_weights(std::span<const double> lambda_um,
                                                        const ResponseTable& response);
 
@@ -59,10 +60,11 @@ struct InBand {
                                                           std::span<const QueryRow> rows,
                                                           const ResponseTable& response);
 
-// The largest response / own over all wavelengths; infinite where own is 0 and the response is not.
+// Returns the largest ratio response / own over all wavelengths; infinite where own is 0 and the
+// response is not.
 [[nodiscard]] double largest_ratio(const ResponseTable& response, const ResponseTable& own);
 
-// The response of a stored band, empty where it is 1.
+// Returns the response of a stored band; empty if the response is 1.
 [[nodiscard]] absl::StatusOr<ResponseTable> response_of(const StoredSweep& sweep,
                                                         const std::string& band);
 

@@ -18,14 +18,14 @@ struct SignatureField {
     const std::vector<StoredSignature>& signatures,
     SignatureQuantity quantity = SignatureQuantity::kIntensity);
 
-// One row for each field, at an aspect.
+// Interpolates one row for each field at an aspect.
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> interpolate_rows(
     const std::vector<StoredSignature>& signatures, SignatureFilter::Direction aspect);
 
 [[nodiscard]] FieldKind kind_of(SignatureQuantity quantity);
 
-// A quantity at a fit: never negative where no sample is (what is cut off is added to the error),
-// unless the field is signed.
+// Estimates a quantity by a fit. Unless the field is signed, a value below 0 becomes 0 if no sample
+// is negative, and the difference is added to the error.
 [[nodiscard]] SphereEstimate estimate_of(FieldKind kind, const SphereFit& fit,
                                          const std::vector<double>& value,
                                          const std::vector<double>& value_stderr);

@@ -34,13 +34,15 @@ struct Query {
 // below.
 [[nodiscard]] absl::StatusOr<SignatureFilter> filter_of(const Query& query);
 
-// Why a filter selects nothing: NOT_FOUND, if a name, range or row is unknown.
+// Returns the reason for which a filter selects nothing. NOT_FOUND: a name, range or row is
+// unknown.
 [[nodiscard]] absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& filter);
 
-// Errors: INVALID_ARGUMENT for contradictory or malformed questions, NOT_FOUND for a sweep, season,
-// band or row that does not exist (the message lists the known ones), OUT_OF_RANGE for an aspect
-// that the viewpoints do not cover; those of at_range. No match: no rows.
-//   extent_of  needed for query.range_m alone; of a row at several ranges they follow each other
+// Returns the rows that a query selects; no rows if nothing matches.
+//   extent_of  needed for query.range_m alone; a row at several ranges gives consecutive rows
+// INVALID_ARGUMENT: the question is contradictory or malformed. NOT_FOUND: a sweep, season, band or
+// row does not exist; the message lists the existing ones. OUT_OF_RANGE: the viewpoints do not
+// cover the aspect. Other errors: those of at_range.
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader,
                                                               const Query& query,
                                                               const ExtentOf& extent_of = {});
@@ -64,8 +66,8 @@ class QueryRows {
       StoreReader& reader, const Query& query, const ExtentOf& extent_of = {});
   virtual ~QueryRows() = default;
 
-  // Number of stored rows that are read, each as many times as there are ranges; some of them may
-  // be left out because of their error.
+  // Returns the number of stored rows to read, times the number of ranges. Rows may be left out
+  // because of their error.
   [[nodiscard]] virtual std::size_t count() const = 0;
   // Returns the next rows; empty if there are no more. ABORTED: rows were replaced meanwhile.
   [[nodiscard]] virtual absl::StatusOr<std::vector<QueryRow>> next() = 0;
@@ -89,8 +91,8 @@ struct RowPart {
   double interpolation_error_w_sr;  // 0: not interpolated
 };
 
-// The spectrum and the parts of a row; of an interpolated one with the row's own weights, so that
-// they add up to it.
+// Returns the spectrum or the parts of a row. For an interpolated row, both use the row's own
+// weights, so that they add up to its value.
 [[nodiscard]] absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row);
 [[nodiscard]] absl::StatusOr<std::vector<RowPart>> parts_of(StoreReader& reader,
                                                             const QueryRow& row);

@@ -26,19 +26,19 @@ struct SpectralColumn {
   const char* name;
   const google::protobuf::RepeatedField<float>& (schema::Spectrum::*values)() const;
 };
-// The source intensity by cause, each followed by its standard error.
+// Returns the columns of the source intensity by cause, each followed by its standard error.
 [[nodiscard]] std::span<const SpectralColumn> spectral_causes();
 
-// Into the order of a column's values; rows without one come last. INVALID_ARGUMENT: no such
-// column.
+// Sorts rows by the values of a column; rows without a value come last. INVALID_ARGUMENT: there is
+// no such column.
 [[nodiscard]] absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column,
                                      bool descending);
 
 // Rows on their way into a table, of which there may be many.
 class RowTable {
  public:
-  // first: some of the rows; which columns there are, and those for people, go by them.
-  // INVALID_ARGUMENT: contents that do not go together.
+  // Creates a table. first: some of the rows, which determine the columns. INVALID_ARGUMENT: the
+  // contents cannot be combined.
   [[nodiscard]] static absl::StatusOr<RowTable> make(StoreReader& reader,
                                                      const std::vector<QueryRow>& first,
                                                      const QueryContent& content,

@@ -26,8 +26,8 @@ struct RowWeights {
   std::vector<Line> line;
 };
 
-// INVALID_ARGUMENT, each file:line:column: columns that are none of these, numbers that are none,
-// the same place twice, no weight above 0.
+// Reads weights from a file. INVALID_ARGUMENT, each file:line:column: unknown columns, a text that
+// is not a number, the same place twice, no weight above 0.
 [[nodiscard]] absl::StatusOr<RowWeights> read_row_weights(const std::string& path);
 
 // Direction of an aspect, for weights_of_aspects(): an aspect has the weights of the directions of

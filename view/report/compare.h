@@ -39,13 +39,14 @@ using AspectKey = std::pair<std::int64_t, std::int64_t>;
 // there.
 [[nodiscard]] Comparison compare(std::span<const StoredValue> a, std::span<const StoredValue> b);
 
-// One line an aspect, in a format of table.h.
+// Writes one line per aspect, in a format of table.h.
 [[nodiscard]] absl::Status write_comparison(const Comparison& comparison,
                                             const QuantityColumns& quantity,
                                             std::string_view format, std::ostream& out);
 
-// OK if two bands have the same limits and the same response; their steps change no value of the
-// band. FAILED_PRECONDITION: they differ, so that their values are no difference of one quantity.
+// Checks that two bands have the same limits and the same response; their steps change no value of
+// the band. FAILED_PRECONDITION: the bands differ, so that the difference of their values is not
+// one of the same quantity.
 [[nodiscard]] absl::Status check_same_band(const schema::Band& a, const schema::Band& b);
 
 // Names in which two rows may differ and still be compared. With a free season, times are those of
@@ -68,7 +69,8 @@ struct RowComparison {
                                                          const FreeNames& free,
                                                          SignatureQuantity quantity);
 
-// One line a row, in a format of table.h. `exceeds_error`: the difference is larger than its error.
+// Writes one line per row, in a format of table.h. Column `exceeds_error`: the difference is larger
+// than its error.
 [[nodiscard]] absl::Status write_compared_rows(const RowComparison& comparison,
                                                const QuantityColumns& quantity,
                                                std::string_view format, std::ostream& out);

@@ -27,13 +27,13 @@ struct HourOfDay {
 // Sorts the times of each season into days. All times are added before the first is placed.
 class Days {
  public:
-  //   offset_h  of the hours that are shown, minus UTC
+  // Creates days without times. offset_h: displayed time minus UTC [h].
   explicit Days(double offset_h);
 
-  // INVALID_ARGUMENT: time_utc is no RFC 3339 time.
+  // Adds a time of a season. INVALID_ARGUMENT: time_utc is not an RFC 3339 time.
   absl::Status add(const std::string& season, const std::string& time_utc);
 
-  // Both want a season and a time of which one was added.
+  // Returns the day and hour of a time. The season and time must have been added.
   [[nodiscard]] HourOfDay place(const std::string& season, const std::string& time_utc) const;
   [[nodiscard]] HourOfDay place(const std::string& season, double unix_s) const;
 

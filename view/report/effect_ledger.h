@@ -11,11 +11,10 @@
 
 namespace irsig {
 
-// A reason of the ledger (StoredEffect::reason) in words.
+// Returns a reason of the ledger (StoredEffect::reason) in words.
 [[nodiscard]] std::string_view reason_in_words(std::string_view reason);
 
-// The ledger of one row, a line for each effect. `row`: whose ledger it is. Empty ledgers have no
-// table.
+// Returns the ledger of one row as a table with a line for each effect; empty for an empty ledger.
 [[nodiscard]] std::string ledger_table(const StoredSignature& row,
                                        const std::vector<StoredEffect>& ledger);
 

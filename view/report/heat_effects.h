@@ -12,7 +12,7 @@ namespace irsig {
 // from the outputs of its heat jobs.
 class HeatEffects {
  public:
-  // INVALID_ARGUMENT: what a heat job has left cannot be read.
+  // Reads the effects of a sweep. INVALID_ARGUMENT: the output of a heat job cannot be read.
   [[nodiscard]] static absl::StatusOr<HeatEffects> make(const StoredSweep& sweep);
 
   // Lines of a row's ledger; none where no temperature of its condition was computed, or is known.

@@ -45,13 +45,15 @@ struct Hours {
   std::vector<HourlyInside> inside = {};
 };
 
-// Errors: those of run_query; NOT_FOUND: nothing matches; INVALID_ARGUMENT: several viewpoints or
-// sweeps, no day with two times; FAILED_PRECONDITION: query.quantity was not stored.
+// Returns the values of a query by hour. Errors are those of run_query. NOT_FOUND: nothing matches.
+// INVALID_ARGUMENT: several viewpoints or sweeps match, or no day has two times.
+// FAILED_PRECONDITION: query.quantity was not stored.
 [[nodiscard]] absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query);
 
-// A panel for each day's temperatures (mean of a part's facets, from the coldest to the hottest,
-// and scheduled ones behind walls), where there are any, one for its scheduled heat into walls, and
-// one for each band's values (+-2 numerical errors), one curve per day. A complete SVG document.
+// Plots hours as a complete SVG document. There is a panel for each day's temperatures, if any: the
+// mean of a part's facets, from the coldest to the hottest, and scheduled temperatures behind
+// walls. Further panels show the day's scheduled heat into walls, and each band's values (+-2
+// numerical errors), one curve per day.
 [[nodiscard]] std::string plot_hours(const Hours& hours);
 
 // Writes the numbers of plot_hours(), one line each, in a format of table.h.

@@ -34,7 +34,7 @@ namespace irsig {
 // worst case, 0.5 % was asked for; raise [image] max_samples". Empty: none does.
 [[nodiscard]] std::string image_text(const StoredOutcome& outcome, const schema::Image& image);
 
-// A warning of views that were seen from behind in part, with the remedy. Empty: none.
+// Returns a warning, with the remedy, if views were partly seen from behind. Empty: none were.
 [[nodiscard]] std::string backface_text(const StoredOutcome& outcome);
 
 // Returns the origin of a slice, one line: "sliced from a.sigdb: 12 of 48 rows, --season winter;

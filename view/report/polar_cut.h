@@ -26,11 +26,12 @@ struct PolarCut {
 // Largest distance of a marked viewpoint from an interpolated ring.
 inline constexpr double kNearRingDeg = 2.5;
 
-// values: of one condition, band and range; none twice from one direction counts but the first.
-// If eight of them stand on the elevation, they are the curve; otherwise it is interpolated every
-// two degrees. Without elevation_deg: the lowest elevation that the viewpoints cover all around.
-// OUT_OF_RANGE: no such elevation, or this one is not covered; INVALID_ARGUMENT: not between -90
-// and 90; FAILED_PRECONDITION: an older irsig stored a value without the quantity.
+// Returns the values around a target at one elevation. values: of one condition, band and range; of
+// several values from one direction, the first is used. If eight values lie on the elevation, they
+// form the curve; otherwise the curve is interpolated every two degrees. Without elevation_deg: the
+// lowest elevation that the viewpoints cover all around. OUT_OF_RANGE: there is no such elevation,
+// or the requested one is not covered. INVALID_ARGUMENT: the elevation is not between -90 and 90
+// deg. FAILED_PRECONDITION: an older irsig stored a value without the quantity.
 [[nodiscard]] absl::StatusOr<PolarCut> polar_cut(std::span<const StoredValue> values,
                                                  const QuantityColumns& quantity,
                                                  std::optional<double> elevation_deg);

@@ -17,11 +17,12 @@ struct ProfileQuery {
   std::optional<std::uint64_t> row{};  // of the signature that the profiles belong to
 };
 
-// The stored rows of profiles. NOT_FOUND: nothing matches; the message lists what there is.
+// Returns the stored rows of profiles. NOT_FOUND: nothing matches; the message lists the stored
+// profiles.
 [[nodiscard]] absl::StatusOr<std::vector<StoredProfileRow>> find_profiles(
     StoreReader& reader, const ProfileQuery& query);
 
-// One line for each point and number of reflections, in a format of table.h.
+// Writes one line for each point and number of reflections, in a format of table.h.
 [[nodiscard]] absl::Status write_profiles(const std::vector<StoredProfileRow>& rows,
                                           std::string_view format, std::ostream& out);
 
@@ -35,10 +36,11 @@ struct ProfileQuery {
 [[nodiscard]] std::vector<std::string> profile_notes(const std::vector<StoredProfileRow>& rows,
                                                      const schema::Sweep& sweep);
 
-// Apparent temperature with its 2 sigma error as a complete SVG document: the first profile along
-// a line against the distance from its middle, one curve for each number of reflections; or, if
-// all are at one point, every profile against the number of reflections, with what is published.
-// INVALID_ARGUMENT: the rows are of several viewpoints, conditions or bands.
+// Plots apparent temperature with its 2 sigma error as a complete SVG document. A profile along a
+// line (the first one) is plotted against the distance from its middle, one curve for each number
+// of reflections. If all profiles are at one point, each is plotted against the number of
+// reflections, with the published values. INVALID_ARGUMENT: the rows have several viewpoints,
+// conditions or bands.
 [[nodiscard]] absl::StatusOr<std::string> plot_profile(
     const std::vector<StoredProfileRow>& rows, const std::vector<StoredPublished>& published);
 

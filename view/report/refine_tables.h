@@ -16,12 +16,13 @@ namespace irsig {
                                                 std::span<const SignatureField> fields,
                                                 SignatureQuantity quantity, double relative_error);
 
-// The viewpoints to add: as lines for a sweep file ("text"), or in a format of table.h.
+// Writes the proposed viewpoints: as lines for a sweep file ("text"), or in a format of table.h.
 [[nodiscard]] absl::Status write_proposed(const Refinement& found,
                                           std::span<const SignatureField> fields,
                                           std::string_view format, std::ostream& out);
 
-// Each viewpoint as the others of its field have it.
+// Writes for each viewpoint its value and the value interpolated from the other viewpoints of its
+// field.
 [[nodiscard]] absl::Status write_left_out(std::span<const SignatureField> fields, FieldKind kind,
                                           std::string_view format, std::ostream& out);
 

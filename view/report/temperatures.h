@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// The temperatures that jobs have computed, by season, time and part: of the part's facets, by
-// area, the mean, the coldest and the hottest, and the mean of their errors. In a format of
-// table.h. NOT_FOUND: none passes the filter.
+// Writes the temperatures computed by jobs, by season, time and part, in a format of table.h. The
+// values are the area-weighted mean of the part's facets, the coldest, the hottest, and the mean
+// error. NOT_FOUND: none passes the filter.
 [[nodiscard]] absl::Status write_temperatures(StoreReader& reader, const TemperatureFilter& filter,
                                               std::string_view format, std::ostream& out);
 

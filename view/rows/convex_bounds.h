@@ -37,7 +37,7 @@ class ConvexBounds {
   struct Interval {
     std::optional<double> low, high;  // nullopt: no combination bounds this side
   };
-  // value, value_stderr: in the order of direction.
+  // Returns the bounds of the value at `where`. value, value_stderr: in the order of direction.
   [[nodiscard]] Interval of(const std::vector<double>& value,
                             const std::vector<double>& value_stderr) const;
 
@@ -53,10 +53,11 @@ class ConvexBounds {
   std::vector<Combination> combination_;  // those without a distance first
 };
 
-// Root mean square distance from `value` to what lies evenly in the interval; a missing side is as
-// far away as the other one. An interval may be empty, low above high: by a little (noise) the
-// farther end counts. nullopt: nothing follows from the interval, because both sides are missing or
-// contradict each other by more than half of that distance, as of a body that is not convex.
+// Returns the rms distance from `value` to a uniform distribution over the interval. A missing side
+// counts as equally distant as the other side. If the interval is empty by a little (low above
+// high, from noise), the distance to the farther end is returned. nullopt: both sides are missing,
+// or they contradict each other by more than half of that distance, as for a body that is not
+// convex.
 [[nodiscard]] std::optional<double> rms_distance(double value, const ConvexBounds::Interval& in);
 
 }  // namespace irsig

@@ -60,8 +60,8 @@ struct SphereEstimate {
 // are seen neither by the value nor by its error.
 class SphereFit {
  public:
-  // The kernel of greatest restricted likelihood (of at most 150 samples, taken evenly). At least 6
-  // samples.
+  // Returns the kernel of greatest restricted likelihood, for at most 150 evenly chosen samples. At
+  // least 6 samples are needed.
   static absl::StatusOr<SphereKernel> choose_kernel(const SphereSamples& samples);
 
   // Interpolates at a direction; without a kernel, with the best one for the samples around
@@ -75,12 +75,12 @@ class SphereFit {
   [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
   [[nodiscard]] const std::vector<double>& weight() const { return weight_; }
 
-  // rough_error^2 is proportional to this, which depends on directions, kernel and standard errors
-  // alone.
+  // Returns a number proportional to rough_error^2; it depends only on directions, kernel and
+  // standard errors.
   [[nodiscard]] double variance_factor() const { return variance_factor_; }
   [[nodiscard]] const SphereKernel& kernel() const { return kernel_; }
 
-  // Value and error of a quantity; both vectors are in the order of used().
+  // Estimates the value and error of a quantity; both vectors are in the order of used().
   [[nodiscard]] SphereEstimate estimate(const std::vector<double>& value,
                                         const std::vector<double>& value_stderr,
                                         FieldKind kind) const;
@@ -117,11 +117,11 @@ class SphereSurface {
   std::vector<double> coefficient_;
 };
 
-// Why `where` cannot be interpolated from the samples, or an empty string. It can if samples
-// surround it, or if it lies at the edge: within 1.25 spacings of a sample and inside the
-// elevations that are covered (give or take a tenth of the spacing, or of the range of elevations
-// where that is less; none where all samples nearby are 0); and never further than 30 deg
-// from the nearest sample.
+// Returns the reason for which `where` cannot be interpolated from the samples; empty if it can.
+// Interpolation needs samples around `where`, or an edge: `where` lies within 1.25 spacings of a
+// sample and within the covered elevations. These are extended by a tenth of the spacing or, if
+// smaller, of the range of elevations; by nothing where all nearby samples are 0. The nearest
+// sample must be within 30 deg.
 [[nodiscard]] std::string uncovered(const SphereSamples& samples, Vec<Body> where);
 
 }  // namespace irsig

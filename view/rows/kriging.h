@@ -13,7 +13,8 @@ namespace irsig {
 // A symmetric positive definite matrix as its Cholesky factor.
 class Cholesky {
  public:
-  // Row-major n x n; only the lower triangle is read. false: not positive definite.
+  // Factors a row-major n x n matrix; only the lower triangle is read. Returns false if the matrix
+  // is not positive definite.
   [[nodiscard]] bool factor(std::vector<double> matrix, std::size_t n);
   [[nodiscard]] std::vector<double> solve(std::vector<double> b) const;
   [[nodiscard]] std::vector<double> inverse() const;  // row-major: the bits of n calls of solve()
@@ -26,7 +27,7 @@ class Cholesky {
 
 [[nodiscard]] inline double chord(Vec<Body> a, Vec<Body> b) { return length(a - b); }
 
-// Correlation of the field between two directions at this chord; 1 at 0.
+// Returns the correlation of the field between two directions at this chord; 1 at distance 0.
 [[nodiscard]] double covariance(const SphereKernel& kernel, double distance);
 
 [[nodiscard]] double inner(const std::vector<double>& a, const std::vector<double>& b);
@@ -42,7 +43,7 @@ struct FactoredCovariance {
   double negative_log_likelihood;  // restricted, up to a constant
 };
 
-// nullopt: two samples coincide.
+// Factors the covariance of the samples. nullopt: two samples coincide.
 [[nodiscard]] std::optional<FactoredCovariance> factor_covariance(const SphereSamples& samples,
                                                                   const SphereKernel& kernel);
 

@@ -5,8 +5,9 @@
 
 namespace irsig {
 
-// A stored row's three intensities with their bounds apart. Rows of older formats did not keep
-// every bound: what their numerical error holds besides is given to the first bound that they lack.
+// Returns one of a stored row's three intensities, with its bounds separated. Rows of older formats
+// did not store every bound; the remainder of their numerical error is assigned to the first
+// missing bound.
 [[nodiscard]] Measured source_of(const StoredSignature& row);
 [[nodiscard]] Measured apparent_of(const StoredSignature& row);
 [[nodiscard]] Measured contrast_of(const StoredSignature& row);

@@ -41,17 +41,18 @@ struct QuantityColumns {
 
 [[nodiscard]] const QuantityColumns& columns_of(SignatureQuantity quantity);
 
-// kNotComputed: the sweep states no uncertain inputs, or the quantity has none.
+// Returns the uncertainty of the quantity due to uncertain inputs. kNotComputed: the sweep states
+// no uncertain inputs, or the quantity has no such uncertainty.
 [[nodiscard]] double input_uncertainty_of(const QuantityColumns& columns,
                                           const StoredSignature& row);
 
-// intensity, apparent_intensity, contrast_intensity, background_radiance.
+// Returns the names intensity, apparent_intensity, contrast_intensity and background_radiance.
 [[nodiscard]] std::vector<std::string> quantity_names();
-// INVALID_ARGUMENT: none of these.
+// Returns the quantity of this name. INVALID_ARGUMENT: the name is none of these.
 [[nodiscard]] absl::StatusOr<SignatureQuantity> quantity_named(std::string_view name);
 
-// FAILED_PRECONDITION, saying what to do, if an older irsig stored one of the signatures without
-// this quantity.
+// Checks that all signatures have the quantity. FAILED_PRECONDITION, with the remedy: an older
+// irsig stored a signature without it.
 [[nodiscard]] absl::Status check_computed(const std::vector<StoredSignature>& signatures,
                                           SignatureQuantity quantity);
 [[nodiscard]] absl::Status check_computed(std::span<const StoredValue> values,

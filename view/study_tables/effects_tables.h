@@ -10,31 +10,33 @@ namespace irsig {
 
 // Output of `irsig verify-effects`.
 
-// One line a view, and one of its head.
+// Returns one line per view; effects_view_header() returns the header.
 [[nodiscard]] std::string effects_view_header();
 [[nodiscard]] std::string effects_view_line(const CheckedView& view);
 
-// One line a cell of the matrix, and one of its head.
+// Returns one line per cell of the matrix; effects_cell_header() returns the header.
 [[nodiscard]] std::string effects_cell_header();
 [[nodiscard]] std::string effects_cell_line(const MatrixCell& cell, const CheckedCell& checked);
 
-// Every value that is out of bound, or further from its reference than five numerical errors, in a
-// line of its own; empty: none. `where` says which cell it is.
+// Returns one line for each value that is out of bound, or that differs from its reference by more
+// than five numerical errors; empty: there is none. where: names the cell.
 [[nodiscard]] std::string effects_failures(const std::string& where, const CheckedView& view);
 
 // Returns the effects that were left out, with the number of rows.
 [[nodiscard]] std::string effects_off(const EffectsSummary& summary);
 
-// The matrix as a whole: medians over cells, by the factors' levels too. Markdown.
+// Returns a summary of the matrix in Markdown: medians over cells, also by the levels of the
+// factors.
 [[nodiscard]] std::string effects_matrix_summary(std::span<const MatrixCell> cells,
                                                  std::span<const CheckedCell> checked);
 
-// One effect left out alone, over all cells: in how many rows it can be, and how its bounds stand
-// to what leaving it out changed. Markdown: a line, and the head.
+// Returns a Markdown line about omitting one effect alone, over all cells: the number of rows in
+// which the effect can be omitted, and the ratio of the change to its bounds.
+// effect_bounds_header() returns the header.
 [[nodiscard]] std::string effect_bounds_header();
 [[nodiscard]] std::string effect_bounds_line(Effect effect, std::span<const CheckedCell> checked);
 
-// One line for each cell, viewpoint and quantity.
+// Returns one line for each cell, viewpoint and quantity.
 [[nodiscard]] std::string effects_csv(std::span<const MatrixCell> cells,
                                       std::span<const CheckedCell> checked);
 

@@ -36,11 +36,11 @@ struct MeshComparison {
   std::vector<MeasuredMesh> mesh;  // by the number of facets; deviations are from the last
 };
 
-// Heading and tables: the meshes, their deviations from the finest, and the limit of ever more
-// facets. Markdown.
+// Returns a heading and tables in Markdown: the meshes, their deviations from the finest one, and
+// the limit of infinitely many facets.
 [[nodiscard]] std::string mesh_tables(const MeshComparison& comparison);
 
-// One line for each mesh, viewpoint and band; every number with all its digits.
+// Returns one line for each mesh, viewpoint and band; numbers have all their digits.
 [[nodiscard]] absl::StatusOr<std::string> mesh_csv(const MeshComparison& comparison);
 
 }  // namespace irsig

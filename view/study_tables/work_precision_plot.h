@@ -38,7 +38,8 @@ struct PageSection {
   std::vector<PageTable> table;
 };
 
-// One HTML document without anything from outside: pictures inline, no scripts.
+// Returns an HTML document without external resources: pictures are inline, and there are no
+// scripts.
 [[nodiscard]] std::string html_page(const std::string& title,
                                     const std::vector<PageSection>& sections);
 

@@ -9,11 +9,11 @@
 
 namespace irsig {
 
-// INVALID_ARGUMENT, naming the field, unless the result is that of a heat job: the field's times
-// are those asked for, its arrays have a number for each time and facet, temperatures are positive
-// and have an error, or are absent (not a number) together with it; each part that states no
-// temperature comes once at each time, its coldest, mean and hottest in this order; its seed is
-// that of its sweep.
+// Checks that a result is the result of a heat job. Its times are the requested times, and its
+// arrays have a number for each time and facet. Temperatures are positive and have an error; a
+// missing temperature is NaN, and so is its error. Each part without a stated temperature occurs
+// once at each time, with its coldest, mean and hottest temperature in this order. The seed is the
+// seed of the sweep. INVALID_ARGUMENT otherwise; the message names the field.
 [[nodiscard]] absl::Status check_heat_result(const schema::JobResult& result,
                                              const std::string& job_key, const schema::HeatRun& run,
                                              std::uint64_t seed);

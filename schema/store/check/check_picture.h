@@ -16,11 +16,11 @@ inline constexpr std::uint32_t kMostPixelSamples = 65535;
 // The largest side of a stored picture: output.thumbnail_px ends there.
 inline constexpr std::uint32_t kMostPixels = 4096;
 
-// INVALID_ARGUMENT, naming `path`, unless all pictures are what a worker makes, of the stated
-// size: a PNG of 8 bit grey whose parts are whole and whose pixels, when inflated (into a buffer of
-// 16 kB), are exactly width x height; OpenEXR files of one channel whose headers state that size,
-// whose blocks are all there and whose bytes are no more than their pixels would take. So whoever
-// decodes them later takes what these sizes say, and no more.
+// Checks that all pictures have the stated size and the format that a worker writes. A PNG has 8
+// bit grey pixels and complete chunks, and its inflated pixels are exactly width x height; the
+// check inflates them into a buffer of 16 kB. An OpenEXR file has one channel, a header with that
+// size, all blocks, and no more bytes than its pixels would take. Decoding therefore needs no more
+// memory than the stated sizes imply. INVALID_ARGUMENT otherwise; the message names `path`.
 [[nodiscard]] absl::Status check_thumbnail(const schema::Thumbnail& thumbnail,
                                            const std::string& path);
 
@@ -50,7 +50,8 @@ inline constexpr std::uint32_t kMostPixels = 4096;
     const schema::Silhouette& silhouette,
     const std::function<void(int set, std::uint32_t pixel, std::uint16_t count)>& visit);
 
-// INVALID_ARGUMENT, naming `path`, unless both can be visited to their ends.
+// Checks that visit_silhouette() and visit_part_sets() reach the end of the silhouette's data.
+// INVALID_ARGUMENT otherwise; the message names `path`.
 [[nodiscard]] absl::Status check_silhouette(const schema::Silhouette& silhouette,
                                             const std::string& path);
 

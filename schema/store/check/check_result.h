@@ -24,9 +24,10 @@ struct ExpectedResult {
   std::vector<std::string> inputs;  // uncertain ones, of each row
 };
 
-// INVALID_ARGUMENT, naming the field, unless the result is its view's: every condition and band
-// exactly once, every part, effect and row of a profile once, arrays of one length on increasing
-// wavelengths, finite numbers, errors and areas not negative.
+// Checks that a result belongs to its view. Every condition and band occurs exactly once; every
+// part, effect and row of a profile occurs once. Arrays have equal lengths, wavelengths increase,
+// numbers are finite, and errors and areas are not negative. INVALID_ARGUMENT otherwise; the
+// message names the field.
 [[nodiscard]] absl::Status check_result(const schema::JobResult& result,
                                         const ExpectedResult& expected);
 
@@ -34,7 +35,8 @@ struct ExpectedResult {
 // errors and areas not negative, and counts fit into a signed column.
 [[nodiscard]] absl::Status check_job_key(const schema::JobResult& result,
                                          const std::string& job_key);
-// Sixteen hexadecimal digits. That of a view is made of its geometry, which is the worker's matter.
+// Checks that the seed has sixteen hexadecimal digits; the seed of a view depends on
+// its geometry, which only the worker computes.
 [[nodiscard]] absl::Status check_seed(const schema::JobResult& result);
 [[nodiscard]] absl::Status check_every_number(const schema::JobResult& result);
 

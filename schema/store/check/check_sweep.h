@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// INVALID_ARGUMENT unless the sweep can be stored: it has a name, viewpoints, conditions, bands and
-// parts without duplicates, no name has control characters or bytes that are not UTF-8 (names are
-// printed), and its jobs cover every place (viewpoint x condition x band) exactly once.
+// Checks that a sweep can be stored. It has a name, viewpoints, conditions, bands and parts without
+// duplicates. No name has control characters or invalid UTF-8, because names are printed. The jobs
+// cover every place (viewpoint x condition x band) exactly once. INVALID_ARGUMENT otherwise.
 [[nodiscard]] absl::Status check_sweep(const schema::ResolvedSweep& sweep,
                                        const std::string& sweep_sha256,
                                        const std::vector<schema::JobSpec>& jobs);

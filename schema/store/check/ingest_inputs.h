@@ -11,11 +11,13 @@
 
 namespace irsig {
 
-// The names of a sweep's uncertain inputs, in the order of the grammar. Empty: it states none.
+// Returns the names of a sweep's uncertain inputs, in the order of the grammar. Empty: the sweep
+// states no uncertain inputs.
 [[nodiscard]] std::vector<std::string> input_names(const schema::ResolvedSweep& sweep);
 
-// INVALID_ARGUMENT, naming the field, unless a row has what each of these inputs contributes, in
-// their order, and what they come to; or nothing of it where there are none.
+// Checks that a row has the contribution of each of these inputs, in their order, and the total;
+// without inputs the row must have neither. INVALID_ARGUMENT otherwise; the message names the
+// field.
 [[nodiscard]] absl::Status check_inputs(const schema::SignatureRow& row,
                                         const std::vector<std::string>& names,
                                         const std::string& path);

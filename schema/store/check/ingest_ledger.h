@@ -19,10 +19,10 @@ struct LedgerNames {
 };
 [[nodiscard]] absl::StatusOr<LedgerNames> ledger_names(Database& database);
 
-// INVALID_ARGUMENT, naming the field, unless every effect that is known here is in the ledger once
-// (those of hot gas where the row has some), with a state and a reason that are known; what was
-// left out has its bounds, unless another effect has them or the user forced it. Energy is missing
-// only where nothing of the target is seen.
+// Checks the ledger of a row. Every effect known to this version occurs once (effects of hot gas
+// only where the row has some), with a known state and reason. An omitted effect has its bounds,
+// unless another effect has them or the user forced the omission. Energy is missing only where
+// nothing of the target is visible. INVALID_ARGUMENT otherwise; the message names the field.
 [[nodiscard]] absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
                                         const std::string& path);
 

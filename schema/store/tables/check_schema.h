@@ -12,9 +12,9 @@ namespace irsig {
 // whatever is written, a table without its CHECKs holds anything. SQLite's own statistics
 // (sqlite_stat1 ...) may be there.
 
-// INVALID_ARGUMENT, with the file's name and that of the first definition that differs, is missing
-// or is not ours, unless the definitions are those of the format, comments and white space
-// apart.
+// Checks that the definitions in a database are those of the format, apart from comments and white
+// space. INVALID_ARGUMENT otherwise: the message names the file and the first definition that
+// differs, is missing or is unknown.
 [[nodiscard]] absl::Status check_schema(const std::string& path, Database& database);
 
 }  // namespace irsig

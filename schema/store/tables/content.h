@@ -6,10 +6,10 @@
 
 namespace irsig {
 
-// The SHA-256 of what a result says: of all its fields but who computed it and how long that took
-// (build_id, seconds), in protobuf's deterministic encoding. Two workers of one determinism class
-// give the same one for the same job. As digests are, it is that of one version of the program's
-// messages: a field that is added changes it.
+// Returns the SHA-256 of a result's content: of all its fields except build_id and seconds, in
+// protobuf's deterministic encoding. Two workers of one determinism class give equal hashes for the
+// same job. The hash holds for one version of the program's messages: an added field changes the
+// hash.
 [[nodiscard]] std::string content_sha256(const schema::JobResult& result);
 
 // Like content_sha256(const JobResult&), without a copy, for a result that no other thread reads

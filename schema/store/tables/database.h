@@ -39,14 +39,14 @@ class Rows {
   std::uint64_t count() { return static_cast<std::uint64_t>(integer()); }
   double real();
   std::string text();
-  // Valid until the next step.
+  // Reads the bytes of the current column; the view is valid until the next step.
   std::string_view blob();
   // Type of the column that would be read next.
   enum class Type { kInteger, kReal, kText, kBlob, kNull };
   Type type() const;
   bool is_null() const { return type() == Type::kNull; }
   bool at_end() const;  // every column of the row was read
-  // The place of a column by its name, for read_at(); -1: there is none.
+  // Returns the index of a column by its name, for read_at(). -1: there is no such column.
   int place_of(std::string_view name) const;
   void read_at(int place) { column_ = place; }
 
@@ -63,7 +63,8 @@ class Database {
     kReadOnly,
     kImmutable,  // read-only, and nobody writes: without lock, without journal
   };
-  // attaches: whether another database may be attached for writing, whatever this one's mode.
+  // Opens a database. attaches: if true, another database may be attached for writing, whatever the
+  // mode of this one.
   static absl::StatusOr<std::unique_ptr<Database>> open(const std::string& path, Mode mode,
                                                         bool attaches = false);
   Database(const Database&) = delete;
@@ -96,7 +97,7 @@ class Database {
     return rows.next().status();
   }
 
-  // The first column of the first row as an integer; NOT_FOUND without a row.
+  // Returns the first column of the first row as an integer. NOT_FOUND: there is no row.
   template <typename... Values>
   absl::StatusOr<std::int64_t> integer(const char* sql, const Values&... values) {
     ASSIGN_OR_RETURN(Rows rows, query(sql, values...));
@@ -112,7 +113,8 @@ class Database {
   // Sets the time that statements wait for a lock of another connection (as opened: 5 s).
   void wait_for_locks_ms(int milliseconds);
 
-  // The last connection to close otherwise folds the journal into the file and removes it.
+  // Keeps the journal when the last connection closes; SQLite would otherwise fold the journal into
+  // the database file and remove it.
   absl::Status keep_journal_on_close();
 
   [[nodiscard]] const std::string& path() const { return path_; }

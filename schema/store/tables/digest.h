@@ -7,7 +7,8 @@
 
 namespace irsig {
 
-// StoreReader::digest: SHA-256 in hex of the encoding that schema/README.md defines.
+// Implements StoreReader::digest: returns the SHA-256, in hex, of the encoding that
+// schema/README.md defines.
 [[nodiscard]] absl::StatusOr<std::string> content_digest(Database& database);
 
 }  // namespace irsig

@@ -12,7 +12,7 @@ class Sha256 {
   Sha256();
   ~Sha256();
   void add(std::string_view bytes);
-  // The digest in lower-case hex; nothing may be added after.
+  // Returns the digest in lower-case hex. No bytes may be added afterwards.
   [[nodiscard]] std::string hex();
 
  private:

@@ -26,9 +26,9 @@ class SpectrumBlobs {
   std::array<std::string_view, kSpectrumArrays> bytes_;
 };
 
-// The other way round; DATA_LOSS where the sizes do not fit the wavelengths, or a value is no
-// finite number. An array that was not computed (a NULL among those that not all spectra have)
-// comes and stays empty.
+// Reads a spectrum from the bytes of its arrays. An array that was not computed (NULL, allowed only
+// for the optional arrays) stays empty. DATA_LOSS: a size does not fit the wavelengths, or a value
+// is not finite.
 [[nodiscard]] absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
     std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays);
 
@@ -37,7 +37,7 @@ class SpectrumBlobs {
 [[nodiscard]] absl::StatusOr<google::protobuf::RepeatedField<float>> floats_from_blob(
     std::string_view blob, int count);
 
-// Wavelengths: float64, little-endian.
+// Encodes the wavelengths as float64, little-endian.
 [[nodiscard]] std::string wavelength_blob(const schema::Spectrum& spectrum);
 
 }  // namespace irsig

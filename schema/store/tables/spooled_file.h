@@ -18,7 +18,7 @@ class SpooledFile {
   static absl::StatusOr<std::unique_ptr<SpooledFile>> make(const std::string& folder);
   virtual ~SpooledFile() = default;
 
-  // OUT_OF_RANGE: there is no room for them.
+  // Appends bytes. OUT_OF_RANGE: there is no space left for them.
   virtual absl::Status append(std::string_view bytes) = 0;
   [[nodiscard]] virtual std::uint64_t size() const = 0;
   // Returns the hash of all bytes; nothing may be appended after.

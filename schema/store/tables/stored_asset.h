@@ -14,7 +14,8 @@ namespace irsig {
 // The only code that reads the bytes of assets (but for `examine`, which reads all of them): each
 // time they are held against the SHA-256 that is the asset's name.
 
-// NOT_FOUND: there is none. DATA_LOSS: its bytes are others; says what it is and how to replace it.
+// Reads the bytes of an asset. NOT_FOUND: the database has no such asset. DATA_LOSS: the stored
+// bytes do not match the hash; the message describes the asset and how to replace it.
 [[nodiscard]] absl::StatusOr<std::string> read_asset(Database& database, const std::string& sha256);
 // Like read_asset(), without the bytes.
 [[nodiscard]] absl::Status check_asset(Database& database, const std::string& sha256);
@@ -37,7 +38,8 @@ namespace irsig {
                                                          const std::string& sha256);
 [[nodiscard]] std::string how_to_replace_asset(const std::string& database_path);
 
-// Done heat jobs whose output is damaged wait again, and what needs them waits for them; how many.
+// Reopens finished heat jobs whose output is damaged, and makes the jobs that need their output
+// wait for them. Returns the number of reopened heat jobs.
 [[nodiscard]] absl::StatusOr<std::uint64_t> reopen_damaged_heat_jobs(Database& database);
 
 }  // namespace irsig

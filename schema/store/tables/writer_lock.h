@@ -19,21 +19,24 @@ namespace irsig {
 // writer is killed, the lock file stays and says so.
 class WriterLock {
  public:
-  // database: its real path. name: what the user calls it, for messages.
+  // Takes the lock. database: its real path. name: the user's name for the database, used in
+  // messages.
   static absl::StatusOr<std::unique_ptr<WriterLock>> acquire(const std::string& database,
                                                              const std::string& name);
   WriterLock(const WriterLock&) = delete;
   WriterLock& operator=(const WriterLock&) = delete;
   ~WriterLock();
 
-  // The lock file still lies where it was made: nobody else can hold a lock of this name.
+  // Returns true if the lock file still exists at its path, so that no other process can hold a
+  // lock of this name.
   [[nodiscard]] bool holds() const;
 
   // States in the lock file that the database, as the file that it is now (device and inode), is
   // whole without a journal. The lock file then stays when the lock is given back. That it cannot
   // be written is no error: after a kill the user is asked instead (schema/store/whole_file.h).
   void say_whole_without_journal();
-  // A commit has gone into the journal, or the header asks for none.
+  // Withdraws that statement: a commit has reached the journal, or the header no longer asks for a
+  // journal.
   void say_nothing();
 
  private:
@@ -52,7 +55,7 @@ struct LockFile {
 };
 [[nodiscard]] LockFile read_lock_file(const std::string& database);
 
-// The path of the lock file.
+// Returns the path of the lock file.
 [[nodiscard]] std::string lock_path(const std::string& database);
 
 }  // namespace irsig

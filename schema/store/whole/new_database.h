@@ -12,7 +12,7 @@ namespace irsig {
 [[nodiscard]] absl::Status make_new_database(
     const std::string& to, const std::function<absl::Status(const std::string& beside)>& fill);
 
-// An empty database of the newest format, one plain file, readable by its owner alone.
+// Creates an empty database of the newest format as one plain file that only its owner can read.
 [[nodiscard]] absl::Status make_empty_database(const std::string& path);
 
 }  // namespace irsig
