@@ -19,7 +19,7 @@
 namespace irsig {
 namespace {
 
-// Every default of the sweep file stands here and in docs/reference/sweep-file.md, except the names
+// Every default of the sweep file stands here and in docs/reference/keys, except the names
 // and hot parts below and those of profiles, images and effects
 // (resolve_profiles.cpp, resolve_image.cpp, resolve_effects.cpp). None of them decides what is
 // there to be seen: temperatures, materials, surroundings, air and sun have no default.

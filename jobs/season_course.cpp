@@ -22,7 +22,7 @@ namespace irsig {
 namespace {
 
 constexpr double kDayS = 86400;
-constexpr double kHistoryDays = 3;  // of history = "days"; docs/reference/sweep-file.md
+constexpr double kHistoryDays = 3;  // of history = "days"; docs/reference/keys/season.md
 constexpr double kWarmestHour = 15;
 
 // What two seasons have in common, as bytes: equal for seasons of one group.

@@ -3,9 +3,9 @@
 
 usage: ops/reference.py [--check] [--irsig PROGRAM]      --check writes nothing; exit code 1: a page is stale
 
-Names, types and limits of keys, commands and columns come from `irsig manual`, defaults and meanings of keys from the tables of
-docs/reference/sweep-file.md (tests/unit/sweep_docs_test.cpp holds these against the grammar and the code), examples from
-jobs/examples.
+Names, types and limits of keys, commands and columns come from `irsig manual`, examples from jobs/examples. In the pages of
+keys only the columns of types and ranges are generated; tests/unit/sweep_docs_test.cpp holds the others against the grammar and
+the code.
 """
 
 import argparse
@@ -32,38 +32,6 @@ def tables_in(heading):
     return re.findall(r"`\[+([a-z0-9_.]+)\]+`", heading)
 
 
-def anchor_of(heading):
-    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
-
-
-def sections(text):
-    """[(heading, tables, {key: (unit, default, meaning, example)})] of sweep-file.md, those with tables of keys."""
-    out, current, fenced = [], None, False
-    for line in text.splitlines():
-        if line.startswith("```"):
-            fenced = not fenced
-        elif not fenced and line.startswith("##"):
-            heading = line.lstrip("#").strip()
-            current = (heading, tables_in(heading), {})
-            if current[1]:
-                out.append(current)
-        elif current and line.startswith("| `"):
-            key, *rest = cells_of(line)
-            if len(rest) == 4:
-                current[2][key.strip("`")] = rest
-    return out
-
-
-def moved(text):
-    """A cell of sweep-file.md with its links as a page one folder below sees them."""
-    def link(match):
-        target = match[1]
-        if re.match(r"[a-z]+:", target):
-            return match[0]
-        return f"](../sweep-file.md{target})" if target.startswith("#") else f"](../{target})"
-    return re.sub(r"\]\(([^)]+)\)", link, text)
-
-
 def manual(irsig, what):
     return subprocess.run([irsig, "manual", what], capture_output=True, text=True, check=True).stdout
 
@@ -76,28 +44,37 @@ def brackets(table, arrays):
     return f"[[{table}]]" if table in arrays else f"[{table}]"
 
 
-def key_pages(keys, page):
-    """{path: text} of a page for each heading of sweep-file.md that has keys, and of their index."""
-    of_sweep = [row for row in keys if row["file"] == "sweep"]
-    by_key = {(row["table"], row["key"]): row for row in of_sweep}
+def filled(text, by_key):
+    """(a page of keys with the type and the range of each key, the headings of its tables, the number of keys)"""
+    lines, tables, headings, count, fenced = [], [], [], 0, False
+    for line in text.splitlines():
+        fenced ^= line.startswith("```")
+        if not fenced and line.startswith("# ") or (line.startswith("- `[") and not count):
+            headings.append(line[2:].removesuffix(" and tables alike"))
+            tables += tables_in(headings[-1])
+        cells = cells_of(line) if line.startswith("| `") else []
+        if len(cells) == 7:
+            row = by_key[tables[0], cells[0].strip("`")]
+            cells[1], cells[3] = row["type"], range_of(row)
+            line = "| " + " | ".join(cells) + " |"
+            count += 1
+        lines.append(line)
+    return "\n".join(lines) + "\n", ", ".join(headings), count
+
+
+def key_pages(keys):
+    """{path: text} of the pages of keys, and of their index, in the order of the grammar."""
+    by_key = {(row["table"], row["key"]): row for row in keys if row["file"] == "sweep"}
+    names = dict.fromkeys((table or "top-level").replace(".", "-") + ".md" for table, _ in by_key)
     pages, index = {}, []
-    for heading, tables, rows in sections(page):
-        name = (tables[0] or "top-level").replace(".", "-")
-        anchor = f"#{anchor_of(heading)}" if len(heading) < 80 else ""  # lines of pages are short
-        first, *others = heading.split(", ") if len(heading) > 80 else [heading]
-        alike = [f"- {table}" for table in others]
-        title = f"{first} and tables alike" if alike else heading
-        same = ["The same keys have:", "", *alike, ""] if alike else []
-        lines = [NOTE + f"# {title}", "", *same, f"Explained in [sweep-file.md](../sweep-file.md{anchor}).", "",
-                 "| Key | Type | Unit | Range, with its reason | Default | Meaning | Example |", "|---|---|---|---|---|---|---|"]
-        for key, (unit, default, meaning, example) in rows.items():
-            row = by_key[tables[0], key]
-            lines.append(f"| `{key}` | {row['type']} | {unit} | {range_of(row)} | {moved(default)} | {moved(meaning)} | {example} |")
-        pages[f"keys/{name}.md"] = "\n".join(lines) + "\n"
-        index.append(f"| {heading} | {len(rows)} | [{name}.md]({name}.md) |")
+    for name in names:
+        if not (REFERENCE / "keys" / name).exists():  # on the page of tables alike
+            continue
+        pages[f"keys/{name}"], heading, count = filled((REFERENCE / "keys" / name).read_text(), by_key)
+        index.append(f"| {heading} | {count} | [{name}]({name}) |")
     pages["keys/README.md"] = NOTE + (
         "# Keys of the sweep file\n\nA page for each table of the file, with type, unit, range, default, meaning and example of every key.\n"
-        "[sweep-file.md](../sweep-file.md) explains them together, and [examples.md](../examples.md) lists the examples that\nuse each key.\n\n"
+        "[examples.md](../examples.md) lists the examples that use each key.\n\n"
         "| table | keys | page |\n|---|---|---|\n") + "\n".join(index) + "\n"
     return pages
 
@@ -136,7 +113,7 @@ def example_page(keys):
 
 def pages_of(irsig):
     keys = list(csv.DictReader(io.StringIO(manual(irsig, "keys"))))
-    out = key_pages(keys, (REFERENCE / "sweep-file.md").read_text())
+    out = key_pages(keys)
     out["examples.md"] = example_page(keys)
     for what in ("commands", "columns"):
         out[what + ".md"] = NOTE + manual(irsig, what)

@@ -190,7 +190,7 @@ std::string times(const std::vector<int>& hours, double offset_h) {
 std::string weather_seasons(const TemplateAsked& asked) {
   std::string out =
       "\n# The wall of all parts but the hot ones, from the outer face inwards: assumed. Walls of "
-      "their own:\n# docs/reference/sweep-file.md, [[build_up]].\n"
+      "their own:\n# docs/reference/keys/build_up.md.\n"
       "[[build_up]]\nname = \"plate\"\n"
       "layer = [{ solid = \"epoxy\", thickness_m = 0.0003 }, { solid = \"steel\", thickness_m = "
       "0.008 }]\ninside = \"adiabatic\"\n\n"

@@ -10,7 +10,7 @@ namespace irsig {
 // Checks that the statements of a resolved sweep about its conditions are consistent. A
 // contradiction is reported to `findings` at the key that causes it, with both values named. Values
 // that are possible but odd are added to Condition.warning as "<path> ..."; the warning is stored
-// with the rows and shown once. docs/reference/sweep-file.md, "What is checked", lists every rule.
+// with the rows and shown once. docs/reference/keys/air.md, "What is checked", lists every rule.
 void check_weather(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Its pieces. Names of seasons, dates and the sun: of every sweep that has a place.

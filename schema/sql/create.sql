@@ -520,7 +520,7 @@ CREATE TABLE thumbnail (
   stderr_exr BLOB NOT NULL                        -- its standard error, likewise
 ) STRICT;
 
--- Further images of a row, of the thumbnail's size (docs/reference/sweep-file.md, [image]).
+-- Further images of a row, of the thumbnail's size (docs/reference/keys/image.md).
 CREATE TABLE image_layer (
   signature_id INTEGER NOT NULL REFERENCES thumbnail ON DELETE CASCADE,
   name TEXT NOT NULL,

@@ -1,5 +1,5 @@
-// docs/reference/sweep-file.md is complete: a table for each table of schema/sweep.proto with a row
-// for each of its keys and nothing else, and the defaults and examples in it are those of the code.
+// docs/reference/keys is complete: a table for each table of schema/sweep.proto with a row for each
+// of its keys and nothing else, and the defaults and examples in it are those of the code.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -47,13 +47,16 @@ std::vector<std::string> tables_named_in(const std::string& heading) {
   return names;
 }
 
-Page read_page() {
-  Page page;
-  std::stringstream in(
-      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md"));
+std::filesystem::path reference() {
+  return std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference";
+}
+
+// Adds a page: "# `[place]`", then, where it has several tables, "- `[[other.table]]`", then keys.
+void read_page(const std::filesystem::path& file, Page& page) {
+  std::stringstream in(text_of(file));
   std::string line;
   std::vector<std::string> tables;
-  bool in_block = false;
+  bool in_block = false, has_keys = false;
   while (std::getline(in, line)) {
     if (line == "```toml") {
       in_block = true;
@@ -62,24 +65,31 @@ Page read_page() {
       in_block = false;
     } else if (in_block) {
       page.blocks.back() += line + "\n";
-    } else if (line.rfind("##", 0) == 0) {
-      tables.clear();
-      if (line == "## Top level") tables.emplace_back("");
+    } else if (line.rfind("# ", 0) == 0 || (line.rfind("- `[", 0) == 0 && !has_keys)) {
+      if (line == "# Top level") tables.emplace_back("");
       for (const std::string& name : tables_named_in(line)) tables.push_back(name);
-      for (const std::string& table : tables)
-        EXPECT_TRUE(page.rows.try_emplace(table).second) << table << " twice";
     } else if (line.rfind("| `", 0) == 0) {
       const std::vector<std::string> cells = cells_of(line);
-      EXPECT_EQ(cells.size(), 6U) << line;
-      if (cells.size() != 6) continue;
+      if (cells.size() != 8) continue;
+      has_keys = true;
       const std::string key = cells[1].substr(1, cells[1].size() - 2);
       for (const std::string& table : tables) {
         EXPECT_TRUE(
-            page.rows[table].try_emplace(key, Row{cells[2], cells[3], cells[4], cells[5]}).second)
-            << key << " twice";
+            page.rows[table].try_emplace(key, Row{cells[3], cells[5], cells[6], cells[7]}).second)
+            << file << ": " << key << " twice";
       }
     }
   }
+}
+
+// The blocks of sweep-file.md come first.
+Page read_pages() {
+  Page page;
+  read_page(reference() / "sweep-file.md", page);
+  std::set<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(reference() / "keys"))
+    if (entry.path().filename() != "README.md") files.insert(entry.path());
+  for (const std::filesystem::path& file : files) read_page(file, page);
   return page;
 }
 
@@ -102,7 +112,7 @@ void collect_documented(const Descriptor& message, const std::string& path,
 TEST(SweepDocs, HaveEveryKeyOfTheGrammarAndNoOther) {
   std::map<std::string, const Descriptor*> tables;
   collect_documented(*schema::Sweep::descriptor(), "", tables);
-  const Page page = read_page();
+  const Page page = read_pages();
   std::set<std::string> expected, documented;
   for (const auto& [path, message] : tables) {
     for (int i = 0; i < message->field_count(); ++i)
@@ -112,7 +122,7 @@ TEST(SweepDocs, HaveEveryKeyOfTheGrammarAndNoOther) {
     for (const auto& [key, row] : rows) documented.insert("[" + path + "] " + key);
   }
   for (const std::string& key : expected)
-    EXPECT_TRUE(documented.contains(key)) << key << " is not in docs/reference/sweep-file.md";
+    EXPECT_TRUE(documented.contains(key)) << key << " is not in docs/reference/keys";
   for (const std::string& key : documented)
     EXPECT_TRUE(expected.contains(key)) << key << " is not in schema/sweep.proto";
 }
@@ -121,7 +131,7 @@ TEST(SweepDocs, EveryRowIsFilledAndUnitsMatchNames) {
   const std::map<std::string, std::string> unit_of_suffix = {
       {"_deg", "degree"}, {"_k", "K"}, {"_m", "m"},   {"_um", "um"},
       {"_pa", "Pa"},      {"_s", "s"}, {"_m2", "m2"}, {"_px", "pixel"}};
-  for (const auto& [table, rows] : read_page().rows) {
+  for (const auto& [table, rows] : read_pages().rows) {
     for (const auto& [key, row] : rows) {
       for (const std::string& cell : {row.unit, row.fallback, row.meaning, row.example})
         EXPECT_NE(cell, "") << table << " " << key;
@@ -135,7 +145,7 @@ TEST(SweepDocs, EveryRowIsFilledAndUnitsMatchNames) {
 }
 
 TEST(SweepDocs, ExamplesOfKeysAreAccepted) {
-  for (const auto& [table, rows] : read_page().rows) {
+  for (const auto& [table, rows] : read_pages().rows) {
     for (const auto& [key, row] : rows) {
       ASSERT_GT(row.example.size(), 2U) << key;
       const std::string example = row.example.substr(1, row.example.size() - 2);
@@ -161,7 +171,7 @@ TEST(SweepDocs, ExamplesOfKeysAreAccepted) {
 }
 
 TEST(SweepDocs, TheSmallestFileResolvesAndTheOtherBlocksParse) {
-  const Page page = read_page();
+  const Page page = read_pages();
   ASSERT_GE(page.blocks.size(), 2U);
   const auto smallest = resolved_text(page.blocks[0]);
   EXPECT_TRUE(smallest.ok()) << smallest.status();
@@ -174,8 +184,7 @@ TEST(SweepDocs, TheSmallestFileResolvesAndTheOtherBlocksParse) {
 TEST(SweepDocs, NameEveryEffectThatCanBeLeftOutAndNoOther) {
   // The lines that continue an item of a list are indented.
   const std::string page = absl::StrReplaceAll(
-      text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/reference/sweep-file.md"),
-      {{"\n  ", " "}});
+      text_of(reference() / "keys/effects.md"), {{"\n  ", " "}});
   for (std::size_t i = 0; i < kEffectCount; ++i) {
     const EffectInfo& effect = info_of(static_cast<Effect>(i));
     const auto text = [](std::string_view view) { return std::string(view); };
@@ -205,7 +214,7 @@ std::string text_of_value(const google::protobuf::Message& message, const FieldD
 
 // A default in `code type` is the value that a file without that key resolves to.
 TEST(SweepDocs, DefaultsAreThoseOfTheCode) {
-  const Page page = read_page();
+  const Page page = read_pages();
   std::string text =
       page.blocks.at(0) + "[place]\nlatitude_deg = 0\nlongitude_deg = 0\nheading_deg = 0\n";
   auto sweep = resolved_text(text);
