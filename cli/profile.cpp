@@ -55,7 +55,7 @@ struct ProfileCommand {
 void add_profile(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "profile",
-      "Print the radiance profiles of a database: apparent temperature against the number "
+      "Print the radiance profiles of a database: source radiance temperature against the number "
       "of reflections, beside published values. Also every row as CSV, or a picture.");
   const auto options = std::make_shared<ProfileCommand>(*command);
   command->add_option("DB", options->database, "Signature database (.sigdb)")->required();

@@ -108,15 +108,15 @@ absl::StatusOr<Columns> planck(const PlanckOptions& given) {
     RETURN_IF_ERROR(
         in_range("--spectral-radiance-w-m2-sr-um", given.spectral_radiance_w_m2_sr_um, 0, most));
     out.emplace_back(
-        "apparent_temperature_k",
+        "radiance_temperature_k",
         monochromatic_temperature_k(*given.lambda_um, *given.spectral_radiance_w_m2_sr_um));
   }
   if (given.radiance_w_m2_sr) {
     const double most = planck_band_radiance_w_m2_sr(*given.lambda_min_um, *given.lambda_max_um,
                                                      kPlanckTemperatureMaxK);
     RETURN_IF_ERROR(in_range("--radiance-w-m2-sr", given.radiance_w_m2_sr, 0, most));
-    out.emplace_back("apparent_temperature_k",
-                     apparent_temperature_k(*given.lambda_min_um, *given.lambda_max_um,
+    out.emplace_back("radiance_temperature_k",
+                     radiance_temperature_k(*given.lambda_min_um, *given.lambda_max_um,
                                             *given.radiance_w_m2_sr));
   }
   return out;
@@ -255,7 +255,7 @@ void add_show(CLI::App& app, int& exit_code) {
   planck_command->add_option("--lambda-max-um", planck_given->lambda_max_um,
                              "Upper limit of a band");
   planck_command->add_option("--radiance-w-m2-sr", planck_given->radiance_w_m2_sr,
-                             "In-band radiance, to be turned into an apparent temperature");
+                             "In-band radiance, to be turned into a radiance temperature");
   planck_command->add_option("--spectral-radiance-w-m2-sr-um",
                              planck_given->spectral_radiance_w_m2_sr_um,
                              "The same at one wavelength");

@@ -67,7 +67,7 @@ void check_published(const schema::Sweep& sweep, const std::vector<std::string>&
   for (int i = 0; i < sweep.published_size(); ++i) {
     const schema::Published& published = sweep.published(i);
     const SectionCheck check(published, absl::StrCat("published[", i, "]"), findings);
-    check.require({"profile", "reflections", "apparent_temperature_k", "source"},
+    check.require({"profile", "reflections", "source_radiance_temperature_k", "source"},
                   "expected which row of which profile, the number and where it is published");
     if (published.has_relation()) (void)check.one_of("relation", {"equal", "below", "above"});
     if (!published.has_profile()) continue;
@@ -107,7 +107,7 @@ void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings) {
     const SectionCheck check(profile, absl::StrCat("profile[", i, "]"), findings);
     check_place(profile, check, nearest_sensor_m);
     check_reflections(profile, check);
-    (void)check.at_most_one({"apparent_temperature_stderr_k", "samples"});
+    (void)check.at_most_one({"source_radiance_temperature_stderr_k", "samples"});
   }
   check_published(sweep, names, findings);
 }
@@ -125,8 +125,8 @@ void write_profile_defaults(schema::Sweep& sweep) {
     }
     if (profile.reflections_size() == 0)
       profile.add_reflections(sweep.transport().max_reflections());
-    if (!profile.has_apparent_temperature_stderr_k() && !profile.has_samples())
-      profile.set_apparent_temperature_stderr_k(0.05);
+    if (!profile.has_source_radiance_temperature_stderr_k() && !profile.has_samples())
+      profile.set_source_radiance_temperature_stderr_k(0.05);
   }
   for (schema::Published& published : *sweep.mutable_published()) {
     if (!published.has_point_index()) published.set_point_index(0);

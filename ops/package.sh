@@ -3,5 +3,6 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ops/build.sh all
+ops/docs.sh
 (cd build/release && cpack > package.log) || { cat build/release/package.log >&2; exit 1; }
 ls build/release/package/*.deb

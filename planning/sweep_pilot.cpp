@@ -384,7 +384,7 @@ class Planner {
       for (int p = 0; p < asked.profile_size(); ++p) {
         schema::Profile& profile = *sweep.mutable_sweep()->add_profile();
         profile = asked.profile(p);
-        profile.clear_apparent_temperature_stderr_k();
+        profile.clear_source_radiance_temperature_stderr_k();
         profile.set_samples(samples[static_cast<std::size_t>(p)] * replicates);
       }
       cut_into(sweep, condition_.empty() ? pilot_.jobs_per_view : 1);
@@ -450,7 +450,7 @@ class Planner {
         point.fixed_samples =
             static_cast<std::uint64_t>(std::ceil(profile.samples() / replicates / 16) * 16);
       else
-        point.stderr_wanted_k = profile.apparent_temperature_stderr_k();
+        point.stderr_wanted_k = profile.source_radiance_temperature_stderr_k();
       out.insert(out.end(), points[p], point);
     }
     // Both stages list the same rows in the same order.
@@ -460,7 +460,7 @@ class Planner {
       ProfilePointPilot& point = out[first[few.profile_index] + few.point_index];
       if (point.fixed_samples == 0)
         point.stderr_k.push_back(
-            {few.apparent_temperature_stderr_k, many.apparent_temperature_stderr_k});
+            {few.source_radiance_temperature_stderr_k, many.source_radiance_temperature_stderr_k});
     }
   }
 

@@ -145,8 +145,10 @@ void check_row(const SignatureResult& r, Reasons& reasons) {
   reasons.see(row + "projected_area_m2", r.projected_area_m2, 0);
   see_aperture(row, r, reasons);
   see_omitted(row, r, reasons);
-  reasons.see_temperature(row + "apparent_temperature_k", r.apparent_temperature_k,
+  reasons.see_temperature(row + "source_radiance_temperature_k", r.source_radiance_temperature_k,
                           r.intensity_w_sr.value / r.projected_area_m2.value);
+  reasons.see_temperature(row + "apparent_temperature_k", r.apparent_temperature_k,
+                          r.apparent_intensity_w_sr.value / r.projected_area_m2.value);
   for (std::size_t c = 0; c < kCauses; ++c) {
     reasons.see(absl::StrCat(row, "cause ", c), r.cause_w_sr[c], error);
     reasons.see_all(absl::StrCat(row, "spectrum of cause ", c), r.spectral_cause[c].value, true);
@@ -183,10 +185,11 @@ absl::Status check_numbers(const std::string& name, const ProfileResult& profile
     reasons.see(row + "truncation_bound_w_m2_sr", r.truncation_bound_w_m2_sr, 0);
     reasons.see(row + "quadrature_bound_w_m2_sr", r.quadrature_bound_w_m2_sr, 0);
     reasons.see(row + "target_fraction", r.target_fraction, 0);
-    const std::string temperature = row + "apparent_temperature_k";
-    reasons.see_temperature(temperature, r.apparent_temperature_k.value, r.radiance_w_m2_sr.value);
-    if (!std::isnan(r.apparent_temperature_k.value))
-      reasons.see(temperature + "'s standard error", r.apparent_temperature_k.stderr_, 0);
+    const std::string temperature = row + "source_radiance_temperature_k";
+    reasons.see_temperature(temperature, r.source_radiance_temperature_k.value,
+                            r.radiance_w_m2_sr.value);
+    if (!std::isnan(r.source_radiance_temperature_k.value))
+      reasons.see(temperature + "'s standard error", r.source_radiance_temperature_k.stderr_, 0);
   }
   return reasons.status();
 }

@@ -31,13 +31,16 @@ namespace irsig {
   VALUE(intensity_w_sr, intensity_stderr_w_sr, "W/sr", "in-band intensity at the target")       \
   NUMBER(numerical_error_w_sr, kError, "W/sr", "of intensity_w_sr: one sigma, bounds included") \
   VALUE(projected_area_m2, projected_area_stderr_m2, "m2", "of the silhouette")                 \
-  NUMBER(apparent_temperature_k, kDerived, "K",                                                 \
-         "of a blackbody with the same in-band radiance over the projected area; 0: no area")
+  NUMBER(                                                                                       \
+      source_radiance_temperature_k, kDerived, "K",                                             \
+      "of a blackbody with the same in-band source radiance over the projected area; 0: no area")
 
 #define IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)                                         \
   VALUE(apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, "W/sr",               \
         "in-band intensity at the sensor")                                             \
   NUMBER(apparent_numerical_error_w_sr, kError, "W/sr", "of apparent_intensity_w_sr")  \
+  NUMBER(apparent_temperature_k, kDerived, "K",                                        \
+         "of a blackbody with the same in-band radiance at the sensor; 0: no area")    \
   VALUE(contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, "W/sr",               \
         "at the sensor: the target less what would be seen in its place")              \
   NUMBER(contrast_numerical_error_w_sr, kError, "W/sr", "of contrast_intensity_w_sr")  \

@@ -162,7 +162,7 @@ std::vector<double> absolute_floors(const PreparedScene& scene, const ViewReques
     for (std::size_t b = 0; b < scene.axis.bands(); ++b) {
       const BandOf band(scene.axis.band(b), light.transmittance);
       const double t =
-          apparent_temperature_k(scene.band[b], scene.axis.grids()[b], band(light.thermal).source);
+          radiance_temperature_k(scene.band[b], scene.axis.grids()[b], band(light.thermal).source);
       out.push_back(t > 0 ? kelvin * (band.blackbody(t + 1).source - band.blackbody(t).source) : 0);
     }
   }

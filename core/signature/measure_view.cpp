@@ -196,9 +196,13 @@ SignatureResult row_of(const MeasuredView& view, std::size_t index, const Prepar
   r.numerical_error_w_sr = source.numerical_error();
   r.apparent_numerical_error_w_sr = apparent.numerical_error();
   r.contrast_numerical_error_w_sr = contrast.numerical_error();
-  if (r.projected_area_m2.value > 0)
-    r.apparent_temperature_k = apparent_temperature_k(
-        scene.band[r.band], row.on_axis.grid, r.intensity_w_sr.value / r.projected_area_m2.value);
+  if (const double area = r.projected_area_m2.value; area > 0) {
+    const auto temperature_k = [&](double w_sr) {
+      return radiance_temperature_k(scene.band[r.band], row.on_axis.grid, w_sr / area);
+    };
+    r.source_radiance_temperature_k = temperature_k(r.intensity_w_sr.value);
+    r.apparent_temperature_k = temperature_k(r.apparent_intensity_w_sr.value);
+  }
   r.backface_fraction = backface_fraction(view);
   if (request.accuracy.relative_error <= 0)
     r.stop_reason = StopReason::kFixedSamples;

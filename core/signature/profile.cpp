@@ -238,14 +238,14 @@ Estimate with_unseen(const Estimate& estimate, double unseen) {
 // The blackbody's temperature with this in-band radiance, and what the radiance's standard error is
 // in kelvin there. NaN, both, where no blackbody has that radiance.
 Estimate temperature_of(const Band& band, const BandGrid& grid, const Estimate& radiance) {
-  Estimate t{apparent_temperature_k(band, grid, radiance.value), 0};
+  Estimate t{radiance_temperature_k(band, grid, radiance.value), 0};
   if (std::isnan(t.value)) return {t.value, t.value};
   if (t.value == 0 || radiance.stderr_ <= 0) return t;
   // A difference over a ten thousandth of the radiance: the curve is smooth, its value exact to
   // 1e-12.
   const double step = 1e-4 * radiance.value;
-  const double slope = (apparent_temperature_k(band, grid, radiance.value + step) -
-                        apparent_temperature_k(band, grid, radiance.value - step)) /
+  const double slope = (radiance_temperature_k(band, grid, radiance.value + step) -
+                        radiance_temperature_k(band, grid, radiance.value - step)) /
                        (2 * step);
   t.stderr_ = slope * radiance.stderr_;
   return t;
@@ -259,7 +259,7 @@ absl::Status check(const ViewRequest& request, const ProfileSpec& profile) {
       std::adjacent_find(profile.reflections.begin(), profile.reflections.end(),
                          std::greater_equal<>()) != profile.reflections.end())
     return absl::InvalidArgumentError("a profile's numbers of reflections must increase");
-  if ((profile.samples > 0) == (profile.apparent_temperature_stderr_k > 0))
+  if ((profile.samples > 0) == (profile.source_radiance_temperature_stderr_k > 0))
     return absl::InvalidArgumentError(
         "a profile has either a number of samples or a standard error that is wanted");
   for (const Vec<Body>& at : profile.point)
@@ -297,7 +297,7 @@ std::uint64_t pilot_samples(const PreparedScene& scene, const ViewRequest& reque
       const Estimate e = with_unseen(sampled, unseen);
       const Estimate t = temperature_of(scene.band[b], scene.axis.grids()[b], e);
       if (!(t.stderr_ > 0 && std::isfinite(t.stderr_))) continue;  // the stored run will tell
-      const double wanted = e.stderr_ * profile.apparent_temperature_stderr_k / t.stderr_;
+      const double wanted = e.stderr_ * profile.source_radiance_temperature_stderr_k / t.stderr_;
       samples = std::max(
           samples,
           samples_needed_with_unseen(kFirstProfileSamples, first.statistics.estimate(q).stderr_,
@@ -368,7 +368,7 @@ absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
         r.quadrature_bound_w_m2_sr =
             quadrature_bound(scene, request.condition[r.condition], r.band,
                              r.radiance_w_m2_sr.value, table.brightest_w_m2_sr);
-        r.apparent_temperature_k =
+        r.source_radiance_temperature_k =
             temperature_of(scene.band[r.band], scene.axis.grids()[r.band], r.radiance_w_m2_sr);
         r.target_fraction = s.estimate(2 * shading.tables().size() * orders).value;
       }

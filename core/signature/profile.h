@@ -20,9 +20,10 @@ struct ProfileSpec {
   // last reflection the surface that is met still emits, nothing more.
   std::vector<std::uint32_t> reflections;
   // Exactly one is positive: primary rays of one point, all replicates; or the standard error of
-  // its apparent temperature under any condition and in any band, which a pilot turns into rays.
+  // its source radiance temperature under any condition and in any band, which a pilot turns into
+  // rays.
   double samples = 0;
-  double apparent_temperature_stderr_k = 0;
+  double source_radiance_temperature_stderr_k = 0;
 };
 
 // Mean radiance over the footprint, in-band: of the target where the sensor sees it, of the sky or
@@ -35,7 +36,7 @@ struct ProfileRow {
   // Bounds of further reflections, and of the integral over wavelength.
   double truncation_bound_w_m2_sr = 0, quadrature_bound_w_m2_sr = 0;
   // The blackbody's with the same in-band radiance_w_m2_sr; NaN if there is none.
-  Estimate apparent_temperature_k;
+  Estimate source_radiance_temperature_k;
   double target_fraction = 0;  // of the footprint
 };
 

@@ -297,7 +297,7 @@ class RowPictures {
     const Row& of = view_.row[row];
     const BandGrid& grid = of.on_axis.grid;
     const double kelvin =
-        apparent_temperature_k(view_.setup.scene.band[of.band], grid, radiance_w_m2_sr);
+        radiance_temperature_k(view_.setup.scene.band[of.band], grid, radiance_w_m2_sr);
     if (!(kelvin > 1)) return 0;
     constexpr double kHalf = 0.05;
     double change = 0;

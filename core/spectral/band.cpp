@@ -244,12 +244,12 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
 // As for the plain band (planck_inverse.cpp): a positive sum of exponentials of 1/T, hence Newton's
 // iteration from above. The start: some node has at most the weighted mean of the spectral
 // radiance.
-double apparent_temperature_k(const Band& band, const BandGrid& grid, double radiance_w_m2_sr) {
+double radiance_temperature_k(const Band& band, const BandGrid& grid, double radiance_w_m2_sr) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (!(radiance_w_m2_sr >= 0.0)) return kNone;
   if (radiance_w_m2_sr == 0.0) return 0.0;
   if (band.response.empty()) {
-    return apparent_temperature_k(band.lambda_min_um, band.lambda_max_um, radiance_w_m2_sr);
+    return radiance_temperature_k(band.lambda_min_um, band.lambda_max_um, radiance_w_m2_sr);
   }
   if (radiance_w_m2_sr > grid_in_band_w_m2_sr(grid, kPlanckTemperatureMaxK)) return kNone;
   double width_um = 0.0;

@@ -62,7 +62,7 @@ struct BandGrid {
 // quadrature otherwise. 0 for radiance 0. NaN for a radiance that no blackbody has: negative, not
 // finite, or above that at kPlanckTemperatureMaxK. Callers that store the temperature must check it
 // (runner/check_numbers.h).
-[[nodiscard]] double apparent_temperature_k(const Band& band, const BandGrid& grid,
+[[nodiscard]] double radiance_temperature_k(const Band& band, const BandGrid& grid,
                                             double radiance_w_m2_sr);
 
 // Returns the spectral quadrature bound: the largest difference, over [t_min_k, t_max_k], between

@@ -51,7 +51,7 @@ inline constexpr double kPlanckTemperatureMaxK = 1e12;
 //
 // Accuracy: largest relative error 6.7e-16 against 60-digit arithmetic, 7e-15 in round trips from 1
 // to 1e9 K.
-[[nodiscard]] double apparent_temperature_k(double lambda_min_um, double lambda_max_um,
+[[nodiscard]] double radiance_temperature_k(double lambda_min_um, double lambda_max_um,
                                             double radiance_w_m2_sr);
 
 // Returns the temperature of the blackbody with the given spectral radiance; 0 for radiance 0. [K]

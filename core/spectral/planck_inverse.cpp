@@ -40,7 +40,7 @@ double monochromatic_temperature_k(double lambda_um, double spectral_radiance_w_
 // The start: at the solution some wavelength of the band has exactly the mean spectral radiance.
 // The temperature that has it is, as a function of wavelength, highest at one of the edges, because
 // L_b is unimodal.
-double apparent_temperature_k(double lambda_min_um, double lambda_max_um, double radiance_w_m2_sr) {
+double radiance_temperature_k(double lambda_min_um, double lambda_max_um, double radiance_w_m2_sr) {
   IRSIG_CHECK(lambda_min_um >= kPlanckLambdaMinUm);
   IRSIG_CHECK(lambda_max_um <= kPlanckLambdaMaxUm);
   IRSIG_CHECK(lambda_min_um < lambda_max_um);

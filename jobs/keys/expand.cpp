@@ -115,9 +115,10 @@ double profile_paths(const schema::Sweep& asked) {
   double paths = 0;
   for (const schema::Profile& profile : asked.profile()) {
     const double points = profile.at_m_size() > 0 ? 1 : profile.points();
-    paths += points * (profile.has_samples()
-                           ? profile.samples()
-                           : 1.5e5 + std::pow(7 / profile.apparent_temperature_stderr_k(), 2));
+    paths +=
+        points * (profile.has_samples()
+                      ? profile.samples()
+                      : 1.5e5 + std::pow(7 / profile.source_radiance_temperature_stderr_k(), 2));
   }
   return paths;
 }

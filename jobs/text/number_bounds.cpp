@@ -287,11 +287,11 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Profile.footprint_width_m", 1e-9, 1e6, "a point to more than a target"},
     {"Profile.footprint_height_m", 1e-9, 1e6, "a point to more than a target"},
     {"Profile.reflections", 0, 1000, kReflections},
-    {"Profile.apparent_temperature_stderr_k", 1e-4, 100, "below, rounding is larger"},
+    {"Profile.source_radiance_temperature_stderr_k", 1e-4, 100, "below, rounding is larger"},
     {"Profile.samples", 1, 1e12, "more than a machine's lifetime"},
     {"Published.point_index", 0, 99999, "the points of a profile, counted from 0"},
     {"Published.reflections", 0, 1000, kReflections},
-    {"Published.apparent_temperature_k", 0, kHottestK, kTemperature},
+    {"Published.source_radiance_temperature_k", 0, kHottestK, kTemperature},
 
     {"Precompute.hot_area_m2", 0, 1e12, "larger than any target"},
     {"Precompute.hot_temperature_k", 0, kHottestK, kTemperature},

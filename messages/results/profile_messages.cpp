@@ -29,7 +29,7 @@ ProfileSpec profile_from_message(const schema::Profile& p) {
   spec.height_m = p.footprint_height_m();
   spec.reflections.assign(p.reflections().begin(), p.reflections().end());
   spec.samples = p.samples();
-  spec.apparent_temperature_stderr_k = p.apparent_temperature_stderr_k();
+  spec.source_radiance_temperature_stderr_k = p.source_radiance_temperature_stderr_k();
   return spec;
 }
 
@@ -47,7 +47,8 @@ void profile_row_to_proto(const ProfileRow& row, const ProfileSpec& spec, std::u
   set_profile_estimate(out.mutable_apparent_radiance_w_m2_sr(), row.apparent_radiance_w_m2_sr);
   out.set_truncation_bound_w_m2_sr(row.truncation_bound_w_m2_sr);
   out.set_quadrature_bound_w_m2_sr(row.quadrature_bound_w_m2_sr);
-  set_profile_estimate(out.mutable_apparent_temperature_k(), row.apparent_temperature_k);
+  set_profile_estimate(out.mutable_source_radiance_temperature_k(),
+                       row.source_radiance_temperature_k);
   out.set_target_fraction(row.target_fraction);
   out.set_samples(samples);
 }

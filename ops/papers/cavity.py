@@ -6,7 +6,7 @@ def kelvin(lab, database):
     """{(profile, reflections): [kelvin along the profile]}"""
     out = {}
     for row in lab.table(lab.irsig("profile", database, "--csv")):
-        out.setdefault((row["profile"], int(row["reflections"])), []).append(float(row["apparent_temperature_k"]))
+        out.setdefault((row["profile"], int(row["reflections"])), []).append(float(row["source_radiance_temperature_k"]))
     return out
 
 
@@ -28,7 +28,7 @@ def findings(lab):
     return [
         Row("section 3.1", "reflectance (DHR) of walls of rho_d 0.02, rho_s 0.13, alpha 0.015", "0.11",
             f"{joined(dhr, '{:.3f}')} at 0, 45, 89 deg", fact(abs(dhr[1] - 0.11) < 0.005), "holds at 45 deg, where the sensor looks"),
-        Row("Figure 4", "apparent temperature after N = 1, 2, 3 reflections, box made deeper by one length each time [K]",
+        Row("Figure 4", "source radiance temperature after N = 1, 2, 3 reflections, box made deeper by one length each time [K]",
             "two points below 306; 306", joined(figure, "{:.3f}"),
             "yes" if figure[2] > 305.95 > figure[1] else "in order" if figure == sorted(figure) else "no",
             "306 K is never reached: walls reflect 2 % diffusely, and the sky of 240 K keeps a weight of 0.4 %; the "

@@ -35,7 +35,7 @@ def ends(values):
 
 def place_kelvin(lab, database, band):
     rows = lab.table(lab.irsig("profile", database, "--band", band, "--csv"))
-    return {r["profile"]: float(r["apparent_temperature_k"]) for r in rows if r["time_utc"] == "2002-02-12T14:00:00Z"}
+    return {r["profile"]: float(r["source_radiance_temperature_k"]) for r in rows if r["time_utc"] == "2002-02-12T14:00:00Z"}
 
 
 def heat_only(text, season, times, moisture=None):

@@ -1,4 +1,4 @@
--- The tables and views of a signature database, format 26. schema/README.md explains every table to its users.
+-- The tables and views of a signature database, format 27. schema/README.md explains every table to its users.
 --
 -- A name that ends in a unit is a number in that unit. The same name stands for the same quantity in the messages
 -- (schema/*.proto), in exports and on plot axes; core/accuracy/quantities.h explains every quantity of a row. Values
@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 26;
+PRAGMA user_version = 27;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.
@@ -209,7 +209,7 @@ CREATE TABLE published (
   profile TEXT NOT NULL,
   point_index INTEGER NOT NULL CHECK (point_index >= 0),
   reflections INTEGER NOT NULL CHECK (reflections >= 0),
-  apparent_temperature_k REAL NOT NULL CHECK (apparent_temperature_k >= 0),
+  source_radiance_temperature_k REAL NOT NULL CHECK (source_radiance_temperature_k >= 0),
   relation TEXT NOT NULL CHECK (relation IN ('equal', 'below', 'above')),
   source TEXT NOT NULL,
   remark TEXT NOT NULL,
@@ -340,7 +340,7 @@ CREATE TABLE signature (
   numerical_error_w_sr REAL NOT NULL CHECK (numerical_error_w_sr >= 0),  -- of intensity_w_sr, bounds included
   projected_area_m2 REAL NOT NULL CHECK (projected_area_m2 >= 0),
   projected_area_stderr_m2 REAL NOT NULL CHECK (projected_area_stderr_m2 >= 0),
-  apparent_temperature_k REAL NOT NULL CHECK (apparent_temperature_k >= 0),
+  source_radiance_temperature_k REAL NOT NULL CHECK (source_radiance_temperature_k >= 0),
   emitted_w_sr REAL NOT NULL,
   emitted_stderr_w_sr REAL NOT NULL CHECK (emitted_stderr_w_sr >= 0),
   sun_reflected_w_sr REAL NOT NULL,
@@ -356,6 +356,7 @@ CREATE TABLE signature (
   apparent_intensity_w_sr REAL NOT NULL,
   apparent_intensity_stderr_w_sr REAL NOT NULL CHECK (apparent_intensity_stderr_w_sr >= 0),
   apparent_numerical_error_w_sr REAL NOT NULL CHECK (apparent_numerical_error_w_sr >= 0),
+  apparent_temperature_k REAL NOT NULL CHECK (apparent_temperature_k >= 0),
   contrast_intensity_w_sr REAL NOT NULL,  -- the target less the background in its place
   contrast_intensity_stderr_w_sr REAL NOT NULL CHECK (contrast_intensity_stderr_w_sr >= 0),
   contrast_numerical_error_w_sr REAL NOT NULL CHECK (contrast_numerical_error_w_sr >= 0),
@@ -578,8 +579,8 @@ CREATE TABLE profile (
   apparent_radiance_stderr_w_m2_sr REAL NOT NULL CHECK (apparent_radiance_stderr_w_m2_sr >= 0),
   truncation_bound_w_m2_sr REAL NOT NULL CHECK (truncation_bound_w_m2_sr >= 0),
   quadrature_bound_w_m2_sr REAL NOT NULL CHECK (quadrature_bound_w_m2_sr >= 0),
-  apparent_temperature_k REAL NOT NULL CHECK (apparent_temperature_k >= 0),
-  apparent_temperature_stderr_k REAL NOT NULL CHECK (apparent_temperature_stderr_k >= 0),
+  source_radiance_temperature_k REAL NOT NULL CHECK (source_radiance_temperature_k >= 0),
+  source_radiance_temperature_stderr_k REAL NOT NULL CHECK (source_radiance_temperature_stderr_k >= 0),
   target_fraction REAL NOT NULL,  -- of the footprint: the target fills it
   samples INTEGER NOT NULL CHECK (samples >= 0),  -- primary rays, all replicates
   PRIMARY KEY (signature_id, profile_index, point_index, reflections)
@@ -670,7 +671,8 @@ SELECT s.signature_id,
             ELSE s.numerical_error_w_sr / abs(s.intensity_w_sr) END AS relative_error,
        s.truncation_bound_w_sr, s.quadrature_bound_w_sr,
        s.apparent_intensity_w_sr, s.apparent_intensity_stderr_w_sr, s.apparent_numerical_error_w_sr,
-       s.projected_area_m2, s.projected_area_stderr_m2, s.apparent_temperature_k,
+       s.apparent_temperature_k,
+       s.projected_area_m2, s.projected_area_stderr_m2, s.source_radiance_temperature_k,
        s.emitted_w_sr, s.emitted_stderr_w_sr, s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr,
        s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr, s.surface_reflected_w_sr, s.surface_reflected_stderr_w_sr,
        s.interreflected_w_sr, s.interreflected_stderr_w_sr,
@@ -726,7 +728,7 @@ SELECT s.sweep, s.season, s.time_utc, s.band, s.lambda_min_um, s.lambda_max_um,
        f.name AS profile, f.profile_index, f.point_index, f.x_m, f.y_m, f.z_m, f.footprint_width_m,
        f.footprint_height_m, f.reflections, f.radiance_w_m2_sr, f.radiance_stderr_w_m2_sr, f.apparent_radiance_w_m2_sr,
        f.apparent_radiance_stderr_w_m2_sr, f.truncation_bound_w_m2_sr, f.quadrature_bound_w_m2_sr,
-       f.apparent_temperature_k, f.apparent_temperature_stderr_k, f.target_fraction, f.samples,
+       f.source_radiance_temperature_k, f.source_radiance_temperature_stderr_k, f.target_fraction, f.samples,
        s.replicates, s.energy_gain, s.seed_hex, s.physics_version, s.determinism_class, s.build_id, s.job_key
 FROM profile f
 JOIN signature_view s USING (signature_id);

@@ -55,8 +55,8 @@ SELECT s.signature_id,
        (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 AS row,
        j.superseded, s.sun_azimuth_deg, s.sun_zenith_deg, s.intensity_w_sr, s.intensity_stderr_w_sr,
        s.numerical_error_w_sr, s.truncation_bound_w_sr, s.quadrature_bound_w_sr, s.apparent_intensity_w_sr,
-       s.apparent_intensity_stderr_w_sr, s.apparent_numerical_error_w_sr, s.projected_area_m2,
-       s.projected_area_stderr_m2, s.apparent_temperature_k, s.emitted_w_sr, s.emitted_stderr_w_sr,
+       s.apparent_intensity_stderr_w_sr, s.apparent_numerical_error_w_sr, s.apparent_temperature_k, s.projected_area_m2,
+       s.projected_area_stderr_m2, s.source_radiance_temperature_k, s.emitted_w_sr, s.emitted_stderr_w_sr,
        s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr, s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr,
        s.surface_reflected_w_sr, s.surface_reflected_stderr_w_sr, s.interreflected_w_sr, s.interreflected_stderr_w_sr,
        s.undersampling_bound_w_sr, s.spectral_basis_bound_w_sr, s.direction_interpolation_bound_w_sr, s.contrast_intensity_w_sr,
@@ -173,10 +173,10 @@ FROM signature s JOIN part_set x USING (job_id) WHERE s.signature_id = ?1 ORDER 
 -- name: digest_profile
 SELECT profile_index, point_index, reflections, name, x_m, y_m, z_m, footprint_width_m, footprint_height_m,
        radiance_w_m2_sr, radiance_stderr_w_m2_sr, apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr,
-       truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr, apparent_temperature_k, apparent_temperature_stderr_k,
+       truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr, source_radiance_temperature_k, source_radiance_temperature_stderr_k,
        target_fraction, samples
 FROM profile WHERE signature_id = ?1 ORDER BY profile_index, point_index, reflections;
 
 -- name: digest_published
-SELECT published_index, profile, point_index, reflections, apparent_temperature_k, relation, source, remark
+SELECT published_index, profile, point_index, reflections, source_radiance_temperature_k, relation, source, remark
 FROM published WHERE sweep_id = ?1 ORDER BY published_index;

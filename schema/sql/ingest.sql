@@ -144,6 +144,6 @@ VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7);
 INSERT INTO profile (
   signature_id, profile_index, point_index, reflections, name, x_m, y_m, z_m, footprint_width_m, footprint_height_m,
   radiance_w_m2_sr, radiance_stderr_w_m2_sr, apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr,
-  truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr, apparent_temperature_k, apparent_temperature_stderr_k,
+  truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr, source_radiance_temperature_k, source_radiance_temperature_stderr_k,
   target_fraction, samples)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20);

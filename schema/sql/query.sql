@@ -189,7 +189,7 @@ WHERE (?1 = '' OR f.sweep = ?1) AND (?2 = '' OR f.season = ?2) AND (?3 = '' OR f
 ORDER BY f.sweep, f.row, f.profile_index, f.point_index, f.reflections;
 
 -- name: find_published
-SELECT w.name, p.profile, p.point_index, p.reflections, p.apparent_temperature_k, p.relation, p.source, p.remark
+SELECT w.name, p.profile, p.point_index, p.reflections, p.source_radiance_temperature_k, p.relation, p.source, p.remark
 FROM published p JOIN sweep w USING (sweep_id)
 WHERE ?1 = '' OR w.name = ?1
 ORDER BY w.name, p.published_index;

@@ -32,7 +32,7 @@ UPDATE sweep SET image_layers = ?2 WHERE sweep_id = ?1;
 DELETE FROM published WHERE sweep_id = ?1;
 
 -- name: insert_published
-INSERT INTO published (sweep_id, published_index, profile, point_index, reflections, apparent_temperature_k, relation,
+INSERT INTO published (sweep_id, published_index, profile, point_index, reflections, source_radiance_temperature_k, relation,
   source, remark)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
 

@@ -29,8 +29,8 @@ absl::StatusOr<std::vector<StoredProfileRow>> find_profile_rows(Database& databa
     for (double* number :
          {&p.radiance_w_m2_sr, &p.radiance_stderr_w_m2_sr, &p.apparent_radiance_w_m2_sr,
           &p.apparent_radiance_stderr_w_m2_sr, &p.truncation_bound_w_m2_sr,
-          &p.quadrature_bound_w_m2_sr, &p.apparent_temperature_k, &p.apparent_temperature_stderr_k,
-          &p.target_fraction})
+          &p.quadrature_bound_w_m2_sr, &p.source_radiance_temperature_k,
+          &p.source_radiance_temperature_stderr_k, &p.target_fraction})
       *number = row.real();
     p.samples = row.count();
     p.replicates = row.count();
@@ -55,7 +55,7 @@ absl::StatusOr<std::vector<StoredPublished>> find_published(Database& database,
     p.profile = row.text();
     p.point_index = row.count();
     p.reflections = row.count();
-    p.apparent_temperature_k = row.real();
+    p.source_radiance_temperature_k = row.real();
     p.relation = row.text();
     p.source = row.text();
     p.remark = row.text();

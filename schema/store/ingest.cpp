@@ -173,8 +173,8 @@ absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
                       p.footprint_height_m(), p.radiance_w_m2_sr().value(),
                       p.radiance_w_m2_sr().stderr(), p.apparent_radiance_w_m2_sr().value(),
                       p.apparent_radiance_w_m2_sr().stderr(), p.truncation_bound_w_m2_sr(),
-                      p.quadrature_bound_w_m2_sr(), p.apparent_temperature_k().value(),
-                      p.apparent_temperature_k().stderr(), p.target_fraction(), p.samples());
+                      p.quadrature_bound_w_m2_sr(), p.source_radiance_temperature_k().value(),
+                      p.source_radiance_temperature_k().stderr(), p.target_fraction(), p.samples());
 }
 
 absl::Status insert_row(Database& database, const LeasedJob& job,

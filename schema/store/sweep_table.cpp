@@ -195,9 +195,9 @@ class SweepUpdate {
     IRSIG_STORE_TRY(database_.run(sql::clear_published, sweep_id_));
     for (int i = 0; i < sweep.published_size(); ++i) {
       const schema::Published& p = sweep.published(i);
-      IRSIG_STORE_TRY(database_.run(sql::insert_published, sweep_id_, i, p.profile(),
-                                    p.point_index(), p.reflections(), p.apparent_temperature_k(),
-                                    p.relation(), p.source(), p.remark()));
+      IRSIG_STORE_TRY(database_.run(
+          sql::insert_published, sweep_id_, i, p.profile(), p.point_index(), p.reflections(),
+          p.source_radiance_temperature_k(), p.relation(), p.source(), p.remark()));
     }
     return absl::OkStatus();
   }

@@ -32,8 +32,9 @@ export function values(row, other, difference) {
     const head = html("span", { class: quantity === row.quantity ? "asked" : "" }, name);
     return [head, valueCell(a, column, error, unit), ...(b ? [valueCell(b, column, error, unit)] : [])];
   });
-  lines.push(["Apparent temperature", ...[a, b].filter(Boolean).map((s) =>
-    s.apparent_temperature_k === null ? "–" : html("span", { class: "number" }, number("apparent_temperature_k", s.apparent_temperature_k), " K"))]);
+  for (const [name, column] of [["Source radiance temperature", "source_radiance_temperature_k"], ["Apparent temperature", "apparent_temperature_k"]])
+    lines.push([name, ...[a, b].filter(Boolean).map((s) =>
+      s[column] === null ? "–" : html("span", { class: "number" }, number(column, s[column]), " K"))]);
   if (a.path_transmittance !== null)
     lines.push(["Transmittance of the air", ...[a, b].filter(Boolean).map((s) => html("span", { class: "number" }, number("path_transmittance", s.path_transmittance)))]);
   const where = html("p", { class: "where" },

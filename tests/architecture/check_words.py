@@ -61,7 +61,7 @@ PATH = re.compile(rf"(?<![\w./$}}*-])((?:[\w.-]+/)+[\w.-]+\.{ENDING})(?![\w/*])"
 CODED_PATH = re.compile(rf"`((?:[\w.-]+/)+[\w.-]+\.{ENDING})`")
 CODED_FILES = re.compile(r"`((?:[\w.-]+/)+[\w-]+\.\*)`")  # a header and its source: `core/base/table.*`
 # Made by a command or by the build, or a pattern for names.
-GENERATED = re.compile(r"NAME|^pictures/|\.pb\.h$")
+GENERATED = re.compile(r"NAME|^pictures/|^build/|\.pb\.h$")
 COMMENTS = {".h": "//", ".cpp": "//", ".proto": "//", ".py": "#", ".sh": "#", ".cmake": "#", ".txt": "#", ".sql": "--",
             ".toml": "#"}
 

@@ -202,7 +202,7 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       row->set_path_transmittance(0.5);
       add_synthetic_ledger(*row, number);
       estimate(row->mutable_projected_area_m2());
-      row->set_apparent_temperature_k(300 + number());
+      row->set_source_radiance_temperature_k(300 + number());
       estimate(row->mutable_emitted_w_sr());
       estimate(row->mutable_sun_reflected_w_sr());
       estimate(row->mutable_sky_reflected_w_sr());

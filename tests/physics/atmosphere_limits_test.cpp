@@ -293,7 +293,7 @@ TEST(AtmosphereLimits, OpaquePathsRadiateLikeTheAirAtTheObserver) {
   for (const double zenith_deg : {0.0, 60.0, 90.0, 150.0}) {
     const PathRadiance sky = air.sky_radiance(3000, zenith_deg);
     EXPECT_LT(sky.transmittance[b], 1e-6);
-    EXPECT_NEAR(apparent_temperature_k(air_band_lambda_um(b) - 1e-3, air_band_lambda_um(b) + 1e-3,
+    EXPECT_NEAR(radiance_temperature_k(air_band_lambda_um(b) - 1e-3, air_band_lambda_um(b) + 1e-3,
                                        2e-3 * sky.total_w_m2_sr_um[b]),
                 air_at(air.profile(), 3000).temperature_k, 0.6)
         << zenith_deg;

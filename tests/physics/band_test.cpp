@@ -202,26 +202,26 @@ TEST(Response, ApparentTemperatureInvertsTheGrid) {
       const double radiance =
           in_band(grid, [&](double x) { return planck_radiance_w_m2_sr_um(x, t); });
       if (radiance < 1e-300) continue;
-      EXPECT_NEAR(apparent_temperature_k(band, grid, radiance) / t, 1.0, 1e-12) << band.name;
+      EXPECT_NEAR(radiance_temperature_k(band, grid, radiance) / t, 1.0, 1e-12) << band.name;
     }
-    EXPECT_EQ(apparent_temperature_k(band, grid, 0.0), 0.0);
-    EXPECT_GT(apparent_temperature_k(band, grid, 5e-324), 0.0);
+    EXPECT_EQ(radiance_temperature_k(band, grid, 0.0), 0.0);
+    EXPECT_GT(radiance_temperature_k(band, grid, 5e-324), 0.0);
   }
   // What no blackbody has: NaN, and no end of the process. Up to the highest temperature it works.
   for (const Band& band : {filtered(), mwir()}) {
     const BandGrid grid = make_band_grid(band).value();
     for (const double radiance : {-1.0, -5e-324, double{NAN}, double{INFINITY}, 1e200, 1e308})
-      EXPECT_TRUE(std::isnan(apparent_temperature_k(band, grid, radiance))) << radiance;
+      EXPECT_TRUE(std::isnan(radiance_temperature_k(band, grid, radiance))) << radiance;
     const double most = in_band(
         grid, [](double x) { return planck_radiance_w_m2_sr_um(x, kPlanckTemperatureMaxK); });
-    EXPECT_NEAR(apparent_temperature_k(band, grid, 0.999 * most) / kPlanckTemperatureMaxK, 0.999,
+    EXPECT_NEAR(radiance_temperature_k(band, grid, 0.999 * most) / kPlanckTemperatureMaxK, 0.999,
                 1e-9)
         << band.name;
-    EXPECT_TRUE(std::isnan(apparent_temperature_k(band, grid, 1.001 * most))) << band.name;
+    EXPECT_TRUE(std::isnan(radiance_temperature_k(band, grid, 1.001 * most))) << band.name;
   }
   // Without a response: the closed form over the limits.
   const BandGrid grid = make_band_grid(mwir()).value();
-  EXPECT_EQ(apparent_temperature_k(mwir(), grid, 2.3105), apparent_temperature_k(3, 5, 2.3105));
+  EXPECT_EQ(radiance_temperature_k(mwir(), grid, 2.3105), radiance_temperature_k(3, 5, 2.3105));
 }
 
 // A response of 1 everywhere inside is no response, whatever its table's points.

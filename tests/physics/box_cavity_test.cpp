@@ -73,7 +73,7 @@ ProfileSpec looking_at(const std::string& view_depth, std::vector<std::uint32_t>
   profile.width_m = area ? 0.9998 : 1e-3;
   profile.height_m = area ? 0.9998 * std::sqrt(0.5) : 1e-3;
   profile.reflections = std::move(reflections);
-  profile.apparent_temperature_stderr_k = wanted_stderr_k();
+  profile.source_radiance_temperature_stderr_k = wanted_stderr_k();
   return profile;
 }
 
@@ -110,16 +110,16 @@ TEST(BoxCavity, EveryWallDepthAndNumberOfReflections) {
       const double t = std::max(0.0, std::abs(difference) - allowed) / sigma;
       EXPECT_LT(t, student_t_bound(31, table.size())) << what;
       // The pilot's and the run's own standard errors scatter by 13 % each.
-      EXPECT_LT(ours.apparent_temperature_k.stderr_, 1.4 * wanted_stderr_k()) << what;
+      EXPECT_LT(ours.source_radiance_temperature_k.stderr_, 1.4 * wanted_stderr_k()) << what;
       EXPECT_NEAR(ours.target_fraction, 1, 1e-5) << what;
-      const double difference_k =
-          ours.apparent_temperature_k.value - table.number(i, "apparent_temperature_k");
+      const double difference_k = ours.source_radiance_temperature_k.value -
+                                  table.number(i, "source_radiance_temperature_k");
       if (ours.reflections > 0) worst_t = std::max(worst_t, std::abs(difference) / sigma);
       worst_difference_k = std::max(worst_difference_k, std::abs(difference_k));
       std::printf("%-36s %9.4f K +- %6.2f mK  expected %9.4f K  difference %+7.2f mK  t %+6.2f\n",
-                  what.c_str(), ours.apparent_temperature_k.value,
-                  1000 * ours.apparent_temperature_k.stderr_,
-                  table.number(i, "apparent_temperature_k"), 1000 * difference_k,
+                  what.c_str(), ours.source_radiance_temperature_k.value,
+                  1000 * ours.source_radiance_temperature_k.stderr_,
+                  table.number(i, "source_radiance_temperature_k"), 1000 * difference_k,
                   difference / sigma);
     }
   }
@@ -132,13 +132,13 @@ TEST(BoxCavity, AWorldOfOneTemperatureIsBlack) {
     for (const double depth_m : {1.0, 3.0}) {
       const auto simulator = box(walls, depth_m);
       ProfileSpec profile = looking_at("0.5", {0, 1, 40});
-      profile.apparent_temperature_stderr_k = 0.004;
+      profile.source_radiance_temperature_stderr_k = 0.004;
       const auto result = simulate_profile(simulator->scene(), view_of(*simulator, 306), profile);
       ASSERT_TRUE(result.ok()) << result.status();
       const ProfileRow& row = result->row.back();
       expect_within_t(row.radiance_w_m2_sr, planck_band_radiance_w_m2_sr(8, 14, 306), 4,
                       walls + " isothermal", 1e-4, walls == "ward" ? 3e-3 : 0);
-      EXPECT_LT(result->row[0].apparent_temperature_k.value, 299);
+      EXPECT_LT(result->row[0].source_radiance_temperature_k.value, 299);
       // What was cut off after one reflection is what the others bring.
       EXPECT_NEAR(
           result->row[1].truncation_bound_w_m2_sr,
@@ -151,7 +151,7 @@ TEST(BoxCavity, NumbersOfReflectionsComeFromTheSamePaths) {
   const auto simulator = box("diff", 1);
   ProfileSpec alone = looking_at("0.5", {2}), among = looking_at("0.5", {0, 1, 2, 8});
   for (ProfileSpec* p : {&alone, &among}) {
-    p->apparent_temperature_stderr_k = 0;
+    p->source_radiance_temperature_stderr_k = 0;
     p->samples = 1 << 16;
   }
   const ViewRequest request = view_of(*simulator, 240);
@@ -171,7 +171,7 @@ TEST(BoxCavity, BesideTheTargetIsTheSky) {
   const auto result = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(result.ok()) << result.status();
   for (const ProfileRow& row : result->row) {
-    EXPECT_NEAR(row.apparent_temperature_k.value, 240, 1e-4);
+    EXPECT_NEAR(row.source_radiance_temperature_k.value, 240, 1e-4);
     EXPECT_EQ(row.target_fraction, 0);
   }
 }
@@ -187,19 +187,19 @@ TEST(BoxCavity, UnderWaterIsTheSea) {
   around.sea_emissivity = 1;
   ProfileSpec profile = looking_at("0.5", {0, 2});
   profile.point = {{1, 0, 0.1}, {1, 0, -0.1}};
-  profile.apparent_temperature_stderr_k = 0.1;
+  profile.source_radiance_temperature_stderr_k = 0.1;
   const auto result = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_NEAR(result->row[0].apparent_temperature_k.value, 288, 1e-3);
+  EXPECT_NEAR(result->row[0].source_radiance_temperature_k.value, 288, 1e-3);
   EXPECT_EQ(result->row[0].target_fraction, 0);
-  EXPECT_NEAR(result->row[2].apparent_temperature_k.value, 320, 1e-3);
+  EXPECT_NEAR(result->row[2].source_radiance_temperature_k.value, 320, 1e-3);
   EXPECT_NEAR(result->row[2].target_fraction, 1, 1e-5);
   // From 3.6 m above the sea, 40 km away, which is 122 m below the horizontal plane of the box: its
   // horizon ends 6.8 km away, and the box is 33 km behind that.
   request.viewpoint = {0, -std::asin(122.0 / 40000) * 180 / std::numbers::pi, 40000};
   const auto far = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(far.ok()) << far.status();
-  EXPECT_NEAR(far->row[2].apparent_temperature_k.value, 288, 1e-3);
+  EXPECT_NEAR(far->row[2].source_radiance_temperature_k.value, 288, 1e-3);
 }
 
 TEST(BoxCavity, SenselessProfilesAreRefused) {

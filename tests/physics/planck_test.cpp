@@ -4,7 +4,7 @@
 // Expected: relative error <= 1e-12 wherever the true value is a normal double. The closed form
 // alone loses at most
 //   the exponent times the rounding of c2 / (lambda T): 740 x 3 x 1.1e-16 = 2.5e-13.
-// Source: tests/physics/values/planck_*.csv, apparent_temperature.csv, radiation_constants.csv (40
+// Source: tests/physics/values/planck_*.csv, radiance_temperature.csv, radiation_constants.csv (40
 // to 60 digits).
 #include "core/spectral/planck.h"
 
@@ -107,7 +107,7 @@ TEST(Planck, BandRadianceAndDerivative) {
 }
 
 TEST(Planck, ApparentTemperature) {
-  const ReferenceTable table("apparent_temperature.csv");
+  const ReferenceTable table("radiance_temperature.csv");
   Worst temperature;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const double low = table.number(i, "lambda_min_um");
@@ -115,10 +115,10 @@ TEST(Planck, ApparentTemperature) {
     const double radiance = table.number(i, "radiance");
     SCOPED_TRACE(testing::Message() << low << "-" << high << " um, " << radiance);
     temperature.see(low == high ? monochromatic_temperature_k(low, radiance)
-                                : apparent_temperature_k(low, high, radiance),
-                    table.number(i, "apparent_temperature_k"));
+                                : radiance_temperature_k(low, high, radiance),
+                    table.number(i, "radiance_temperature_k"));
   }
-  temperature.report("apparent temperature", 60);
+  temperature.report("radiance temperature", 60);
 }
 
 // The inverse is the inverse of the forward function over far more than any sensor sees. The
@@ -134,7 +134,7 @@ TEST(Planck, InverseOfForwardOverTheWholeRange) {
       const double radiance = planck_band_radiance_w_m2_sr(band.low, band.high, temperature_k);
       if (radiance < DBL_MIN) continue;
       SCOPED_TRACE(testing::Message() << band.low << "-" << band.high << " um, " << temperature_k);
-      worst.see(apparent_temperature_k(band.low, band.high, radiance), temperature_k);
+      worst.see(radiance_temperature_k(band.low, band.high, radiance), temperature_k);
     }
   }
   worst.report("round trip", 200);
@@ -165,7 +165,7 @@ TEST(Planck, NothingIsEmittedAtZeroKelvin) {
   }
   EXPECT_EQ(planck_band_radiance_w_m2_sr(3, 5, 0.0), 0.0);
   EXPECT_EQ(planck_band_radiance_derivative_w_m2_sr_k(3, 5, 0.0), 0.0);
-  EXPECT_EQ(apparent_temperature_k(3, 5, 0.0), 0.0);
+  EXPECT_EQ(radiance_temperature_k(3, 5, 0.0), 0.0);
   EXPECT_EQ(monochromatic_temperature_k(10, 0.0), 0.0);
 }
 
@@ -180,7 +180,7 @@ TEST(Planck, NoArgumentGivesNanOrInfinity) {
     const double most =
         planck_band_radiance_w_m2_sr(lambda_um, 1.1 * lambda_um, kPlanckTemperatureMaxK);
     for (const double radiance : {5e-324, 1e-300, 1e-30, 1e-9 * most, most}) {
-      const double temperature_k = apparent_temperature_k(lambda_um, 1.1 * lambda_um, radiance);
+      const double temperature_k = radiance_temperature_k(lambda_um, 1.1 * lambda_um, radiance);
       EXPECT_TRUE(std::isfinite(temperature_k) && temperature_k > 0.0)
           << lambda_um << " um, " << radiance;
     }
@@ -191,7 +191,7 @@ TEST(Planck, NoArgumentGivesNanOrInfinity) {
 TEST(Planck, ARadianceThatNoBlackbodyHasIsGivenNoTemperature) {
   const double infinite = std::numeric_limits<double>::infinity();
   for (const double radiance : {-1.0, -5e-324, std::nan(""), infinite, -infinite, 1e200, 1e300}) {
-    EXPECT_TRUE(std::isnan(apparent_temperature_k(3, 5, radiance))) << radiance;
+    EXPECT_TRUE(std::isnan(radiance_temperature_k(3, 5, radiance))) << radiance;
     EXPECT_TRUE(std::isnan(monochromatic_temperature_k(10, radiance))) << radiance;
   }
   const double most = planck_radiance_w_m2_sr_um(10, kPlanckTemperatureMaxK);

@@ -39,7 +39,7 @@ std::vector<ProfileRow> across(const Tower& tower, const std::vector<Vec<Body>>&
   profile.point = points;
   profile.width_m = profile.height_m = 0.1;
   profile.reflections = {0, 2, 20};
-  profile.apparent_temperature_stderr_k = 0.1;
+  profile.source_radiance_temperature_stderr_k = 0.1;
   const auto result = simulate_profile(tower.simulator->scene(), tower.request, profile);
   EXPECT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->counts.guarded_backface_hits, 0U);
@@ -51,7 +51,7 @@ TEST(TowerProfile, HubDepressionBrightInteriorCoolDeck) {
       tower(0.75),
       {{0, 0, 0}, {0, -2.5, 0}, {0, 2.5, 0}, {0, -5.3, 1.44}, {0, 5.3, 1.44}, {0, 12, 11.44}});
   const auto at = [&](std::size_t point, std::size_t n) {
-    return rows[3 * point + n].apparent_temperature_k.value;
+    return rows[3 * point + n].source_radiance_temperature_k.value;
   };
   enum { kHub, kPort, kStarboard, kDeckPort, kDeckStarboard, kGround };
   for (const int inside : {kPort, kStarboard}) {
@@ -70,7 +70,7 @@ TEST(TowerProfile, HubDepressionBrightInteriorCoolDeck) {
 
 TEST(TowerProfile, ABlackTowerHasNoContrast) {
   for (const ProfileRow& row : across(tower(1), {{0, 0, 0}, {0, 2.5, 0}, {0, 5.3, 1.44}}))
-    EXPECT_NEAR(row.apparent_temperature_k.value, 306, 1e-3);
+    EXPECT_NEAR(row.source_radiance_temperature_k.value, 306, 1e-3);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ ViewResult good() {
   r.apparent_intensity_w_sr = {9, 0.09};
   r.apparent_numerical_error_w_sr = 0.1;
   r.projected_area_m2 = {1, 1e-3};
-  r.apparent_temperature_k = 300;
+  r.source_radiance_temperature_k = 300;
   r.part_w_sr = {{10, 0.1}};
   for (SpectralEstimate* s : {&r.spectral, &r.apparent_spectral}) *s = {{1, 2}, {0.1, 0.1}};
   for (SpectralEstimate& s : r.spectral_cause) s = {{1, 2}, {0.1, 0.1}};
@@ -78,13 +78,14 @@ TEST(CheckNumbers, NamesWhatIsNotFinite) {
   view.row[0].image_w_m2_sr[2] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THAT(reason(view), HasSubstr("image_w_m2_sr[2]"));
   view = good();
-  view.row[0].apparent_temperature_k = nan;
+  view.row[0].source_radiance_temperature_k = nan;
   view.row[0].intensity_w_sr.value = -0.05;  // within its error, yet no blackbody's
-  EXPECT_THAT(reason(view), HasSubstr("apparent_temperature_k is not a finite number: no blackbody "
-                                      "has a radiance of -0.05 W/(m2 sr)"));
+  EXPECT_THAT(reason(view),
+              HasSubstr("source_radiance_temperature_k is not a finite number: no blackbody "
+                        "has a radiance of -0.05 W/(m2 sr)"));
   view = good();
-  view.row[0].apparent_temperature_k = infinite;
-  EXPECT_THAT(reason(view), HasSubstr("apparent_temperature_k is not a finite number: inf"));
+  view.row[0].source_radiance_temperature_k = infinite;
+  EXPECT_THAT(reason(view), HasSubstr("source_radiance_temperature_k is not a finite number: inf"));
 }
 
 TEST(CheckNumbers, NegativeOnlyWithinTheError) {
@@ -194,7 +195,7 @@ ProfileResult good_profile() {
   r.reflections = 8;
   r.radiance_w_m2_sr = {10, 0.1};
   r.apparent_radiance_w_m2_sr = {9, 0.1};
-  r.apparent_temperature_k = {300, 0.1};
+  r.source_radiance_temperature_k = {300, 0.1};
   r.target_fraction = 1;
   profile.counts.guarded_backface_hits = profile.counts.truncated_paths = 1000;  // ordinary
   return profile;
@@ -230,12 +231,12 @@ TEST(CheckProfile, NamesTheFieldAndItsValue) {
   EXPECT_THAT(reason(profile), HasSubstr("apparent_radiance_w_m2_sr is negative: -1"));
   profile = good_profile();
   profile.row[0].radiance_w_m2_sr.value = 1e40;
-  profile.row[0].apparent_temperature_k = {nan, nan};
-  EXPECT_THAT(reason(profile), HasSubstr("apparent_temperature_k is not a finite number: no "
+  profile.row[0].source_radiance_temperature_k = {nan, nan};
+  EXPECT_THAT(reason(profile), HasSubstr("source_radiance_temperature_k is not a finite number: no "
                                          "blackbody has a radiance of 1e+40 W/(m2 sr)"));
   profile = good_profile();
-  profile.row[0].apparent_temperature_k.stderr_ = nan;
-  EXPECT_THAT(reason(profile), HasSubstr("apparent_temperature_k's standard error"));
+  profile.row[0].source_radiance_temperature_k.stderr_ = nan;
+  EXPECT_THAT(reason(profile), HasSubstr("source_radiance_temperature_k's standard error"));
   profile = good_profile();
   profile.row[0].truncation_bound_w_m2_sr = nan;
   EXPECT_THAT(reason(profile), HasSubstr("truncation_bound_w_m2_sr"));

@@ -83,9 +83,10 @@ TEST(FailedJob, NamesARadianceThatNoBlackbodyHas) {
   const auto result = first_job(sweep);
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal) << result.status();
-  EXPECT_THAT(std::string(result.status().message()),
-              testing::ContainsRegex("apparent_temperature_k is not a finite number: no blackbody "
-                                     "has a radiance of [0-9.]+e.2[0-9] W"));
+  EXPECT_THAT(
+      std::string(result.status().message()),
+      testing::ContainsRegex("source_radiance_temperature_k is not a finite number: no blackbody "
+                             "has a radiance of [0-9.]+e.2[0-9] W"));
 }
 
 TEST(FailedJob, TheSameShipOfASaneMaterialDoesNotFail) {

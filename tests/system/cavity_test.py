@@ -21,7 +21,7 @@ EXAMPLE = (SOURCE / "jobs/examples/cavity.toml").read_text()
 def small(text, stderr_k):
     """The example with its mesh by absolute path and profiles to `stderr_k`."""
     text = text.replace("../models/boxes.obj", str(SOURCE / "jobs/models/boxes.obj"))
-    changed = text.replace("apparent_temperature_stderr_k = 0.002", f"apparent_temperature_stderr_k = {stderr_k}")
+    changed = text.replace("source_radiance_temperature_stderr_k = 0.002", f"source_radiance_temperature_stderr_k = {stderr_k}")
     assert changed != text
     return changed
 
@@ -103,7 +103,7 @@ class Cavity(unittest.TestCase):
         rows = list(csv.DictReader(io.StringIO(irsig("profile", self.db, "--csv"))))
         self.assertEqual(len(rows), 12 * 10)
         for row in rows:
-            self.assertLess(float(row["apparent_temperature_stderr_k"]), 0.03)
+            self.assertLess(float(row["source_radiance_temperature_stderr_k"]), 0.03)
             self.assertAlmostEqual(float(row["target_fraction"]), 1, delta=1e-5)
             self.assertEqual(row["radiance_w_m2_sr"], row["apparent_radiance_w_m2_sr"])  # in vacuum
             self.assertGreater(int(row["samples"]), 0)
@@ -121,7 +121,7 @@ class Cavity(unittest.TestCase):
 
     def test_a_new_published_number_computes_nothing(self):
         sweep = self.path / "edited.toml"
-        sweep.write_text(small(EXAMPLE, 0.02).replace("apparent_temperature_k = 306\nsource", "apparent_temperature_k = 305\nsource"))
+        sweep.write_text(small(EXAMPLE, 0.02).replace("source_radiance_temperature_k = 306\nsource", "source_radiance_temperature_k = 305\nsource"))
         db = self.path / "edited.sigdb"
         db.write_bytes(self.db.read_bytes())
         again = irsig("run", sweep, "--db", db)

@@ -80,7 +80,7 @@ class PageCase(unittest.TestCase):
 
     def check_values(self, page, row):
         for column in ("intensity_w_sr", "apparent_intensity_w_sr", "contrast_intensity_w_sr", "background_radiance_w_m2_sr",
-                       "projected_area_m2", "apparent_temperature_k"):
+                       "projected_area_m2", "source_radiance_temperature_k"):
             self.assertEqual(self.shown(page, column), row[column], column)
             # And as it can be read.
             seen = number(page.text(f"#values [data-column=\"{column}\"]"))

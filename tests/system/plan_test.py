@@ -22,7 +22,7 @@ SWEEP = (SOURCE / "jobs/examples/quickstart.toml").read_text().replace("count = 
     "triangles = 20000", "triangles = 2000")
 CAVITY = (SOURCE / "jobs/examples/cavity.toml").read_text().replace(
     "../models/boxes.obj", str(SOURCE / "jobs/models/boxes.obj")).replace(
-    "apparent_temperature_stderr_k = 0.002", "apparent_temperature_stderr_k = 0.02")
+    "source_radiance_temperature_stderr_k = 0.002", "source_radiance_temperature_stderr_k = 0.02")
 
 
 def irsig(*arguments, code=0):

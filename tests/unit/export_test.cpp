@@ -120,7 +120,7 @@ for name, v in d.variables.items():
 TEST_F(Export, NetcdfOfAnUnfinishedSweepHasNan) {
   FakeDatabase db = fake_database();
   std::erase_if(db.signatures, [](const auto& s) { return s.row == 8; });
-  db.signatures[0].apparent_temperature_k = 0;
+  db.signatures[0].source_radiance_temperature_k = 0;
   ASSERT_TRUE(export_file(db, {}, "netcdf", path("part.nc")).ok());
   EXPECT_EQ(python(R"(
 import sys, numpy as np, xarray as xr
@@ -128,7 +128,7 @@ d = xr.open_dataset(sys.argv[1])
 assert np.isnan(d["intensity_w_sr"].values).sum() == 1
 assert np.isnan(d["intensity_w_sr"].values[1, 0, 0, 1]) and d["row"].values[1, 0, 0, 1] == -1
 assert np.isnan(d["spectral_intensity_w_sr_um"].values[1, 0, 0, 1]).all()
-assert np.isnan(d["apparent_temperature_k"].values[0, 0, 0, 0])
+assert np.isnan(d["source_radiance_temperature_k"].values[0, 0, 0, 0])
 )",
                    path("part.nc")),
             0);

@@ -217,7 +217,7 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   ASSERT_TRUE(picture->other);
   ASSERT_GT(picture->other->at.size(), 4U);
   for (std::size_t i = 0; i < picture->other->at.size(); ++i)
-    EXPECT_NEAR(apparent_temperature_k(8, 12, picture->other->at[i]),
+    EXPECT_NEAR(radiance_temperature_k(8, 12, picture->other->at[i]),
                 std::stod(picture->other->label[i]), 1e-6);
   const std::string svg = draw_false_color(*picture);
   EXPECT_THAT(svg, AllOf(HasSubstr("In-band radiance in W/(m\u00b2 sr)"),
@@ -317,7 +317,7 @@ TEST(RadiancePicture, TheTemperaturesOfABandWithAResponseAreItsOwn) {
   const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();
   for (std::size_t i = 0; i < picture->other->at.size(); ++i)
-    EXPECT_NEAR(apparent_temperature_k(8, 12, 2 * picture->other->at[i]),
+    EXPECT_NEAR(radiance_temperature_k(8, 12, 2 * picture->other->at[i]),
                 std::stod(picture->other->label[i]), 1e-3);
 }
 

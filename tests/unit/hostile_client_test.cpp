@@ -255,8 +255,8 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
   const std::vector<Damage> damages = {
       {"intensity_w_sr.value = 1e+300",
        [&](auto& r) { row(r)->mutable_intensity_w_sr()->set_value(1e300); }},
-      {"apparent_temperature_k = 1e+300",
-       [&](auto& r) { row(r)->set_apparent_temperature_k(1e300); }},
+      {"source_radiance_temperature_k = 1e+300",
+       [&](auto& r) { row(r)->set_source_radiance_temperature_k(1e300); }},
       {"path_transmittance = 17", [&](auto& r) { row(r)->set_path_transmittance(17); }},
       {"path_transmittance = -1", [&](auto& r) { row(r)->set_path_transmittance(-1); }},
       {"path_transmittance[3] = 17",

@@ -31,8 +31,8 @@ StoredProfileRow row_of(const std::string& profile, std::uint64_t index, std::ui
   r.y_m = 0.5 * static_cast<double>(point);
   r.reflections = reflections;
   r.radiance_w_m2_sr = 60;
-  r.apparent_temperature_k = temperature_k;
-  r.apparent_temperature_stderr_k = 0.002;
+  r.source_radiance_temperature_k = temperature_k;
+  r.source_radiance_temperature_stderr_k = 0.002;
   return r;
 }
 
@@ -79,7 +79,7 @@ TEST(ProfileRows, AreWrittenAsCsv) {
   std::ostringstream out;
   ASSERT_TRUE(write_profiles(points(), "csv", out).ok());
   EXPECT_THAT(out.str(), HasSubstr("profile,point_index,x_m,y_m,z_m,reflections,radiance_w_m2_sr,"
-                                   "radiance_stderr_w_m2_sr,apparent_temperature_k,"));
+                                   "radiance_stderr_w_m2_sr,source_radiance_temperature_k,"));
   EXPECT_THAT(out.str(), HasSubstr("deep,0,0,0,0,3,60,0,305.796,0.002"));
   EXPECT_THAT(out.str(), HasSubstr("shallow,0,0,0,0,3,60,0,,,"));  // no radiance, no temperature
 }
@@ -108,18 +108,18 @@ TEST(ProfileNotes, SayWhichRowsMissTheErrorAskedFor) {
   sweep.set_name("cavity");
   schema::Profile& deep = *sweep.add_profile();
   deep.set_name("deep");
-  deep.set_apparent_temperature_stderr_k(0.001);
+  deep.set_source_radiance_temperature_stderr_k(0.001);
   std::vector<StoredProfileRow> rows = {row_of("deep", 0, 0, 0, 298), row_of("deep", 0, 1, 0, 299),
                                         row_of("deep", 0, 2, 0, 300)};
-  rows[1].apparent_temperature_stderr_k = 0.0009;
-  rows[2].apparent_temperature_stderr_k = 0.005;
+  rows[1].source_radiance_temperature_stderr_k = 0.0009;
+  rows[2].source_radiance_temperature_stderr_k = 0.005;
   const std::vector<std::string> notes = profile_notes(rows, sweep);
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_THAT(notes[0], HasSubstr("\"deep\": 2 of 3 rows miss"));
   EXPECT_THAT(notes[0], HasSubstr("5 mK at most, 1 mK asked"));
   rows[0].sweep = rows[2].sweep = "another";
   EXPECT_TRUE(profile_notes(rows, sweep).empty()) << "of this sweep alone";
-  deep.clear_apparent_temperature_stderr_k();
+  deep.clear_source_radiance_temperature_stderr_k();
   deep.set_samples(1000);
   rows[0].sweep = "cavity";
   EXPECT_TRUE(profile_notes(rows, sweep).empty()) << "no error was asked for";

@@ -44,7 +44,7 @@ std::string printed(StoreReader& db, const Query& query, const QueryContent& con
 constexpr const char* kFixedColumns =
     "row,sweep,season,time_utc,band,aspect_azimuth_deg,aspect_elevation_deg,range_m,intensity_w_sr,"
     "intensity_stderr_w_sr,numerical_error_w_sr,projected_area_m2,projected_area_stderr_m2,"
-    "apparent_temperature_k";
+    "source_radiance_temperature_k";
 
 TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
   FakeDatabase db = fake_database();
@@ -185,10 +185,11 @@ TEST(Query, PartsAddUp) {
 
 TEST(Query, NoProjectedAreaHasNoTemperature) {
   FakeDatabase db = fake_database();
-  db.signatures[0].apparent_temperature_k = 0;
+  db.signatures[0].source_radiance_temperature_k = 0;
   const auto csv = lines(printed(db, {.row = 1}, {}, "csv"));
   EXPECT_EQ(cells(csv[1])[13], "");
-  EXPECT_THAT(printed(db, {.row = 1}, {}, "json"), HasSubstr("\"apparent_temperature_k\": null"));
+  EXPECT_THAT(printed(db, {.row = 1}, {}, "json"),
+              HasSubstr("\"source_radiance_temperature_k\": null"));
 }
 
 TEST(Query, InterpolatesEverySeasonAndBand) {

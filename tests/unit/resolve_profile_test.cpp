@@ -13,7 +13,7 @@ using ::testing::ElementsAre;
 constexpr const char* kLine =
     "[[profile]]\nname = \"line\"\nfrom_m = [0, -3, 0]\nto_m = [0, 1, 3]\npoints = 6\n";
 constexpr const char* kPublished =
-    "[[published]]\nprofile = \"line\"\nreflections = 16\napparent_temperature_k = 306\n"
+    "[[published]]\nprofile = \"line\"\nreflections = 16\nsource_radiance_temperature_k = 306\n"
     "source = \"a paper\"\n";
 
 std::string with(const std::string& profiles) {
@@ -33,7 +33,7 @@ TEST(ResolveProfile, WritesOutDefaults) {
   const schema::Profile& line = sweep.sweep().profile(0);
   EXPECT_EQ(line.footprint_width_m(), 1);  // 5 m in 5 steps
   EXPECT_EQ(line.footprint_height_m(), 1);
-  EXPECT_EQ(line.apparent_temperature_stderr_k(), 0.05);
+  EXPECT_EQ(line.source_radiance_temperature_stderr_k(), 0.05);
   EXPECT_FALSE(line.has_samples());
   const schema::Published& published = sweep.sweep().published(0);
   EXPECT_EQ(published.point_index(), 0U);

@@ -128,7 +128,7 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.apparent_numerical_error_w_sr, row.apparent_numerical_error_w_sr());
       EXPECT_EQ(s.projected_area_m2, row.projected_area_m2().value());
       EXPECT_EQ(s.projected_area_stderr_m2, row.projected_area_m2().stderr());
-      EXPECT_EQ(s.apparent_temperature_k, row.apparent_temperature_k());
+      EXPECT_EQ(s.source_radiance_temperature_k, row.source_radiance_temperature_k());
       EXPECT_EQ(s.emitted_w_sr, row.emitted_w_sr().value());
       EXPECT_EQ(s.emitted_stderr_w_sr, row.emitted_w_sr().stderr());
       EXPECT_EQ(s.sun_reflected_w_sr, row.sun_reflected_w_sr().value());

@@ -21,7 +21,7 @@ schema::ResolvedSweep sweep_with_profile() {
   published.set_profile("line");
   published.set_point_index(1);
   published.set_reflections(4);
-  published.set_apparent_temperature_k(306);
+  published.set_source_radiance_temperature_k(306);
   published.set_relation("below");
   published.set_source("a paper");
   published.set_remark("it is colder");
@@ -47,8 +47,8 @@ void add_profile(schema::JobResult& result) {
         out.mutable_apparent_radiance_w_m2_sr()->set_stderr(0.009);
         out.set_truncation_bound_w_m2_sr(0.5);
         out.set_quadrature_bound_w_m2_sr(0.001);
-        out.mutable_apparent_temperature_k()->set_value(300 + p);
-        out.mutable_apparent_temperature_k()->set_stderr(0.02);
+        out.mutable_source_radiance_temperature_k()->set_value(300 + p);
+        out.mutable_source_radiance_temperature_k()->set_stderr(0.02);
         out.set_target_fraction(0.75);
         out.set_samples(4096);
       }
@@ -101,8 +101,8 @@ TEST_F(StoreProfile, GivesBackWhatWasStored) {
   EXPECT_EQ(r.apparent_radiance_stderr_w_m2_sr, 0.009);
   EXPECT_EQ(r.truncation_bound_w_m2_sr, 0.5);
   EXPECT_EQ(r.quadrature_bound_w_m2_sr, 0.001);
-  EXPECT_EQ(r.apparent_temperature_k, 301);
-  EXPECT_EQ(r.apparent_temperature_stderr_k, 0.02);
+  EXPECT_EQ(r.source_radiance_temperature_k, 301);
+  EXPECT_EQ(r.source_radiance_temperature_stderr_k, 0.02);
   EXPECT_EQ(r.target_fraction, 0.75);
   EXPECT_EQ(r.samples, 4096U);
   EXPECT_EQ(r.replicates, 32U);
@@ -114,7 +114,7 @@ TEST_F(StoreProfile, GivesBackWhatWasStored) {
   EXPECT_TRUE(stored({.sweep = "", .season = "", .band = "", .profile = "other"}).empty());
   const auto published = StoreReader::open(path_).value()->published("").value();
   ASSERT_EQ(published.size(), 1U);
-  EXPECT_EQ(published[0].apparent_temperature_k, 306);
+  EXPECT_EQ(published[0].source_radiance_temperature_k, 306);
   EXPECT_EQ(published[0].relation, "below");
   EXPECT_EQ(published[0].remark, "it is colder");
 }
@@ -188,12 +188,14 @@ TEST_F(StoreProfile, GoesWithItsSignatureWhenTheSweepChanges) {
   schema::ResolvedSweep sweep = sweep_with_profile();
   ASSERT_OK(complete(sweep, "a", add_profile));
   const std::size_t before = stored().size();
-  sweep.mutable_sweep()->mutable_published(0)->set_apparent_temperature_k(305);
+  sweep.mutable_sweep()->mutable_published(0)->set_source_radiance_temperature_k(305);
   sweep.mutable_viewpoint()->RemoveLast();
   ASSERT_OK(complete(sweep, "b", add_profile));
   const auto viewpoints = static_cast<std::size_t>(sweep.viewpoint_size());
   EXPECT_EQ(stored().size(), before / (viewpoints + 1) * viewpoints);
-  EXPECT_EQ(StoreReader::open(path_).value()->published("").value()[0].apparent_temperature_k, 305);
+  EXPECT_EQ(
+      StoreReader::open(path_).value()->published("").value()[0].source_radiance_temperature_k,
+      305);
 }
 
 }  // namespace

@@ -243,7 +243,7 @@ absl::StatusOr<Finding> inverse(Effort) {
       const double t = std::pow(10.0, -3 + k / 10.0);
       const double radiance = planck_band_radiance_w_m2_sr(b.min_um, b.max_um, t);
       if (radiance < DBL_MIN) continue;
-      worst.see(std::abs(apparent_temperature_k(b.min_um, b.max_um, radiance) / t - 1),
+      worst.see(std::abs(radiance_temperature_k(b.min_um, b.max_um, radiance) / t - 1),
                 [&] { return absl::StrCat(b.min_um, "-", b.max_um, " um, ", t, " K"); });
     }
   return worst.finding();

@@ -304,7 +304,9 @@ void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const La
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double v = rows[i].signature.*kQuantityMember[q];
       // 0 K stands for "no projected area": there is no such temperature.
-      if (kQuantityMember[q] == &S::apparent_temperature_k && v == 0) continue;
+      if (v == 0 && (kQuantityMember[q] == &S::source_radiance_temperature_k ||
+                     kQuantityMember[q] == &S::apparent_temperature_k))
+        continue;
       values[layout.index(layout.cell[i])] = v;
     }
     file.doubles({kQuantities[q].name.data(), "", "", d.coordinates}, d.cube(), values);

@@ -285,6 +285,7 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   s.apparent_intensity_stderr_w_sr = m.apparent.stderr_;
   s.apparent_numerical_error_w_sr =
       error(apparent_of(row), growth, m.apparent.stderr_, out.range_bound_w_sr);
+  s.apparent_temperature_k = kNotComputed;
   s.contrast_intensity_w_sr = m.contrast.value;
   s.contrast_intensity_stderr_w_sr = m.contrast.stderr_;
   s.contrast_numerical_error_w_sr =

@@ -10,7 +10,7 @@
 namespace irsig {
 
 double BandQuadrature::temperature_k(double radiance_w_m2_sr) const {
-  return apparent_temperature_k(band, grid, radiance_w_m2_sr);
+  return radiance_temperature_k(band, grid, radiance_w_m2_sr);
 }
 
 double BandQuadrature::radiance_w_m2_sr(double temperature_k) const {

@@ -49,9 +49,9 @@ std::vector<ProfileCurve> curves_along_line(const std::vector<StoredProfileRow>&
                               [&](const ProfileCurve& c) { return c.name == name; });
     if (curve == curves.end()) curve = curves.insert(curves.end(), {name, {}});
     const double along = std::hypot(r.x_m - first.x_m, r.y_m - first.y_m, r.z_m - first.z_m);
-    if (r.apparent_temperature_k > 0)
-      curve->point.push_back(
-          {along - length / 2, r.apparent_temperature_k, 2 * r.apparent_temperature_stderr_k});
+    if (r.source_radiance_temperature_k > 0)
+      curve->point.push_back({along - length / 2, r.source_radiance_temperature_k,
+                              2 * r.source_radiance_temperature_stderr_k});
   }
   return curves;
 }
@@ -85,9 +85,9 @@ std::vector<ProfileCurve> curves_over_reflections(const std::vector<StoredProfil
   std::vector<ProfileCurve> curves;
   for (const StoredProfileRow& r : rows) {
     if (curves.empty() || curves.back().name != r.profile) curves.push_back({r.profile, {}});
-    if (r.apparent_temperature_k > 0)
-      curves.back().point.push_back({steps.place(r.reflections), r.apparent_temperature_k,
-                                     2 * r.apparent_temperature_stderr_k});
+    if (r.source_radiance_temperature_k > 0)
+      curves.back().point.push_back({steps.place(r.reflections), r.source_radiance_temperature_k,
+                                     2 * r.source_radiance_temperature_stderr_k});
   }
   return curves;
 }
@@ -116,7 +116,7 @@ class Chart {
     svg_.rect(corner, end.x - corner.x, end.y - corner.y, "none", {"#333333", 1.2, ""});
     svg_.text({(corner.x + end.x) / 2, end.y + 46}, x_title,
               {.size = 15, .anchor = Anchor::kMiddle});
-    svg_.text({26, (corner.y + end.y) / 2}, "Apparent temperature in K",
+    svg_.text({26, (corner.y + end.y) / 2}, "Source radiance temperature in K",
               {.size = 15, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
 
@@ -170,7 +170,8 @@ absl::StatusOr<std::string> plot_profile(const std::vector<StoredProfileRow>& ro
     for (const StoredPublished& p : published)
       for (const StoredProfileRow& r : rows)
         if (p.sweep == r.sweep && p.profile == r.profile && p.reflections == r.reflections)
-          marks.push_back({steps.place(p.reflections), p.apparent_temperature_k, p.relation});
+          marks.push_back(
+              {steps.place(p.reflections), p.source_radiance_temperature_k, p.relation});
   const std::vector<ProfileCurve> curves =
       line.empty() ? curves_over_reflections(rows, steps) : curves_along_line(line);
 

@@ -47,16 +47,17 @@ double propagated_model_error(const SphereFit& fit, const std::vector<StoredSign
   return sum;
 }
 
-// apparent_temperature_k is 0 where the target shows no area: between such viewpoints and others
-// there is none.
-double interpolated_temperature_k(const SphereFit& fit, const std::vector<StoredSignature>& from) {
+// A temperature is 0 where the target shows no area: between such viewpoints and others there is
+// none.
+double interpolated_temperature_k(const SphereFit& fit, const std::vector<StoredSignature>& from,
+                                  Getter temperature_k) {
   double sum = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    if (from[i].apparent_temperature_k == 0) {
+    if (from[i].*temperature_k == 0) {
       if (std::abs(fit.weight()[i]) > 1e-3) return 0;
       continue;
     }
-    sum += fit.weight()[i] * from[i].apparent_temperature_k;
+    sum += fit.weight()[i] * from[i].*temperature_k;
   }
   return sum;
 }
@@ -117,7 +118,8 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   set(&S::sky_reflected_w_sr, &S::sky_reflected_stderr_w_sr);
   set(&S::surface_reflected_w_sr, &S::surface_reflected_stderr_w_sr);
   set(&S::interreflected_w_sr, &S::interreflected_stderr_w_sr);
-  out.apparent_temperature_k = interpolated_temperature_k(made.fit, made.from);
+  for (const Getter of : {&S::source_radiance_temperature_k, &S::apparent_temperature_k})
+    out.*of = interpolated_temperature_k(made.fit, made.from, of);
   return QueryRow{std::move(out), std::move(made)};
 }
 

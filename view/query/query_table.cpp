@@ -77,6 +77,9 @@ std::vector<RowColumn> quantities(std::string_view first, std::string_view last)
 }
 
 // The columns that scripts rely on, in their fixed order.
+// 0 K stands for "no projected area": there is no such temperature.
+Cell temperature_cell(double kelvin) { return kelvin == 0 ? Cell() : Cell(kelvin); }
+
 std::vector<RowColumn> fixed_columns(bool with_totals) {
   std::vector<RowColumn> out{
       computed("row", &S::row, true),
@@ -88,14 +91,12 @@ std::vector<RowColumn> fixed_columns(bool with_totals) {
       stored("aspect_elevation_deg", &S::aspect_elevation_deg, true),
       stored("range_m", &S::range_m, true),
   };
-  for (RowColumn& c : quantities("intensity_w_sr", "apparent_temperature_k")) {
+  for (RowColumn& c : quantities("intensity_w_sr", "source_radiance_temperature_k")) {
     c.column.brief = with_totals && c.column.name != "projected_area_stderr_m2";
     out.push_back(std::move(c));
   }
-  // 0 K stands for "no projected area": there is no such temperature.
-  out.back().cell = [](const QueryRow& row) -> Cell {
-    if (row.signature.apparent_temperature_k == 0) return Cell();
-    return row.signature.apparent_temperature_k;
+  out.back().cell = [](const QueryRow& row) {
+    return temperature_cell(row.signature.source_radiance_temperature_k);
   };
   return out;
 }
@@ -131,6 +132,11 @@ std::vector<RowColumn> cause_columns() {
 
 std::vector<RowColumn> further_columns() {
   std::vector<RowColumn> out = quantities("apparent_intensity_w_sr", "path_radiance_w_m2_sr");
+  for (RowColumn& c : out)
+    if (c.column.name == "apparent_temperature_k")
+      c.cell = [](const QueryRow& row) {
+        return temperature_cell(row.signature.apparent_temperature_k);
+      };
   const auto append = [&](std::vector<RowColumn> more) {
     out.insert(out.end(), std::make_move_iterator(more.begin()),
                std::make_move_iterator(more.end()));

@@ -209,8 +209,10 @@ std::string values(const Explained& e) {
   if (s.backface_fraction > 0)
     out += head("seen from behind", 100 * s.backface_fraction,
                 "% of the silhouette: one-sided facets, which send nothing");
+  if (s.source_radiance_temperature_k > 0)
+    out += head("source radiance temp.", s.source_radiance_temperature_k, "K, without air");
   if (s.apparent_temperature_k > 0)
-    out += head("apparent temperature", s.apparent_temperature_k, "K, at the target");
+    out += head("apparent temperature", s.apparent_temperature_k, "K, at the sensor");
   return out + clutter(e);
 }
 

@@ -46,8 +46,9 @@ std::vector<ProfileColumn> columns() {
       stored_column("reflections", &R::reflections, true),
       stored_column("radiance_w_m2_sr", &R::radiance_w_m2_sr, true),
       stored_column("radiance_stderr_w_m2_sr", &R::radiance_stderr_w_m2_sr, true),
-      stored_column("apparent_temperature_k", &R::apparent_temperature_k, true),
-      stored_column("apparent_temperature_stderr_k", &R::apparent_temperature_stderr_k, true),
+      stored_column("source_radiance_temperature_k", &R::source_radiance_temperature_k, true),
+      stored_column("source_radiance_temperature_stderr_k",
+                    &R::source_radiance_temperature_stderr_k, true),
       stored_column("apparent_radiance_w_m2_sr", &R::apparent_radiance_w_m2_sr, false),
       stored_column("apparent_radiance_stderr_w_m2_sr", &R::apparent_radiance_stderr_w_m2_sr,
                     false),
@@ -68,11 +69,11 @@ std::vector<ProfileColumn> columns() {
       stored_column("build_id", &R::build_id, false)};
   // 0 K stands for "no radiance": there is no such temperature.
   for (ProfileColumn& c : out) {
-    if (c.column.name != "apparent_temperature_k" &&
-        c.column.name != "apparent_temperature_stderr_k")
+    if (c.column.name != "source_radiance_temperature_k" &&
+        c.column.name != "source_radiance_temperature_stderr_k")
       continue;
     c.cell = [inner = std::move(c.cell)](const StoredProfileRow& row) -> Cell {
-      return row.apparent_temperature_k == 0 ? Cell() : inner(row);
+      return row.source_radiance_temperature_k == 0 ? Cell() : inner(row);
     };
   }
   return out;
@@ -112,12 +113,12 @@ std::string point_table(const std::map<std::uint64_t, Rows>& profiles) {
     name_width = std::max(name_width, rows.front().profile.size());
     for (const StoredProfileRow& r : rows) {
       reflections.insert(r.reflections);
-      worst_stderr_k = std::max(worst_stderr_k, r.apparent_temperature_stderr_k);
+      worst_stderr_k = std::max(worst_stderr_k, r.source_radiance_temperature_stderr_k);
     }
   }
   if (reflections.empty()) return "";
   std::string out = fmt::format(
-      "Apparent temperature in K after N reflections (standard error {:.2g} mK at most)\n"
+      "Source radiance temperature in K after N reflections (standard error {:.2g} mK at most)\n"
       "  {:<{}}",
       1000 * worst_stderr_k, "profile", name_width);
   for (const std::uint64_t n : reflections) out += fmt::format("  {:>7}", fmt::format("N={}", n));
@@ -128,9 +129,9 @@ std::string point_table(const std::map<std::uint64_t, Rows>& profiles) {
     for (const std::uint64_t n : reflections) {
       const auto found =
           std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.reflections == n; });
-      out += found == rows.end() || found->apparent_temperature_k == 0
+      out += found == rows.end() || found->source_radiance_temperature_k == 0
                  ? fmt::format("  {:>7}", "-")
-                 : fmt::format("  {:7.3f}", found->apparent_temperature_k);
+                 : fmt::format("  {:7.3f}", found->source_radiance_temperature_k);
     }
     out += '\n';
   }
@@ -144,15 +145,18 @@ std::string line_extent(const Rows& profile) {
   for (const StoredProfileRow& r : profile) {
     if (r.reflections != most) continue;
     ++points;
-    if (r.apparent_temperature_k == 0) continue;
-    if (!coldest || r.apparent_temperature_k < coldest->apparent_temperature_k) coldest = &r;
-    if (!hottest || r.apparent_temperature_k > hottest->apparent_temperature_k) hottest = &r;
+    if (r.source_radiance_temperature_k == 0) continue;
+    if (!coldest || r.source_radiance_temperature_k < coldest->source_radiance_temperature_k)
+      coldest = &r;
+    if (!hottest || r.source_radiance_temperature_k > hottest->source_radiance_temperature_k)
+      hottest = &r;
   }
   if (!coldest)
     return fmt::format("  {}: {} points, no radiance\n", profile.front().profile, points);
   return fmt::format("  {}: {} points, N={}: {:.2f} K (point {}) to {:.2f} K (point {})\n",
-                     profile.front().profile, points, most, coldest->apparent_temperature_k,
-                     coldest->point_index, hottest->apparent_temperature_k, hottest->point_index);
+                     profile.front().profile, points, most, coldest->source_radiance_temperature_k,
+                     coldest->point_index, hottest->source_radiance_temperature_k,
+                     hottest->point_index);
 }
 
 // The text in lines of at most `width` characters, each indented.
@@ -177,13 +181,13 @@ std::string wrapped(const std::string& text, std::size_t indent, std::size_t wid
 }
 
 std::string comparison(const StoredPublished& p, const StoredProfileRow& ours) {
-  const double difference = ours.apparent_temperature_k - p.apparent_temperature_k;
+  const double difference = ours.source_radiance_temperature_k - p.source_radiance_temperature_k;
   const bool below = p.relation == "below", above = p.relation == "above";
   std::string theirs = fmt::format("{}{:g}",
                                    below   ? "< "
                                    : above ? "> "
                                            : "",
-                                   p.apparent_temperature_k);
+                                   p.source_radiance_temperature_k);
   std::string verdict = fmt::format("{:+.3f} K", difference);
   if (below) verdict += difference < 0 ? ", agrees" : ", does not agree";
   if (above) verdict += difference > 0 ? ", agrees" : ", does not agree";
@@ -191,8 +195,8 @@ std::string comparison(const StoredPublished& p, const StoredProfileRow& ours) {
                                 ours.point_index > 0 || p.point_index > 0
                                     ? fmt::format("{} [{}]", p.profile, p.point_index)
                                     : p.profile,
-                                p.reflections, theirs, ours.apparent_temperature_k,
-                                ours.apparent_temperature_stderr_k, verdict);
+                                p.reflections, theirs, ours.source_radiance_temperature_k,
+                                ours.source_radiance_temperature_stderr_k, verdict);
   out += wrapped(p.source, 6, 100);
   if (!p.remark.empty()) out += wrapped("Why: " + p.remark, 6, 100);
   return out;
@@ -229,16 +233,16 @@ absl::Status write_profiles(const Rows& rows, std::string_view format, std::ostr
 std::vector<std::string> profile_notes(const Rows& rows, const schema::Sweep& sweep) {
   std::vector<std::string> out;
   for (const schema::Profile& profile : sweep.profile()) {
-    const double asked_k = profile.apparent_temperature_stderr_k();
+    const double asked_k = profile.source_radiance_temperature_stderr_k();
     if (!(asked_k > 0)) continue;  // a number of samples was asked for
     std::size_t count = 0, above = 0;
     double worst_k = 0;
     for (const StoredProfileRow& r : rows) {
       if (r.sweep != sweep.name() || r.profile != profile.name()) continue;
       ++count;
-      if (!(r.apparent_temperature_stderr_k > asked_k)) continue;
+      if (!(r.source_radiance_temperature_stderr_k > asked_k)) continue;
       ++above;
-      worst_k = std::max(worst_k, r.apparent_temperature_stderr_k);
+      worst_k = std::max(worst_k, r.source_radiance_temperature_stderr_k);
     }
     if (above > 0)
       out.push_back(fmt::format(
@@ -259,7 +263,7 @@ std::string profile_summary(const Rows& rows, const std::vector<StoredPublished>
     bool first_line = true;
     for (const auto& [index, profile] : profiles) {
       if (!is_line(profile)) continue;
-      if (first_line) out += "Apparent temperature along a line\n";
+      if (first_line) out += "Source radiance temperature along a line\n";
       first_line = false;
       out += line_extent(profile);
     }

@@ -26,9 +26,9 @@ struct ProfileQuery {
 [[nodiscard]] absl::Status write_profiles(const std::vector<StoredProfileRow>& rows,
                                           std::string_view format, std::ostream& out);
 
-// Returns a summary for people: apparent temperature against the number of reflections of every
-// profile at one point, the extent of profiles along a line, and published numbers beside ours,
-// with the difference and the remark that explains it.
+// Returns a summary for people: source radiance temperature against the number of reflections of
+// every profile at one point, the extent of profiles along a line, and published numbers beside
+// ours, with the difference and the remark that explains it.
 [[nodiscard]] std::string profile_summary(const std::vector<StoredProfileRow>& rows,
                                           const std::vector<StoredPublished>& published);
 
@@ -36,9 +36,9 @@ struct ProfileQuery {
 [[nodiscard]] std::vector<std::string> profile_notes(const std::vector<StoredProfileRow>& rows,
                                                      const schema::Sweep& sweep);
 
-// Plots apparent temperature with its 2 sigma error as a complete SVG document. A profile along a
-// line (the first one) is plotted against the distance from its middle, one curve for each number
-// of reflections. If all profiles are at one point, each is plotted against the number of
+// Plots source radiance temperature with its 2 sigma error as a complete SVG document. A profile
+// along a line (the first one) is plotted against the distance from its middle, one curve for each
+// number of reflections. If all profiles are at one point, each is plotted against the number of
 // reflections, with the published values. INVALID_ARGUMENT: the rows have several viewpoints,
 // conditions or bands.
 [[nodiscard]] absl::StatusOr<std::string> plot_profile(

@@ -227,7 +227,7 @@ absl::Status check_row_but_spectrum(const schema::SignatureRow& row, const Expec
     if (!points.emplace(p.profile_index(), p.point_index(), p.reflections()).second)
       return wrong(path + ".profile", "has a row twice");
     if (!p.has_radiance_w_m2_sr() || !p.has_apparent_radiance_w_m2_sr() ||
-        !p.has_apparent_temperature_k())
+        !p.has_source_radiance_temperature_k())
       return wrong(path + ".profile", "has a row without radiance or temperature");
   }
   if (points.size() != expected.profile_rows) {

@@ -162,7 +162,7 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
 
 absl::StatusOr<std::string> content_digest(Database& database) {
   Encoder out;
-  out.bytes('t', "irsig digest 6");
+  out.bytes('t', "irsig digest 7");
   ASSIGN_OR_RETURN(const auto sweeps, encode(database, out, First::kKey, sql::digest_sweeps));
   for (const std::int64_t sweep_id : sweeps) {
     IRSIG_STORE_TRY(encode_definitions(database, out, sweep_id));

@@ -258,7 +258,7 @@ struct StoredProfileRow {
   double radiance_w_m2_sr, radiance_stderr_w_m2_sr;
   double apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr;
   double truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr;
-  double apparent_temperature_k, apparent_temperature_stderr_k;  // 0: no radiance
+  double source_radiance_temperature_k, source_radiance_temperature_stderr_k;  // 0: no radiance
   double target_fraction;
   std::uint64_t samples, replicates;
   bool energy_gain;
@@ -271,7 +271,7 @@ struct StoredProfileRow {
 struct StoredPublished {
   std::string sweep, profile;
   std::uint64_t point_index, reflections;
-  double apparent_temperature_k;
+  double source_radiance_temperature_k;
   std::string relation;  // equal, below, above
   std::string source, remark;
 };
