@@ -40,8 +40,8 @@ struct QueuedJob {
   JobState state;
   std::uint32_t failures;       // distinct workers that failed on it
   std::uint64_t fencing_token;  // of the current lease, 0 if none
-  // [spec.needs] The SHA-256 of the asset that each needed job has left; empty: its kind leaves
-  // none.
+  // [spec.needs] SHA-256 of the asset that each needed job has produced; empty: jobs of its kind
+  // produce none.
   std::vector<std::string> output = {};
 };
 
@@ -62,7 +62,7 @@ struct SweepProgress {
   int priority = 0;
 };
 // The cost of a sweep as a pilot predicted it before the run. CPU times are those of the jobs; the
-// wall time is that of `workers` workers, their start included.
+// wall time is for `workers` workers, including their start.
 struct StoredPrediction {
   std::string sweep_sha256;
   double made_unix_s = 0;
