@@ -4,15 +4,15 @@
 
 namespace irsig {
 
-// The life of jobs and workers, whole. Everything that happens at a coordinator is one row below;
-// the farm looks its decisions up here, and unit.queue (FarmWalk) holds farm and store against it,
-// row by row and over every state that two workers and two jobs can be in.
+// The complete life of jobs and workers. Every event at a coordinator is one row below, and the
+// farm looks up its decisions here. unit.queue (FarmWalk) compares farm and store with the table,
+// row by row, over every state that two workers and two jobs can have.
 //
-// A lease is a job that is leased and a worker that computes, held together by a fencing token. It
-// says who computes what, and nothing about whose result is taken: a result is taken by what it is
-// (sweep, job key, determinism class, content), from any worker that is registered. So a worker may
-// compute without a lease: its job was given to another one, or it computes a job for the second
-// time (an audit, or because another one takes long over it).
+// A lease joins a leased job and a computing worker by a fencing token. It states who computes a
+// job, but not whose result is accepted. A result is accepted by its properties (sweep, job key,
+// determinism class, content), from any registered worker. A worker may therefore compute without a
+// lease: its job was given to another worker, or it computes a job for the second time (an audit,
+// or because another worker takes long).
 
 // ---------------------------------------------------------------------------------------------------
 // Jobs. Their states are in the database, and survive whatever is killed.
