@@ -26,8 +26,8 @@ struct MeritOf {
   std::string_view ratio = kRatio;  // the name of s
 };
 
-// Computes the merit of rows with these weights, which sum to 1. kRange: of ranges that are
-// reached, in place of s.
+// Computes the merit of rows with these weights, which sum to 1. kRange: takes reached ranges in
+// place of s.
 [[nodiscard]] double merit_of(const MeritOf& merit, std::span<const double> weight,
                               std::span<const double> snr);
 

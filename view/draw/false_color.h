@@ -21,7 +21,7 @@ struct ColorRange {
   double low, high;
 };
 
-// A text in a picture, its beginning at a place in pixels from the top left corner.
+// A text in a picture, from a position [px] relative to the top left corner.
 struct PictureLabel {
   double x_px, y_px;
   std::string text;

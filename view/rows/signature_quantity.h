@@ -13,7 +13,7 @@
 
 namespace irsig {
 
-// A quantity of a signature that can be asked for, sorted by and drawn: where its numbers stand.
+// Columns of a quantity of a signature that can be queried, sorted by and drawn.
 struct QuantityColumns {
   SignatureQuantity quantity;
   const char* name;   // as asked for: "contrast_intensity"
