@@ -12,8 +12,8 @@ namespace irsig {
 // cores), or the counts that docs/evidence/validation.md quotes (1e8 rays, 1e9 terms).
 enum class Effort { kShort, kFull };
 
-// The worst that a case has seen. An error is never negative; one that is not a number breaks every
-// bound. A case without a single check has proved nothing, and fails.
+// Largest error of a case. An error is never negative; NaN exceeds every bound. A case without a
+// single check has proved nothing, and fails.
 struct Finding {
   double worst_error = 0;
   double bound = 0;
@@ -23,8 +23,9 @@ struct Finding {
   [[nodiscard]] bool holds() const { return checks > 0 && worst_error <= bound; }
 };
 
-// One hard case: what it compares, and why the bound is what it is. `run` uses the public interface
-// of core alone; an error status means that the case could not be made, which counts as failed.
+// One hard case: the compared quantities, and the reason for the bound. `run` uses the public
+// interface of core alone; an error status means that the case could not be made, which counts as
+// failed.
 struct HardCase {
   std::string group;
   std::string name;

@@ -9,8 +9,9 @@
 
 namespace irsig {
 
-// Random scenes for `irsig selftest --search`, each a function of its seed: within the grammar of
-// sweep files, and made of what error bars have broken on before (docs/evidence/stability.md).
+// Random scenes for `irsig selftest --search`, each a function of its seed. They stay within the
+// grammar of sweep files, and consist of elements that have broken error bars before
+// (docs/evidence/stability.md).
 
 // The main subject of a scene.
 enum class SceneFamily {
