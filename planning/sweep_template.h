@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// A sweep file to begin with, for a model of one's own: it runs as it is, and says in comments what
-// was found, what was assumed, and what to change first.
+// Request for a sweep file to begin with, for a user's model. The file runs unchanged; its comments
+// list the findings, the assumptions and the first changes to make.
 struct TemplateAsked {
   std::string name;        // of the sweep
   std::string model_file;  // as the sweep file names it
