@@ -25,7 +25,7 @@ struct JobMemory {
   [[nodiscard]] double bytes(std::uint64_t conditions, std::uint32_t workers) const {
     return shared_bytes + workers * (bytes(conditions) - shared_bytes);
   }
-  // Returns the number of conditions for which so many workers have memory; 0: not one.
+  // Returns the number of conditions for which this number of workers has memory; 0: not even one.
   [[nodiscard]] std::uint64_t conditions_in(double bytes, std::uint32_t workers) const;
 };
 
