@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// The commands that print what the page shows, for a POSIX shell. database: as it was named when
-// the page was started.
+// Commands that print the content of the page, for a POSIX shell. database: the name with which the
+// page was started.
 
 // Returns the `irsig query` command for every viewpoint of one condition and band.
 [[nodiscard]] std::string selection_command(const std::string& database, const Selection& selection,

@@ -33,7 +33,7 @@ struct BandQuestion {
   bool all_conditions = false;  // every season and time of the sweep, not the selection's alone
 };
 
-// A question to the page's server: a parameter of each name, by the CLI's names where it has them
+// A question to the page's server: a parameter of each name, with the CLI's names where they exist
 // (at_range_m: the stored range; range_m: as seen from there).
 struct Question {
   Selection a;
