@@ -36,8 +36,8 @@ class DoubleCheck {
   struct Verdict {
     enum class Kind {
       kUndecided,     // a third worker is asked, now or when it comes
-      kOneIsWrong,    // two agree with what is stored: `wrong` is set aside
-      kStoredIsWrong  // two agree against what is stored: `wrong` has computed that
+      kOneIsWrong,    // two agree with the stored result: `wrong` is set aside
+      kStoredIsWrong  // two agree on another result: `wrong` computed the stored one
     } kind;
     std::string wrong;
   };

@@ -116,7 +116,7 @@ class Farm {
     SessionState state = SessionState::kIdle;
     JobName job = {};  // that it computes
     std::uint64_t fencing_token = 0;
-    bool is_duplicate = false;  // another worker has it, or had it: the queue knows nothing of this
+    bool is_duplicate = false;  // another worker has or had the job; not recorded in the queue
     double leased_at_s = 0;
   };
   struct Losses {

@@ -16,8 +16,8 @@ struct FarmServerOptions {
   FarmRules rules;
   Clock clock, unix_clock;  // as Farm's
   std::function<void(const absl::Status&)>
-      on_failure;  // the store cannot go on; called at most once
-  SweepCheck check_sweep;  // of what is submitted, and of what is stored; not empty
+      on_failure;  // the store cannot continue; called at most once
+  SweepCheck check_sweep;  // for submitted and for stored sweeps; not empty
   // If true, a database that this coordinator made is removed if no sweep was submitted to it.
   bool remove_unused = false;
   // The authority's list of revoked certificates, with TLS; read again when the file changes;

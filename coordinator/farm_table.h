@@ -18,11 +18,11 @@ namespace irsig {
 // Jobs. Their states are in the database, and survive whatever is killed.
 
 enum class JobEvent {
-  kLease,    // a worker asks for one
-  kResult,   // a result of it comes, whoever holds the lease
+  kLease,    // a worker requests a job
+  kResult,   // a result arrives, from any worker
   kRelease,  // its lease ends without anything: the worker is lost, or the coordinator started
              // again
-  kFail,     // its worker says that it failed; it is to be tried again
+  kFail,     // its worker reports a failure; the job is tried again
   kGiveUp,   // the same, for the last time; or a job that it needs was given up
   kCancel,   // of its sweep
   kSubmit    // its sweep again
@@ -31,8 +31,8 @@ enum class JobEvent {
 enum class JobAction {
   kNone,
   kStore,    // the result, in one transaction with the new state; a lease that runs ends
-  kCompare,  // the result with what is stored: equal, or kept aside
-  kDrop,     // nobody wants the result
+  kCompare,  // compare with the stored result: equal, or a conflict
+  kDrop,     // discard the result
   kRefuse    // cannot be: nothing changes
 };
 

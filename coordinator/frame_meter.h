@@ -50,7 +50,7 @@ struct FrameTotals {
 class FrameScanner {
  public:
   struct Frame {
-    std::uint32_t length;  // of what follows the header [bytes]
+    std::uint32_t length;  // of the payload after the header [bytes]
     std::uint8_t type, flags;
     std::uint32_t stream;
   };

@@ -25,7 +25,7 @@ struct RelayDesk {
   int under_way = 0;                 // connections
   OnceASecond refused, silent, too_much, crowded;
   std::vector<char> scratch = std::vector<char>(64 << 10);  // between two waits one relay needs it
-  boost::asio::io_context loop{1};  // the last member: what waits in it uses the others
+  boost::asio::io_context loop{1};  // the last member: its waiting calls use the others
 };
 
 // Serves a client until the relay ends. Takes over the client's descriptor, performs the handshake,

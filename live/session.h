@@ -112,10 +112,10 @@ class LiveSession {
   };
   std::optional<Drawn> drawn_;  // last
 
-  std::mutex resting_;  // guards what follows
+  std::mutex resting_;  // guards the members below
   std::condition_variable wake_;
   bool stopped_ = false;
-  std::uint64_t moved_ = 0;  // counts changes of what is asked for
+  std::uint64_t moved_ = 0;  // number of changes of the request
   std::optional<LiveAsk> wanted_;
   std::optional<LiveAsk> rested_;  // of `rest_`
   LivePicture rest_;

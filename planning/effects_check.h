@@ -19,10 +19,10 @@ inline constexpr const char* kNotSeenByEffects =
     "--search` judges these by other means";
 
 struct EffectsCheckAsked {
-  std::uint64_t views = 5;         // so many, spread over the sweep, with all their rows
+  std::uint64_t views = 5;         // number of views, spread over the sweep, with all their rows
   std::vector<std::uint64_t> row;  // instead: these rows, each by itself
   std::uint32_t timed = 1;
-  double reference_paths = 0;  // as EffectsCheckOptions has it
+  double reference_paths = 0;  // as in EffectsCheckOptions
 };
 
 // Computes views of a sweep with the effects that its error needs, and with all effects. `seen`

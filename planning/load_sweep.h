@@ -26,7 +26,7 @@ struct LoadedSweep {
   SweepFile file;
   schema::ResolvedSweep resolved;
   Assets assets;
-  HeatOutputs heat = {};  // what its heat jobs leave; empty: not computed yet
+  HeatOutputs heat = {};  // outputs of its heat jobs; empty: not computed yet
   // Warnings, one line each: its weather (jobs/consistency/check_weather.h), open shells of its
   // model.
   std::vector<std::string> warnings;

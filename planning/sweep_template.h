@@ -28,7 +28,7 @@ struct TemplateAsked {
   // each month (1 to 12; empty: all). Empty: temperatures and one season are assumed.
   std::string weather_file;
   std::vector<int> months;
-  double height_m = 0;      // of the surface, as the weather file has it
+  double height_m = 0;      // of the surface, from the weather file
   double utc_offset_h = 0;  // of the hours; without a weather file the place's
 };
 

@@ -13,7 +13,7 @@ namespace irsig {
 // kept from view to view.
 struct JobMemory {
   double fixed_bytes = 0;          // program, scene, weights of paths
-  double shared_bytes = 0;         // of these: what all workers of a process share
+  double shared_bytes = 0;         // part of it that all workers of a process share
   double bytes_per_condition = 0;  // season x time
   double heat_bytes = 0;           // of a job that computes temperatures: before there are views
 

@@ -20,7 +20,7 @@ class SharedRunners {
   struct Key {
     std::string sweep_sha256;
     std::vector<std::string>
-        outputs;  // hashes of what its heat jobs have left; none: not yet there
+        outputs;  // hashes of the outputs of its heat jobs; none: not yet there
   };
   // assets: by hash, those of the previous sweep; make leaves those of its own sweep there.
   using Make = std::function<absl::StatusOr<std::unique_ptr<const JobRunner>>(Assets& assets)>;

@@ -57,7 +57,7 @@ class LocalFarm {
   absl::StatusOr<bool> answers(const std::string& log);
 
   LocalFarmPlan plan_;
-  std::unique_ptr<ScratchFolder> folder_;  // goes after those who write into it
+  std::unique_ptr<ScratchFolder> folder_;  // destroyed after its writers
   Address address_;
   std::unique_ptr<ChildProcess> coordinator_;
   std::unique_ptr<WorkerCrew> crew_;

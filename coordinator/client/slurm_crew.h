@@ -13,7 +13,7 @@ namespace irsig {
 // A user's request to Slurm.
 struct SlurmPlan {
   std::uint32_t nodes = 0;  // whole nodes, a worker on each CPU of theirs; 0: workers one by one
-  std::string partition, time_limit;  // as sbatch has them; empty: Slurm's own
+  std::string partition, time_limit;  // in the form of sbatch; empty: Slurm's defaults
   std::vector<std::string> options;   // of sbatch, besides
   std::string host;                   // under which nodes reach this machine; empty: its name
   // Callback: given the last words of workers that have vanished from Slurm's queue, which may be

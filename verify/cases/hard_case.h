@@ -18,7 +18,7 @@ struct Finding {
   double worst_error = 0;
   double bound = 0;
   std::uint64_t checks = 0;
-  std::string where;  // the arguments of the worst error, or what was counted
+  std::string where;  // arguments of the worst error, or the counted items
 
   [[nodiscard]] bool holds() const { return checks > 0 && worst_error <= bound; }
 };

@@ -66,7 +66,7 @@ struct SceneVerdict {
 
 struct SearchOptions {
   std::uint64_t first = 1, last = 60;  // seeds
-  std::string family = "*";            // only those whose family matches
+  std::string family = "*";            // only scenes whose family matches
   SceneGrammar grammar;
   std::uint64_t most_reference_rays = 6'000'000;  // of a scene
   int invariances = 2;                            // of each scene, in rotation; kInvariances: all

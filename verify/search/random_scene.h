@@ -91,8 +91,8 @@ struct RandomScene {
   // The embedded atmosphere over a rough sea in place of air and sky; judged by invariances alone.
   bool atmosphere = false;
   double visibility_m = 23000, wind_speed_m_s = 5;
-  RandomCloud cloud;  // drawn apart: without it the scene of a seed is the same
-  RandomLand land;    // likewise, in place of the sea
+  RandomCloud cloud;  // drawn separately: without it the scene of a seed is the same
+  RandomLand land;    // drawn separately, in place of the sea
   std::string time = "12:00Z";
   double heading_deg = 0;
   double azimuth_deg = 0, elevation_deg = 0, range_m = 1000;

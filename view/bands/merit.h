@@ -9,7 +9,7 @@ namespace irsig {
 // A merit of the signal-to-noise ratios s of the rows.
 enum class Merit {
   kMean,
-  kPercentile,  // what all but `percentile` % of the population exceed
+  kPercentile,  // the value that all but `percentile` % of the population exceed
   kWorst,
   kAbove,  // the share of the population with s >= threshold
   kRange   // up to where all but `percentile` % of the population have s >= threshold [m]

@@ -39,7 +39,7 @@ struct RegionMean {
   double radiance_w_m2_sr, stderr_w_m2_sr;
   double temperature_k;    // over the target's area in the region, and the land's, as far as known
   double target_fraction;  // of the region's area
-  double known_fraction;   // likewise, of which the temperature is known
+  double known_fraction;   // of the region's area, with known temperature
 };
 
 // Pixels of an image and its layers, row by row from the top left.

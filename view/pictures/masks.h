@@ -18,8 +18,8 @@ namespace irsig {
 // Returns the pixels that show any of the target, and their box.
 [[nodiscard]] ImageContent covered_pixels(const StoredSilhouette& silhouette);
 
-// Returns for each pixel 1 + the index in `parts` of the part that most samples meet; 0 where the
-// target fills less than half of the pixel.
+// Returns [pixel] 1 + the index in `parts` of the part that most samples of the pixel meet; 0 where
+// the target fills less than half of the pixel.
 [[nodiscard]] std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
                                                    const std::vector<std::string>& parts);
 

@@ -29,7 +29,7 @@ struct RegionValue {
 // days.
 struct RegionHours {
   std::string sweep, layer;
-  std::optional<double> solar_offset_h;  // as Hours has it (view/report/hours.h)
+  std::optional<double> solar_offset_h;  // as in Hours (view/report/hours.h)
   std::vector<RegionValue> value;        // by day, band, region and hour
 };
 

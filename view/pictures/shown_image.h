@@ -30,7 +30,7 @@ struct RowImage {
 // Which radiance of a stored image a picture shows.
 struct ShownAsked {
   std::string layer;        // of this further image; empty: the radiance at the target
-  bool background = false;  // as the sensor has it, before the row's background
+  bool background = false;  // as at the sensor, before the row's background
 
   // Returns the layer that is shown if the image has it; empty: none.
   [[nodiscard]] std::string wanted_layer() const;

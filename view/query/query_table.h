@@ -18,7 +18,7 @@ struct QueryContent {
   bool wide = false;      // one column per wavelength of the quantity's spectrum; not with these
   bool parts = false;     // one line per part; not together with spectrum
   bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
-  SignatureQuantity quantity = SignatureQuantity::kIntensity;  // what people are shown
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;  // shown in tables for people
 };
 
 // Values of a spectrum and their name in the csv format.

@@ -36,7 +36,7 @@ struct ProposedViewpoint {
 struct Refinement {
   std::vector<ProposedViewpoint> add;
   double largest_before, largest_after;  // relative error of interpolation, over all directions
-  std::size_t above_before, above_after, directions;  // of these, how many exceed what is asked
+  std::size_t above_before, above_after, directions;  // above: the requested error
 };
 
 // Finds viewpoints to add until interpolation states at most `relative_error` everywhere between

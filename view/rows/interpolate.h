@@ -36,8 +36,8 @@ struct SphereEstimate {
   double value;
   double value_stderr;         // of the samples, propagated through the weights
   double interpolation_error;  // one sigma, of both below; 0 at a sample
-  double rough_error;          // what the samples' own scatter shows
-  double hidden_error;         // what facets hide between samples, whatever the scatter is
+  double rough_error;          // from the samples' own scatter
+  double hidden_error;         // possible effect of facets between samples, whatever the scatter
 };
 
 // Interpolation at one direction, by ordinary kriging on the nearest samples. The weights depend on

@@ -61,7 +61,7 @@ class Database {
   enum class Mode {
     kReadWriteCreate,
     kReadOnly,
-    kImmutable,  // read-only, and nobody writes: without lock, without journal
+    kImmutable,  // read-only, without writers: no lock, no journal
   };
   // Opens a database. attaches: if true, another database may be attached for writing, whatever the
   // mode of this one.

@@ -121,7 +121,7 @@ struct StoredSilhouette {
   std::uint32_t width_px = 0, height_px = 0, pixel_samples = 0;
   struct Pixel {
     std::uint32_t at;       // row by row from the top left
-    std::uint16_t samples;  // of it that meet the part first, or the set; more than 0
+    std::uint16_t samples;  // of the pixel that meet the part first, or the set; > 0
   };
   struct Part {
     std::string name;
@@ -131,7 +131,7 @@ struct StoredSilhouette {
   // Rays that meet exactly these parts, one behind the other, if the sweep asked for whole parts.
   struct PartSet {
     std::vector<std::string> part;
-    double outside_px = 0;  // what such rays cover outside the frame [areas of a pixel]
+    double outside_px = 0;  // area of such rays outside the frame [pixels]
     std::vector<Pixel> pixel;
   };
   std::vector<PartSet> part_set = {};
@@ -285,7 +285,7 @@ struct SweepContents {
   };
   std::vector<Band> band;
   std::vector<double> range_m;  // of its viewpoints, increasing
-  bool thumbnails = false;      // asked for
+  bool thumbnails = false;      // requested
   bool clutter = false;         // a row has some: its target stands before land
 };
 

@@ -51,7 +51,7 @@ class WriterLock {
 // State of the lock file beside a database, for processes that do not hold the lock.
 struct LockFile {
   bool held = false;                   // by a living writer
-  bool whole_without_journal = false;  // as say_whole_without_journal() has it, of this very file
+  bool whole_without_journal = false;  // stated by say_whole_without_journal(), of this file
 };
 [[nodiscard]] LockFile read_lock_file(const std::string& database);
 

@@ -11,7 +11,7 @@ namespace irsig {
 // A fault of a database, or a sign of its age.
 struct StoreFinding {
   enum class Kind {
-    kDamaged,  // not what was written
+    kDamaged,  // differs from the written content
     kMissing,  // not computed (yet)
     kOld,      // of an earlier version of irsig or of the sweep
   } kind;

@@ -13,13 +13,13 @@ namespace irsig {
 struct SliceAsked {
   SignatureFilter filter;
   std::string filter_text = {};  // of the options that it was made from, for people
-  bool source_digest = false;    // say the source's digest, too: all of it is read for that
+  bool source_digest = false;    // also compute the source's digest, which reads all of it
 };
 
 struct Sliced {
   std::uint64_t rows, source_rows;
   std::string digest;         // StoreReader::digest of the slice
-  std::string source_digest;  // empty: not asked for
+  std::string source_digest;  // empty: not requested
 };
 
 // Callback: given the number of rows copied and the total, returns OK to continue; another status
