@@ -27,12 +27,12 @@ struct ChosenAir {
   std::optional<Place> place;
 };
 
-// The options that describe an atmosphere, by themselves or as a sweep has it: `irsig show
-// atmosphere`, `sky` and `sun` share them.
+// Options that describe an atmosphere, directly or by a sweep; `irsig show atmosphere`, `sky` and
+// `sun` share them.
 class AirOptions {
  public:
-  // kHotGas: --temperature-k is the command's own, the air's is --air-temperature-k alone, and
-  // there are no options for a cloud, which `show gas` leaves out.
+  // kHotGas: --temperature-k is the command's own option; --air-temperature-k alone is the air's.
+  // There are no options for a cloud, which `show gas` leaves out.
   enum class Use { kLight, kHotGas };
   explicit AirOptions(CLI::App& command, Use use = Use::kLight);
 

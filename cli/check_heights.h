@@ -10,8 +10,8 @@ namespace irsig {
 // Returns true for the name of a map of heights: .hgt, .asc, .tif or .tiff.
 [[nodiscard]] bool is_heights_file(const std::string& file);
 
-// Writes what check_heights() finds in a map. Returns the exit code: 2 if heights are missing or
-// beyond all land.
+// Writes the findings of check_heights() about a map. Returns the exit code: 2 if heights are
+// missing or beyond all land.
 [[nodiscard]] absl::StatusOr<int> check_heights_file(const std::string& file,
                                                      const OutputOptions& output);
 

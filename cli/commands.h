@@ -47,12 +47,11 @@ void add_selftest(CLI::App& app, int& exit_code);
 void add_verify_effects(CLI::App& app, int& exit_code);
 void add_profile(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);  // of all commands added before and after
-void add_manual(CLI::App& app, int& exit_code);      // likewise: man pages, tables of the reference
+void add_manual(CLI::App& app, int& exit_code);      // generated man pages and reference tables
 
 // Prints the message to standard error, after "irsig: " unless it begins with a place in a file,
-// and returns the exit code that the status stands for: 0 for OK; 2 for INVALID_ARGUMENT,
-// NOT_FOUND, OUT_OF_RANGE, PERMISSION_DENIED and UNAUTHENTICATED: what the user gave is wrong, or
-// may not be used; 1 otherwise.
+// and returns the exit code of the status. It is 0 for OK; 2 for errors of the user's input
+// (INVALID_ARGUMENT, NOT_FOUND, OUT_OF_RANGE, PERMISSION_DENIED and UNAUTHENTICATED); 1 otherwise.
 [[nodiscard]] int report(const absl::Status& status);
 
 }  // namespace irsig

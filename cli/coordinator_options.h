@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// --coordinator and how to reach it: one code for every command that asks one.
+// --coordinator and the options of the connection; shared by every command that asks a coordinator.
 class CoordinatorOptions {
  public:
   explicit CoordinatorOptions(CLI::App& command) {

@@ -11,10 +11,10 @@
 
 namespace irsig {
 
-// A sweep file as irsig fly asks for its views.
+// The sweep file from which irsig fly makes its views.
 class Flight {
  public:
-  // Errors as load_sweep() has them.
+  // Reads the sweep file. Errors: those of load_sweep().
   [[nodiscard]] static absl::StatusOr<Flight> load(const std::string& path);
 
   [[nodiscard]] const LoadedSweep& loaded() const { return loaded_; }
@@ -23,8 +23,8 @@ class Flight {
   [[nodiscard]] const LiveAsk& first() const { return first_; }
   [[nodiscard]] std::vector<std::string> conditions() const;  // names for people
   [[nodiscard]] std::vector<std::string> bands() const;
-  // Returns the sweep with the condition alone that is asked for. Errors of the edited file name
-  // its own lines.
+  // Returns the sweep with the requested condition alone. Errors of the edited file name its own
+  // lines.
   [[nodiscard]] absl::StatusOr<LiveInput> input(const LiveAsk& ask) const;
   // Returns the text of a sweep file with one view, to be stored beside the sweep's own file.
   [[nodiscard]] absl::StatusOr<std::string> view_text(const LiveAsk& ask,
@@ -39,8 +39,8 @@ class Flight {
   LiveAsk first_;
 };
 
-// Writes the sweep of a view beside the sweep file, runs it into a database and returns what was
-// stored where, for people.
+// Writes the sweep of a view beside the sweep file and runs it into a database. Returns a message
+// for people that names the stored result and its place.
 [[nodiscard]] absl::StatusOr<std::string> keep_view(const Flight& flight, const LiveAsk& ask,
                                                     std::uint32_t number, const std::string& db);
 

@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// The texts that help pages, man pages and the reference show of a command, made from its options
-// as the program parses them.
+// Texts on a command for help pages, man pages and the reference, made from its options as the
+// program parses them.
 
 struct OptionHelp {
   std::string names;     // "-o,--out", or "SWEEP" of an argument without a name
@@ -29,7 +29,7 @@ struct OptionGroupHelp {
 // command.
 [[nodiscard]] std::vector<OptionGroupHelp> option_groups(const CLI::App& command);
 
-// Returns what a command does in a line, as the list of commands has it.
+// Returns the description of a command in one line, as in the list of commands.
 [[nodiscard]] std::string summary_of(const CLI::App& command);
 
 // Returns the whole description of a command, with a capital letter in front.
@@ -41,7 +41,8 @@ struct OptionGroupHelp {
 // Returns the commands of a command that have a name, in their order.
 [[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
 
-// Lines of at most `columns` columns (a longer word stands alone), each after `indent` spaces.
+// Breaks a text into lines of at most `columns` columns, each after `indent` spaces; a longer word
+// has its own line.
 [[nodiscard]] std::string wrapped(const std::string& text, std::size_t indent, std::size_t columns);
 
 // Formats the help of every command that is added after it was set.

@@ -15,16 +15,16 @@ namespace irsig {
 // format has a short form of its own: --csv is --format csv.
 class OutputOptions {
  public:
-  // formats: those that the command has, the one that nobody has to ask for first. "text" is for
-  // people and may also be called "table".
+  // Adds the options. formats: formats of the command, the default one first. "text" is for people
+  // and may also be called "table".
   OutputOptions(CLI::App& command, std::vector<std::string> formats);
 
   // Returns the option --out, for commands that need a file; "-" is not a file.
   [[nodiscard]] CLI::Option* out_option() const { return out_option_; }
   [[nodiscard]] const std::string& out() const { return out_; }
 
-  // Returns the format that was asked for, or that the file's name says. INVALID_ARGUMENT: they
-  // contradict each other, or the name ends as no format of this command.
+  // Returns the requested format, or the format that the file's name implies. INVALID_ARGUMENT:
+  // both contradict each other, or the name's ending is not a format of this command.
   [[nodiscard]] absl::StatusOr<std::string> format() const;
 
   // Lets `write` fill the file, replaced when complete, or standard output: no --out, or "-".

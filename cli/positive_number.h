@@ -17,7 +17,7 @@ inline CLI::Validator positive_number() {
           "POSITIVE"};
 }
 
-// Returns a check of a seed: digits alone. CLI11 takes -1 for the largest number.
+// Returns a check of a seed: only digits are allowed, because CLI11 reads -1 as the largest number.
 inline CLI::Validator seed_number() {
   return {[](const std::string& text) {
             const bool digits =

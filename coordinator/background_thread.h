@@ -9,8 +9,8 @@
 
 namespace irsig {
 
-// Work that takes long and must hold up neither gRPC nor the commit loop, one piece after the
-// other. Thread-safe but for stop(), which belongs to whoever made it.
+// Runs long work, one piece after the other, that must block neither gRPC nor the commit loop.
+// Thread-safe, except stop(), which only the thread that made the object may call.
 class BackgroundThread {
  public:
   using Work = absl::AnyInvocable<void()>;

@@ -31,7 +31,7 @@ class ClientSocket {
   [[nodiscard]] virtual std::string certificate() const = 0;
 };
 
-// Makes them: one way for all connections of a port.
+// Makes the sockets of clients, in one way for all connections of a port.
 class ClientSockets {
  public:
   virtual ~ClientSockets() = default;

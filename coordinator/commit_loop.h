@@ -19,13 +19,13 @@ namespace irsig {
          absl::IsNotFound(status) || absl::IsAlreadyExists(status) || absl::IsAborted(status);
 }
 
-// The one thread that owns the farm and its store. Requests that arrive while a commit is on its
-// way to the disk wait, and then share the next one (group commit): the busier, the fewer commits a
-// request. post() may be called from any thread; the other members belong to the thread that made
-// the loop.
+// The one thread that owns the farm and its store. Requests that arrive during a commit wait and
+// then share the next one (group commit), so that a busy coordinator needs fewer commits per
+// request. Any thread may call post(); the other members belong to the thread that made the loop.
 class CommitLoop {
  public:
-  // kLeases: writes what need not outlive the machine, if that dies: who has which job.
+  // kLeases: the request writes which worker has which job, which need not survive a failure of the
+  // machine.
   enum class Kind { kReads, kLeases, kWrites };
   using Work = absl::AnyInvocable<absl::Status(Farm&)>;
   using Acknowledge = absl::AnyInvocable<void(const absl::Status&)>;
@@ -36,12 +36,11 @@ class CommitLoop {
   // commit.
   void post(Kind kind, Work work, Acknowledge acknowledge);
 
-  // Starts to serve the requests. A request that fails in another way than by a refusal (an
-  // exception, a statement that cannot run) is undone by itself, and the others continue. `failed`
-  // is called, once, if the store cannot continue (the disk is full): nothing is acknowledged after
-  // that.
+  // Starts to serve the requests. A request that fails otherwise than by a refusal (an exception, a
+  // statement that cannot run) is undone alone, and the others continue. If the store cannot
+  // continue (the disk is full), `failed` is called once, and no later request is acknowledged.
   void start(Farm& farm, StoreWriter& store, absl::AnyInvocable<void(absl::Status)> failed);
-  // Serves what is waiting and ends.
+  // Serves the waiting requests and ends.
   void stop();
 
  private:

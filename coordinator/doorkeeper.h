@@ -17,10 +17,10 @@
 
 namespace irsig {
 
-// Decides which caller may make which call. Over TLS each call is checked anew against the caller's
+// Decides which caller may make which call. Over TLS, each call is checked against the caller's
 // certificate: its roles, its dates, and the authority's list of revoked certificates. Without TLS
 // (a Unix socket of mode 0600, --insecure-loopback, --insecure-network) every connected caller may
-// do everything. Thread-safe.
+// make every call. Thread-safe.
 class Doorkeeper {
  public:
   // Creates a doorkeeper. tls: null without TLS. crl_path: the revocation list, read again whenever
@@ -37,8 +37,9 @@ class Doorkeeper {
   absl::Status admit(const grpc::ServerContextBase& context, std::string_view call,
                      const std::set<Role>& enough);
 
-  // Certificates that are soon at their end (the coordinator's, the authority's, those of callers
-  // of the last hour), a revocation list that cannot be read. Each is logged once a day.
+  // Returns warnings about certificates that expire soon (of the coordinator, the authority, and
+  // callers of the last hour), and about a revocation list that cannot be read. Each warning is
+  // logged once a day.
   std::vector<std::string> warnings();
 
  private:

@@ -16,13 +16,13 @@ struct JobName {
   friend auto operator<=>(const JobName&, const JobName&) = default;
 };
 
-// Chooses jobs to be computed by a second worker, and judges results that differ. The chosen
-// fraction of jobs comes from a hash that no worker knows in advance. If two results differ, a
-// third worker's decides: until then neither worker is blamed. Bookkeeping alone, lost when the
-// coordinator starts again. Not thread-safe.
+// Chooses jobs to be computed by a second worker, and judges results that differ. A hash that no
+// worker knows in advance selects the chosen fraction of jobs. If two results differ, a third
+// worker's result decides; until then neither worker is blamed. The state is in memory alone and
+// lost when the coordinator restarts. Not thread-safe.
 class DoubleCheck {
  public:
-  // share: of all jobs. salt: differs with every start of the coordinator.
+  // share: fraction of all jobs. salt: differs at every start of the coordinator.
   DoubleCheck(double share, std::string salt) : share_(share), salt_(std::move(salt)) {}
 
   // Returns true if another worker is to compute the job again after its first result. ask_for()
@@ -36,8 +36,8 @@ class DoubleCheck {
   struct Verdict {
     enum class Kind {
       kUndecided,     // a third worker is asked, now or when it comes
-      kOneIsWrong,    // two agree with what is stored: `wrong` is set aside
-      kStoredIsWrong  // two agree against what is stored: `wrong` has computed that
+      kOneIsWrong,    // two agree with the stored result: `wrong` is set aside
+      kStoredIsWrong  // two agree on another result: `wrong` computed the stored one
     } kind;
     std::string wrong;
   };
@@ -68,8 +68,8 @@ class DoubleCheck {
 class Stragglers {
  public:
   void took(double seconds);
-  // Returns true if a job that has been computed for so long is worth a second, idle worker: twice
-  // the recent typical time, and long enough for a second worker to matter.
+  // Returns true if a job with this computing time deserves a second, idle worker: the time exceeds
+  // twice the recent typical time, and is long enough for a second worker to save time.
   [[nodiscard]] bool is_one(double seconds) const {
     return known_ > 0 && seconds > 2 * typical_s_ && seconds > kShortest_s;
   }

@@ -27,14 +27,14 @@ using Clock = std::function<double()>;
 struct FarmRules {
   double heartbeat_s = 2;
   double lost_after_s = 10;
-  // A job that three workers were lost with, one at a time, is given up. Where there are fewer, so
-  // many losses are tolerated before the next ones count as failures: what kills its worker would
-  // otherwise be tried for ever.
+  // Number of losses that are tolerated before further ones count as failures. A job that three
+  // workers were lost with, one at a time, is given up; with fewer workers this limit applies,
+  // because a job that kills its worker would otherwise be retried for ever.
   std::uint32_t tolerated_losses = 5;
   double audit_fraction = 0.005;  // of jobs that a second worker computes, too
 };
 
-// A sweep as it is to be stored: everything that can be worked out without the store.
+// A sweep prepared for storing: everything that can be computed without the store.
 struct Submission {
   schema::ResolvedSweep sweep;
   std::string sweep_sha256;
@@ -51,8 +51,8 @@ struct Submission {
                                                          std::uint32_t physics_version,
                                                          std::vector<Asset> assets);
 
-// A result as a worker returns it. `checked`: outcome of the check of the result by itself
-// (check_plausible), made before.
+// A result as a worker returns it. `checked`: outcome of the earlier check of the result by itself
+// (check_plausible).
 struct Returned {
   std::string worker_id;
   std::uint64_t fencing_token = 0;  // of its lease; 0: it comes from a spool
@@ -63,19 +63,25 @@ struct Returned {
 };
 
 // Decisions of the coordinator: which worker gets which job, and which results are accepted. The
-// queue itself is in the store, so that it survives a restart; only the workers' sessions are here,
-// and workers register anew. Knows neither threads nor gRPC. Not thread-safe: the commit loop's
-// thread owns it, and opens and commits the store's transactions around its calls.
+// queue is in the store, so that it survives a restart; only the workers' sessions are here, and
+// workers register again. The class uses neither threads nor gRPC. Not thread-safe: the commit
+// loop's thread owns it, and opens and commits the store's transactions around its calls.
 //
-// farm_table.h has the transitions. Errors: NOT_FOUND = the worker is unknown (lost, or of an
-// earlier coordinator): it registers again. FAILED_PRECONDITION = refused for good: a foreign
-// failure, a worker of another class. ABORTED = the worker was set aside, with the reason.
-// INVALID_ARGUMENT = the result is not that of its job; it counts as a failure of its lease.
+// farm_table.h has the transitions. Errors:
+//   NOT_FOUND            the worker is unknown (lost, or of an earlier coordinator); it registers
+//                        again
+//   FAILED_PRECONDITION  refused for good: a failure whose lease is not current, a worker of
+//                        another determinism class or physics version, too many workers, or a
+//                        stored sweep that cannot be computed
+//   ABORTED              the worker was set aside, with the reason
+//   INVALID_ARGUMENT     the result does not belong to its job; it counts as a failure of its lease
 class Farm {
  public:
-  // clock: never goes back, for timeouts. unix_clock: for the record of who leased what and when.
-  // coordinator_id: differs with every start, so that no worker id is ever given twice.
-  // check_sweep: of stored sweeps that an earlier coordinator took.
+  // Creates a farm.
+  //   clock           monotonic, for timeouts
+  //   unix_clock      for the record of leases
+  //   coordinator_id  differs at every start, so that no worker id is used twice
+  //   check_sweep     checks stored sweeps that an earlier coordinator accepted
   Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_clock,
        std::string coordinator_id, SweepCheck check_sweep);
 
@@ -93,10 +99,11 @@ class Farm {
 
   // Returns leases that no session knows to the queue. Call it after a request was undone.
   absl::Status release_orphaned_leases();
-  // Workers that may send a result: may be asked from any thread.
+  // Returns the book of workers that may send a result. Any thread may call this.
   [[nodiscard]] const LeaseBook& leases() const { return leases_; }
 
-  // Workers that have been silent too long lose their jobs.
+  // Returns true if a worker has been silent too long; drop_silent_workers() takes the jobs of such
+  // workers.
   [[nodiscard]] bool somebody_is_silent();
   absl::Status drop_silent_workers();
 
@@ -109,7 +116,7 @@ class Farm {
     SessionState state = SessionState::kIdle;
     JobName job = {};  // that it computes
     std::uint64_t fencing_token = 0;
-    bool is_duplicate = false;  // another worker has it, or had it: the queue knows nothing of this
+    bool is_duplicate = false;  // another worker has or had the job; not recorded in the queue
     double leased_at_s = 0;
   };
   struct Losses {
@@ -176,7 +183,7 @@ class Farm {
   std::map<std::string, Losses> losses_;                    // job key -> lost workers
   std::map<std::string, std::uint64_t>
       out_of_memory_;  // job key -> of the worker that had too little
-  // Worker name -> jobs that failed on it and that another one has done.
+  // Names of workers, with the jobs that failed on them and that another worker has done.
   std::map<std::string, std::set<std::string>> failed_alone_;
   std::map<std::string, std::string> aside_;           // worker name -> why
   std::map<std::string, std::string> of_other_class_;  // refused: worker name -> class

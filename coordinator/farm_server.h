@@ -16,20 +16,21 @@ struct FarmServerOptions {
   FarmRules rules;
   Clock clock, unix_clock;  // as Farm's
   std::function<void(const absl::Status&)>
-      on_failure;  // the store cannot go on; called at most once
-  SweepCheck check_sweep;  // of what is submitted, and of what is stored; not empty
-  // A database that this coordinator made goes again when nobody submitted anything to it.
+      on_failure;  // the store cannot continue; called at most once
+  SweepCheck check_sweep;  // for submitted and for stored sweeps; not empty
+  // If true, a database that this coordinator made is removed if no sweep was submitted to it.
   bool remove_unused = false;
-  // The authority's list of revoked certificates, with TLS, read anew when it changes; empty: none.
+  // The authority's list of revoked certificates, with TLS; read again when the file changes;
+  // empty: none.
   std::string tls_crl = {};
 };
 
 // A coordinator in this process: one database, one address. Belongs to one thread.
 class FarmServer {
  public:
-  // Opens the database, takes back every lease of an earlier coordinator, and only then listens:
-  // whoever reaches the address is answered. A port in use (ALREADY_EXISTS) leaves no new database
-  // behind.
+  // Opens the database, takes back every lease of an earlier coordinator, and only then listens, so
+  // that every client that connects is answered. ALREADY_EXISTS: the port is in use; no new
+  // database is left.
   static absl::StatusOr<std::unique_ptr<FarmServer>> start(FarmServerOptions options);
   virtual ~FarmServer() = default;
 
@@ -37,7 +38,7 @@ class FarmServer {
   // the system chose.
   [[nodiscard]] virtual std::string address() const = 0;
   // Refuses further calls, commits waiting ones, and makes the database one plain file.
-  // UNAVAILABLE: a reader has it open; it is complete, but its journal stays beside it.
+  // UNAVAILABLE: a reader has the database open; it is complete, but its journal stays beside it.
   virtual absl::Status stop() = 0;
 };
 

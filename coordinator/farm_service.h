@@ -13,9 +13,9 @@
 
 namespace irsig {
 
-// gRPC on one side, the commit loop on the other: no call holds a thread while it waits for its
-// commit. What a call may hold in memory is accounted for before it is taken; who takes too long
-// between two pieces is cut off.
+// Connects gRPC to the commit loop; no call holds a thread while it waits for its commit. The
+// memory of a call is reserved before it is allocated. A client that takes too long between two
+// pieces is disconnected.
 class FarmService final : public schema::Farm::CallbackService {
  public:
   // State that all calls share.

@@ -4,25 +4,25 @@
 
 namespace irsig {
 
-// The life of jobs and workers, whole. Everything that happens at a coordinator is one row below;
-// the farm looks its decisions up here, and unit.queue (FarmWalk) holds farm and store against it,
-// row by row and over every state that two workers and two jobs can be in.
+// The complete life of jobs and workers. Every event at a coordinator is one row below, and the
+// farm looks up its decisions here. unit.queue (FarmWalk) compares farm and store with the table,
+// row by row, over every state that two workers and two jobs can have.
 //
-// A lease is a job that is leased and a worker that computes, held together by a fencing token. It
-// says who computes what, and nothing about whose result is taken: a result is taken by what it is
-// (sweep, job key, determinism class, content), from any worker that is registered. So a worker may
-// compute without a lease: its job was given to another one, or it computes a job for the second
-// time (an audit, or because another one takes long over it).
+// A lease joins a leased job and a computing worker by a fencing token. It states who computes a
+// job, but not whose result is accepted. A result is accepted by its properties (sweep, job key,
+// determinism class, content), from any registered worker. A worker may therefore compute without a
+// lease: its job was given to another worker, or it computes a job for the second time (an audit,
+// or because another worker takes long).
 
 // ---------------------------------------------------------------------------------------------------
 // Jobs. Their states are in the database, and survive whatever is killed.
 
 enum class JobEvent {
-  kLease,    // a worker asks for one
-  kResult,   // a result of it comes, whoever holds the lease
+  kLease,    // a worker requests a job
+  kResult,   // a result arrives, from any worker
   kRelease,  // its lease ends without anything: the worker is lost, or the coordinator started
              // again
-  kFail,     // its worker says that it failed; it is to be tried again
+  kFail,     // its worker reports a failure; the job is tried again
   kGiveUp,   // the same, for the last time; or a job that it needs was given up
   kCancel,   // of its sweep
   kSubmit    // its sweep again
@@ -31,8 +31,8 @@ enum class JobEvent {
 enum class JobAction {
   kNone,
   kStore,    // the result, in one transaction with the new state; a lease that runs ends
-  kCompare,  // the result with what is stored: equal, or kept aside
-  kDrop,     // nobody wants the result
+  kCompare,  // compare with the stored result: equal, or a conflict
+  kDrop,     // discard the result
   kRefuse    // cannot be: nothing changes
 };
 

@@ -50,7 +50,7 @@ struct FrameTotals {
 class FrameScanner {
  public:
   struct Frame {
-    std::uint32_t length;  // of what follows the header [bytes]
+    std::uint32_t length;  // of the payload after the header [bytes]
     std::uint8_t type, flags;
     std::uint32_t stream;
   };
@@ -68,9 +68,9 @@ class FrameScanner {
   std::size_t known_ = 0;
 };
 
-// Counts what the client of one connection makes an HTTP/2 server do beyond its answers: streams
-// that are opened, or opened and reset at once (CVE-2023-44487), header blocks that do not end
-// (CVE-2023-33953, CVE-2024-27316). Sees frame headers only: no payload is looked at or kept.
+// Counts the work that the client of one connection causes in an HTTP/2 server beyond its answers:
+// streams that are opened, or opened and reset at once (CVE-2023-44487), and header blocks that do
+// not end (CVE-2023-33953, CVE-2024-27316). Reads frame headers only: no payload is read or kept.
 // Belongs to one thread.
 class FrameMeter {
  public:

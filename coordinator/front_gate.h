@@ -11,24 +11,25 @@
 
 namespace irsig {
 
-// Stands in front of a gRPC server: takes the connections of an address, ends their TLS, counts
-// what their clients ask for (frame_meter.h) and carries the bytes on (relay.h). gRPC's own
-// listener gives up for ever at the first connection for which there is no file descriptor; this
-// one turns the last ones away, and goes on: the database needs some, too. Belongs to one thread.
+// Accepts the connections of an address before a gRPC server, ends their TLS, counts the clients'
+// requests (frame_meter.h) and forwards the bytes (relay.h). gRPC's own listener stops for ever at
+// the first connection without a free file descriptor. This one refuses connections before that and
+// continues, because the database needs descriptors, too. Belongs to one thread.
 class FrontGate {
  public:
   // Raises the limit of open files from the usual 1024 to the hard limit of this process.
   static void raise_open_files();
 
-  // Holds the address: the port (0: any free one) of an IPv4 address, an [IPv6] one or a name, or a
-  // Unix socket of mode 0600, which replaces a file at its path.
-  // ALREADY_EXISTS: another process has it; INVALID_ARGUMENT: the host is none of this machine's.
+  // Binds the address: the port (0: any free one) of an IPv4 address, an [IPv6] address or a name;
+  // or a Unix socket of mode 0600, which replaces a file at its path. ALREADY_EXISTS: another
+  // process uses the address. INVALID_ARGUMENT: the host does not belong to this machine.
   static absl::StatusOr<std::unique_ptr<FrontGate>> open(const Address& address,
                                                          Visitors& visitors);
   virtual ~FrontGate() = default;
 
   [[nodiscard]] virtual int port() const = 0;
-  // Connections that say nothing for so long are put out. The server must have started.
+  // Starts to accept connections for a server that has started. Connections that send nothing for
+  // patience_ms [ms] are closed.
   virtual void start(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server,
                      int patience_ms) = 0;
   // Refuses further connections; existing ones continue.

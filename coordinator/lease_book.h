@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// Registered workers and their leases. The farm writes the book, and the receiver of a result asks
-// it before it accepts the result's bytes. Thread-safe.
+// Registered workers and their leases. The farm writes the book; the receiver of a result reads it
+// before accepting the result's bytes. Thread-safe.
 class LeaseBook {
  public:
   void registered(const std::string& worker_id) { hold(worker_id, 0); }

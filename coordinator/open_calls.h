@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// Streams that are under way. One whose other side says or takes nothing for kSilence, or is slower
-// than kSlowest altogether, is cancelled: a call that is left half open would keep what it holds
-// for ever. Thread-safe.
+// Open streams. A stream is cancelled if its client sends and receives nothing for kSilence, or if
+// it is slower than kSlowest overall; a half-open call would otherwise hold its memory for ever.
+// Thread-safe.
 class OpenCalls {
  public:
   static constexpr auto kSilence = std::chrono::seconds(60);

@@ -25,13 +25,13 @@ struct RelayDesk {
   int under_way = 0;                 // connections
   OnceASecond refused, silent, too_much, crowded;
   std::vector<char> scratch = std::vector<char>(64 << 10);  // between two waits one relay needs it
-  boost::asio::io_context loop{1};  // the last member: what waits in it uses the others
+  boost::asio::io_context loop{1};  // the last member: its waiting calls use the others
 };
 
-// Serves a client until the relay ends: takes over the client's descriptor, shakes hands with the
-// client, makes a pair of sockets of which gRPC gets one, and carries bytes between the client and
-// the other one. The client's requests are checked against FrameLimits before gRPC receives them. A
-// client that has sent nothing within `patience_ms` is disconnected.
+// Serves a client until the relay ends. Takes over the client's descriptor, performs the handshake,
+// makes a pair of sockets of which gRPC gets one, and carries bytes between the client and the
+// other. The client's requests are checked against FrameLimits before gRPC receives them. A client
+// that has sent nothing within `patience_ms` is disconnected.
 void start_relay(RelayDesk& desk, int client_fd, std::string address, int patience_ms);
 
 }  // namespace irsig

@@ -8,9 +8,9 @@
 
 namespace irsig {
 
-// A parsed goniometer file. Its model, materials, parts and bands also stand as those of a sweep
-// in `scene`, so that what reads and checks a sweep's (read_material_files, resolve_target) serves
-// both; places in the file are kept there too.
+// A parsed goniometer file. `scene` has its model, materials, parts and bands as those of a sweep,
+// so that the readers and checks of a sweep (read_material_files, resolve_target) apply to both; it
+// also has the places of keys in the file.
 struct GoniometerFile {
   schema::Goniometer spec;
   SweepFile scene;
@@ -20,14 +20,14 @@ struct GoniometerFile {
 [[nodiscard]] absl::StatusOr<GoniometerFile> parse_goniometer(std::string_view text,
                                                               std::string_view file_name);
 
-// Complete: every default written out, angles as lists, bands as limits with a response.
+// Resolved form: every default written out, angles as lists, bands as limits with a response.
 struct ResolvedGoniometer {
   schema::Goniometer spec;
   schema::ResolvedSweep scene;
 };
 
-// Checks the meaning; all errors at once, in the order of the file. A model file's content is
-// `model_bytes`.
+// Checks the meaning of a goniometer; reports all errors at once, in the order of the file.
+// model_bytes: content of the model file.
 [[nodiscard]] absl::StatusOr<ResolvedGoniometer> resolve_goniometer(const GoniometerFile& file,
                                                                     std::string_view model_bytes);
 

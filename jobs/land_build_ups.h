@@ -6,8 +6,8 @@
 
 namespace irsig {
 
-// Ground below the library's materials of land, and the sunlight that these absorb: with [heat],
-// land whose temperature nobody states has a computed one.
+// Ground below the library's materials of land, and their absorption of sunlight. With [heat], land
+// without a stated temperature has a computed one.
 
 // Returns true if an entry of the material library has a build-up by default.
 [[nodiscard]] bool has_land_build_up(const std::string& entry);

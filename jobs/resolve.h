@@ -12,8 +12,8 @@
 
 namespace irsig {
 
-// The pieces of resolve_sweep, one for each group of tables. Each looks at `sweep` as written
-// (before any default is filled in), reports to `findings`, and where it says so completes the
+// The steps of resolve_sweep, one for each group of tables. Each reads `sweep` as written (before
+// any default is filled in) and reports to `findings`. The steps that say so also complete the
 // resolved sweep.
 
 // Resolves [model] [[material]] [[part]]. Built-in and library materials that parts name are added
@@ -40,8 +40,8 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings);
 
 // Checks [[temperature_field]] and the keys of seasons that name fields.
 void check_temperature_fields(const SweepFile& file, Findings& findings);
-// Resolves the fields by name, with the hashes of their files; then takes a season's field into its
-// condition, with the parts that have their temperatures from it.
+// Resolves the fields by name, with the hashes of their files. take_temperature_field() copies a
+// season's field into its condition, with the parts whose temperatures come from it.
 [[nodiscard]] std::map<std::string, schema::ConditionField> resolve_temperature_fields(
     const SweepFile& file);
 void take_temperature_field(const std::map<std::string, schema::ConditionField>& fields,

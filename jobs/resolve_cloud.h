@@ -9,13 +9,13 @@
 
 namespace irsig {
 
-// [[season.cloud]], and a season's keys cloud_cover, cloud_type, cloud_base_m and
+// Resolution of [[season.cloud]] and of a season's keys cloud_cover, cloud_type, cloud_base_m and
 // cloud_water_path_g_m2, which state the same layer in a table of conditions.
 
 inline constexpr std::array kCloudKeys = {"cloud", "cloud_cover", "cloud_type", "cloud_base_m",
                                           "cloud_water_path_g_m2"};
 
-// Reports what is wrong with a season's cloud under the embedded atmosphere.
+// Reports errors of a season's cloud under the embedded atmosphere.
 void check_cloud_of_season(const schema::Season& season, int season_index, Findings& findings);
 
 // Returns the cover that a season states itself; nullopt: a weather file's, or none.
@@ -26,14 +26,13 @@ void check_cloud_of_season(const schema::Season& season, int season_index, Findi
 [[nodiscard]] schema::CloudLayer cloud_layer(const schema::Season& season,
                                              const schema::Weather& weather);
 
-// Writes the layer of a condition whose weather has a cover, and what was assumed of it as a
-// warning.
-//   always  also without a cover: it is uncertain
+// Writes the layer of a condition whose weather has a cover, and adds the assumptions about the
+// layer as a warning. always: also without a cover, if the cover is uncertain.
 void resolve_cloud(const schema::Season& season, int season_index, bool always,
                    schema::Weather& weather, schema::Condition& condition, Findings& findings);
 
-// Returns the layer that the keys of [[season.cloud]] state elsewhere than in a sweep file, checked
-// as that table is. INVALID_ARGUMENT names the keys as "cloud.top_m".
+// Returns the layer that the keys of [[season.cloud]] state in another text than a sweep file,
+// checked as that table is. INVALID_ARGUMENT: names the keys as "cloud.top_m".
 [[nodiscard]] absl::StatusOr<schema::CloudLayer> stated_cloud_layer(const schema::Cloud& cloud);
 
 }  // namespace irsig

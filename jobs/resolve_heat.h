@@ -12,10 +12,9 @@ namespace irsig {
 void check_heat(const schema::Sweep& sweep, Findings& findings);
 void write_heat_defaults(schema::Sweep& sweep);
 
-// Writes ResolvedSweep.heat, a run for each group of seasons with a part or a material of the land
-// whose temperature is stated nowhere and has a build_up, and names it in the conditions (all of
-// which are resolved).
-// Equal runs are one.
+// Writes ResolvedSweep.heat: a run for each group of seasons that has a part or a material of the
+// land with a build_up and without any stated temperature. Names the run in the conditions, all of
+// which are resolved. Equal runs are one.
 void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep& resolved,
                   Findings& findings);
 

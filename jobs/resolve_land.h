@@ -31,7 +31,7 @@ namespace irsig {
 void check_land(const schema::Sweep& sweep, Findings& findings);
 void write_land_defaults(schema::Sweep& sweep);
 
-// Finds the materials of the land as those of parts are found (resolve_part_material).
+// Resolves the materials of the land in the same way as materials of parts (resolve_part_material).
 void resolve_land_materials(std::vector<std::string>& known, schema::Sweep& sweep,
                             Findings& findings);
 
@@ -45,8 +45,8 @@ void resolve_land(const SweepFile& file, schema::ResolvedSweep& resolved);
 // Returns [land] of a resolved sweep as a file states it, with the names of its files.
 [[nodiscard]] schema::Land land_as_written(const schema::ResolvedSweep& resolved);
 
-// Checks what resolve_land() and take_land_temperatures() wrote in a resolved sweep that came from
-// another process.
+// Checks the output of resolve_land() and take_land_temperatures() in a resolved sweep from another
+// process.
 void check_resolved_land(const schema::ResolvedSweep& resolved, Findings& findings);
 
 }  // namespace irsig

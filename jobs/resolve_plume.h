@@ -15,8 +15,8 @@ namespace irsig {
 [[nodiscard]] bool has_funnel_plume(const schema::Sweep& sweep);
 
 // Puts the bytes of the file that [plume] names into file.content. Call it between parse_sweep and
-// resolve_sweep. INVALID_ARGUMENT (file:line:column): a file that cannot be read. What is in it is
-// read where the scene is made.
+// resolve_sweep. The content is read later, when the scene is made. INVALID_ARGUMENT
+// (file:line:column): a file that cannot be read.
 [[nodiscard]] absl::Status read_plume_file(SweepFile& file, const FileReader& read);
 // Returns the bytes of the plume's file. Empty: there is none.
 [[nodiscard]] std::string_view plume_bytes(const SweepFile& file);
@@ -30,12 +30,12 @@ void write_plume_defaults(schema::Sweep& sweep);
 struct PlumeWeather {
   double wind_speed_m_s = 0, wind_from_deg = 0;  // clockwise from true north
 };
-// Writes ResolvedSweep.plume, and which of them each condition has; weather: [condition]. Of a
-// sweep without [plume]: nothing.
+// Writes ResolvedSweep.plume and the plume of each condition; weather: [condition]. Writes nothing
+// for a sweep without [plume].
 void resolve_plumes(const SweepFile& file, const std::vector<PlumeWeather>& weather,
                     schema::ResolvedSweep& resolved, Findings& findings);
 
-// Like resolve_plumes(), for a resolved sweep that came from somewhere else.
+// Like resolve_plumes(), for a resolved sweep from another process.
 void check_resolved_plumes(const schema::ResolvedSweep& resolved, Findings& findings);
 
 }  // namespace irsig

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// Seasons that say the same but for name and time: the hours of a table's day. They share the
-// weather as it goes on, and the temperatures that are computed from it.
+// Seasons that differ only in name and time: the hours of a table's day. They share one course of
+// weather, and the temperatures computed from it.
 struct SeasonGroup {
   std::vector<int> season;
   std::vector<double> unix_s;  // of all their conditions, increasing

@@ -7,11 +7,11 @@
 
 namespace irsig {
 
-// Makes the whole resolved sweep its shard "K/N": every N-th viewpoint, from the K-th on, with all
-// conditions and bands. Which jobs there are changes; keys and results do not, as those of a view
-// do not depend on other views. "1/1" is the whole. INVALID_ARGUMENT: no K/N with 1 <= K <= N <=
-// the number of viewpoints; or a time budget, whose samples are those of a machine and a number of
-// views.
+// Reduces the whole resolved sweep to its shard "K/N": every N-th viewpoint from the K-th on, with
+// all conditions and bands. The set of jobs changes; keys and results do not, because those of a
+// view do not depend on other views. "1/1" is the whole sweep. INVALID_ARGUMENT: the text is not
+// K/N with 1 <= K <= N <= the number of viewpoints; or the sweep has a time budget, whose samples
+// depend on a machine and a number of views.
 [[nodiscard]] absl::Status take_shard(std::string_view shard, schema::ResolvedSweep& sweep);
 
 }  // namespace irsig

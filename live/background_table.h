@@ -6,7 +6,7 @@
 
 namespace irsig {
 
-// Radiance of what stands behind target and land, by the z of the direction (PlaceLight).
+// Radiance of the background behind target and land, by the z of the direction (PlaceLight).
 class BackgroundTable {
  public:
   // table: outlives this.

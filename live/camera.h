@@ -9,12 +9,12 @@
 
 namespace irsig {
 
-// Limits of what a live camera may be asked for: they bound the cost of a frame.
+// Limits of a live camera; they bound the cost of a frame.
 inline constexpr std::uint32_t kLeastLivePixels = 16, kMostLiveSide = 1280;
 inline constexpr std::uint32_t kMostLivePixels = 640 * 512;
 
-// A camera of the live view: where it stands seen from the target, and the point that is in the
-// middle of its picture. It is the camera of a sweep file: [viewpoints] and [image].
+// A camera of the live view: its position as seen from the target, and the point in the middle of
+// its picture. It is the camera of a sweep file: [viewpoints] and [image].
 struct LiveCamera {
   double azimuth_deg = 0, elevation_deg = 10;  // aspects of the sensor, at the target
   double range_m = 1000;

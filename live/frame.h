@@ -14,14 +14,14 @@
 
 namespace irsig {
 
-// Light that a frame shows. All but kTotal are pictures of where the total comes from, and add up
-// to it.
+// Light that a frame shows. All except kTotal are contributions to the total, and add up to it.
 enum class LiveLight : std::uint8_t { kTotal, kEmitted, kSun, kReflected, kAir };
 inline constexpr std::array<const char*, 5> kLiveLights = {"total", "emitted", "sun", "reflected",
                                                            "air"};
 
-// A class of pixels whose errors are alike, by what a ray meets. 0: neither target nor land; from 1
-// on materials of the target and then of land, each first in shade and then in the sun.
+// A class of pixels with similar errors, by the object that a ray meets. 0: neither target nor
+// land; from 1 on materials of the target and then of land, each first in shade and then in the
+// sun.
 using LiveClass = std::uint16_t;
 
 // One picture of the live path.
@@ -35,7 +35,7 @@ struct LiveFrame {
       edge;                  // 1: its samples, or it and a pixel beside it, met different things
   std::vector<float> error;  // stated: half the range that holds 90 % of pixels [W/(m2 sr)]
   double seconds = 0;
-  // Gain and offset of a frame that a camera records; 0: the frame is radiance.
+  // Gain and offset of a frame that a camera records; 0: the frame has radiances.
   double counts_per_w_m2_sr = 0, offset_counts = 0;
 };
 

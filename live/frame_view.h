@@ -28,8 +28,8 @@ struct FrameWorker {
   std::vector<float> brdf;
 };
 
-// One camera's frame, ready to be drawn: what a tile's rays meet, and the light that comes from
-// there. Any number of threads may trace tiles, each with a worker of its own.
+// One camera's frame, ready to be drawn: the hits of a tile's rays, and the light that comes from
+// there. Any number of threads may trace tiles, each with its own worker.
 class FrameView {
  public:
   // The sweep, the land and the lights outlive this.
@@ -83,13 +83,14 @@ class FrameView {
 
   // Traces rays against the target (view_target.cpp).
   void trace_target(const Vec<Body>* direction, FrameWorker& worker) const;
-  // Returns false if the ray passes the target, or what it meets is hidden.
+  // Returns false if the ray passes the target, or its hit is hidden.
   bool shade_target(Vec<Body> d, FrameWorker& worker, std::uint32_t i, Sample& out) const;
-  // Returns what a material of that table reflects of one part of the target all around it.
+  // Returns the radiance that a material of that table reflects of one part of the target, as if
+  // the part were all around it.
   [[nodiscard]] float own_part(std::uint32_t emitter, const float* table, float cos_o) const;
   // Adds the sun to the samples of a tile that met the target and face it.
   void add_sun(FrameWorker& worker, Sample* out) const;
-  // Leaves of these lanes those whose point land does not shade; returns their number.
+  // Keeps the lanes whose point is not shaded by land; returns their number.
   int past_land(const RayPacket& packet, std::uint32_t* lane_of, int count, RayPacket& ray) const;
   [[nodiscard]] Float3 facing(const RayPacket& packet, std::uint32_t lane) const;
   [[nodiscard]] float reflected_sun(const RayPacket& packet, std::uint32_t lane,

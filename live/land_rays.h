@@ -10,10 +10,11 @@
 
 namespace irsig {
 
-// The land of a sweep with the objects on it, for packets of rays in the land's local frame.
-// Heights are raised by one bend (Land): that of another sensor moves land at r m by the difference
+// The land of a sweep with its objects, for packets of rays in the land's local frame. Heights are
+// raised by one bend (Land). Another sensor's bend moves land at distance r [m] by the difference
 // of the bends times r^2.
-// Limits: float32 places land 50 km away within 4 mm; a ray within that of an edge may miss it.
+// Limits: float32 places land 50 km away within 4 mm; a ray within that distance of an edge may
+// miss it.
 class LandRays {
  public:
   // Makes the rays of land. land: must outlive the rays. INTERNAL: as PacketScene::make.
@@ -22,7 +23,7 @@ class LandRays {
 
   [[nodiscard]] double bend_per_m() const { return bend_per_m_; }
   [[nodiscard]] const PacketScene& scene() const { return *scene_; }
-  // Sets what land is at a hit of the scene: fractions of materials and kinds.
+  // Sets the materials of land at a hit of the scene: fractions of materials and kinds.
   //   instance, triangle  of the packet
   //   normal              of length 1, upwards or towards the ray
   void mix_at(std::uint32_t instance, std::uint32_t triangle, double x_m, double y_m,

@@ -13,8 +13,8 @@
 
 namespace irsig {
 
-// A resolved sweep ready to be looked at: its scene, air and temperatures. Immutable: any number of
-// threads may ask.
+// A resolved sweep prepared for viewing: its scene, air and temperatures. Immutable and
+// thread-safe.
 class LiveSweep {
  public:
   // Makes the live view's scene of a sweep. heat: outputs of the sweep's heat jobs.
@@ -22,8 +22,8 @@ class LiveSweep {
   // which the live view does not support.
   [[nodiscard]] static absl::StatusOr<std::shared_ptr<const LiveSweep>> make(
       schema::ResolvedSweep resolved, const Assets& assets, const HeatOutputs& heat);
-  // Returns the same scene under the conditions of another resolved sweep, which differs in its
-  // conditions and air alone. Errors as make() has them.
+  // Returns the same scene under the conditions of another resolved sweep, which differs only in
+  // its conditions and air. Errors: those of make().
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const LiveSweep>> with_conditions(
       schema::ResolvedSweep resolved, const Assets& assets, const HeatOutputs& heat) const;
 
@@ -33,7 +33,7 @@ class LiveSweep {
   [[nodiscard]] const OwnParts& own_parts() const { return *own_parts_; }
   [[nodiscard]] const Environment* environment() const { return environment_.get(); }
 
-  // Returns the request of a job that looks from the camera, with that one condition and band.
+  // Returns the request of a job for the view from the camera, with this condition and band.
   [[nodiscard]] absl::StatusOr<ViewRequest> request(std::uint32_t condition, std::uint32_t band,
                                                     const LiveCamera& camera) const;
 

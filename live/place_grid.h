@@ -12,8 +12,8 @@
 namespace irsig {
 
 // Light at the nodes of a grid of places around the target, by azimuth, elevation and range of the
-// sensor, made when it is first asked for and kept; between nodes every number is linear in each of
-// the three. Any number of threads may ask.
+// sensor. A node is made when it is first requested, and stored; between nodes every number is
+// linear in each of the three. Thread-safe.
 class PlaceGrid {
  public:
   // Creates an empty grid. lights: must outlive the grid.
@@ -23,10 +23,10 @@ class PlaceGrid {
     PlaceLight light;
     double horizon_z = 0;
   };
-  // Returns the light of a place between the nodes around it. Computes one table at most, so that a
-  // frame at a new place does not wait for eight: a single missing node is made; where more are
-  // missing, or one cannot be seen from, the light is that of the place itself. Errors as
-  // PlaceLights::at has them.
+  // Returns the light of a place between the nodes around it. Computes at most one table, so that a
+  // frame at a new place does not wait for eight. A single missing node is made. If more are
+  // missing, or the target cannot be seen from one, the light is computed at the place itself.
+  // Errors: those of PlaceLights::at.
   [[nodiscard]] absl::StatusOr<Seen> at(const Viewpoint& viewpoint);
   // Makes one missing node around a place; returns false if there was none.
   [[nodiscard]] bool make_one(const Viewpoint& viewpoint);

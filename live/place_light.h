@@ -25,9 +25,10 @@ struct LiveEffects {
   bool operator==(const LiveEffects&) const = default;
 };
 
-// Returns the effects of a job with these: `otherwise`, if all are on; else those by name.
+// Returns the effects of a job with these live effects: `otherwise`, if all are on; else those by
+// name.
 [[nodiscard]] EffectChoice live_effects(const LiveEffects& on, EffectChoice otherwise);
-// Names of the effects that are left on, for [effects] of a sweep file.
+// Returns the names of the effects that are on, for [effects] of a sweep file.
 [[nodiscard]] std::vector<std::string> names_of(const LiveEffects& on);
 
 // One condition and band, with the effects that are on.
@@ -49,9 +50,10 @@ inline constexpr std::uint32_t kEmissionCosines = 17;
 // the square of the index: the path through the air changes fastest there.
 inline constexpr std::uint32_t kSideNodes = 20;
 
-// In-band radiances of everything that a sensor at one place can see, with the air between: tables
-// that are linear in between, so that two places' tables may be mixed number by number.
-// [W/(m2 sr)]; air is that of the line of sight to the target, but for what stands behind it.
+// In-band radiances of everything that a sensor at one place can see, with the air between. The
+// tables are linear between their entries, so that the tables of two places may be mixed number by
+// number. [W/(m2 sr)]. Air is that of the line of sight to the target, except for the background
+// behind it.
 struct PlaceLight {
   std::vector<float> emitted;  // [material][light][kEmissionCosines], of ConditionSources::emitted
   std::vector<float> blackbody;  // [light] as bright as a blackbody of its temperature
@@ -66,7 +68,7 @@ struct PlaceLight {
   std::vector<float> land_error;  // [kind, then material][range] of temperatures
   float path = 0;                 // of the air between the sensor and the target
 
-  // Adds `weight` times another place's numbers; takes its sizes if this has none.
+  // Adds `weight` times another place's numbers; takes the other's sizes if this one is empty.
   void add(float weight, const PlaceLight& other);
 };
 
@@ -85,10 +87,10 @@ struct LightFrame {
   std::vector<float> kelvin;  // [emitter]
 };
 
-// Tables of one choice at any place. Immutable but for nothing: any number of threads may ask.
+// Tables of one choice at any place. Immutable and thread-safe.
 class PlaceLights {
  public:
-  // Errors as Environment::view() has them.
+  // Makes the lights of a sweep. Errors: those of Environment::view().
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<const PlaceLights>> make(
       std::shared_ptr<const LiveSweep> sweep, std::shared_ptr<const ReflectedSky> reflected,
       const LiveChoice& choice, const Viewpoint& viewpoint);

@@ -9,10 +9,10 @@
 
 namespace irsig {
 
-// Light from around that a surface reflects, prefiltered by its BRDF: by how the surface is tilted,
-// by the angle at which it is seen, and by where the sensor is around its normal. The light depends
-// on the elevation alone: of rings with azimuths their mean is taken. Directions are drawn by the
-// material, the same for all light.
+// Light from the surroundings that a surface reflects, prefiltered by its BRDF: by the tilt of the
+// surface, by the viewing angle, and by the azimuth of the sensor around its normal. The light
+// depends on the elevation alone; rings with azimuths are replaced by their mean. Directions are
+// drawn by the material, equal for all light.
 class ReflectedSky {
  public:
   static constexpr std::uint32_t kTilts = 13;    // of the normal from the zenith: 0 .. 180 deg
@@ -26,7 +26,7 @@ class ReflectedSky {
   [[nodiscard]] std::uint32_t rings() const { return rings_; }
 
   // Returns the reflected radiance of each entry of a material, [kEntries].
-  //   ring  [ring][column] radiance of the rings, in-band as the columns of paths want it
+  //   ring  [ring][column] radiance of the rings, in-band in the order of the columns of paths
   [[nodiscard]] std::vector<float> of(std::uint32_t material, std::span<const double> ring,
                                       std::size_t first_column, std::size_t columns) const;
 

@@ -34,7 +34,8 @@ struct LiveInput {
   Assets assets;
   HeatOutputs heat;
 };
-// Makes the sweep of what is asked for: its condition alone; the camera is not looked at.
+// Callback: makes the sweep of a request, with the requested condition alone; the camera is
+// ignored.
 using MakeLiveInput = std::function<absl::StatusOr<LiveInput>(const LiveAsk&)>;
 
 // State of a picture: by the live path, by few paths of the estimator, with the accuracy of a
@@ -47,16 +48,16 @@ struct LivePicture {
 
 // Accuracy of images that are kept: root mean square over the target's pixels. [percent]
 inline constexpr double kStoredPixelErrorPercent = 2;
-// Accuracy of a resting picture, in which the job's estimator goes on to that of a stored image:
+// Accuracy of a resting picture, at which the job's estimator continues to that of a stored image:
 // root mean square, and of 99 pixels in 100. [percent]
 inline constexpr double kRestingRmsPercent = 2, kRestingPercentile99Percent = 5;
 
-// One viewer's look at a sweep: draws what is asked for, and once the camera rests measures it as a
-// job does. Any number of threads may ask; frames are drawn one after the other.
+// One viewer's session with a sweep: draws the requested frames, and measures the picture as a job
+// does once the camera rests. Thread-safe; frames are drawn one after the other.
 class LiveSession {
  public:
-  // Makes the scene and what a first frame needs. threads: of a frame. Errors of `make`, of
-  // LiveSweep::make and of FrameTracer::draw.
+  // Makes the scene and the data of a first frame. threads: number for one frame. Errors: those of
+  // `make`, of LiveSweep::make and of FrameTracer::draw.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<LiveSession>> open(MakeLiveInput make,
                                                                          const LiveAsk& first,
                                                                          std::uint32_t threads);
@@ -64,10 +65,10 @@ class LiveSession {
 
   [[nodiscard]] absl::StatusOr<LivePicture> picture(const LiveAsk& ask);
   [[nodiscard]] absl::StatusOr<LivePick> pick(const LiveAsk& ask, std::uint32_t x, std::uint32_t y);
-  // Returns the scene with the first condition that was asked for.
+  // Returns the scene with the first requested condition.
   [[nodiscard]] const LiveSweep& sweep() const { return *base_; }
-  // Measures what is asked for as the sweep's job would: the layer "at_sensor", bit for bit, with
-  // its errors, as good as kStoredPixelErrorPercent asks for.
+  // Measures the requested picture as the sweep's job would: the layer "at_sensor", bit for bit,
+  // with its errors, at the accuracy kStoredPixelErrorPercent.
   [[nodiscard]] absl::StatusOr<LiveFrame> measure(const LiveAsk& ask);
   // Measures as measure(), but with a number of rays per pixel, in the requested band alone and
   // without a pilot. Different `seed` give independent pictures.
@@ -80,9 +81,9 @@ class LiveSession {
   [[nodiscard]] absl::StatusOr<std::shared_ptr<Stage>> stage_of(const LiveAsk& ask);
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const LiveSweep>> sweep_of(const LiveAsk& ask);
   void rest();
-  // Measures in rounds until the picture is as good as kRestingRmsPercent and
-  // kRestingPercentile99Percent say; shows each. `lock` holds resting_, but not while it measures.
-  // Returns false if something else is asked for meanwhile, or nothing can be measured.
+  // Measures in rounds until the picture reaches kRestingRmsPercent and
+  // kRestingPercentile99Percent; shows each round. `lock` holds resting_, except while measuring.
+  // Returns false if another picture is requested meanwhile, or nothing can be measured.
   [[nodiscard]] bool refine(const LiveAsk& ask, std::uint64_t begun,
                             std::unique_lock<std::mutex>& lock);
   [[nodiscard]] std::vector<absl::StatusOr<LiveFrame>> measure_side_by_side(const LiveAsk& ask,
@@ -111,10 +112,10 @@ class LiveSession {
   };
   std::optional<Drawn> drawn_;  // last
 
-  std::mutex resting_;  // guards what follows
+  std::mutex resting_;  // guards the members below
   std::condition_variable wake_;
   bool stopped_ = false;
-  std::uint64_t moved_ = 0;  // counts changes of what is asked for
+  std::uint64_t moved_ = 0;  // number of changes of the request
   std::optional<LiveAsk> wanted_;
   std::optional<LiveAsk> rested_;  // of `rest_`
   LivePicture rest_;

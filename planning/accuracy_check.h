@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// The first line of a check: what the longer run has in common with the rows, so that no comparison
-// of the two can show it.
+// First line of a check: the errors that the longer run shares with the rows, so that no comparison
+// of the two can show them.
 inline constexpr const char* kNotSeenByLongerRun =
     "not seen here, because the longer run shares it: facets and ray tracer, formulas and tables "
     "of "
@@ -25,7 +25,7 @@ struct ErrorCheckAsked {
   std::uint32_t workers = 0;  // threads; 0: one for each core
 };
 
-// One of the views, as soon as it is done.
+// One of the views, reported as soon as it is done.
 struct CheckedViewpoint {
   std::size_t done, of;
   std::uint32_t viewpoint;
@@ -39,9 +39,9 @@ struct CheckedDatabase {
   double times = 0;  // by how much the longer runs were longer, at least
 };
 
-// Traces the views of a database again, much longer and with other random numbers: how far stored
-// values are from that. `seen` is called from several threads, one at a time. INVALID_ARGUMENT: no
-// rows. FAILED_PRECONDITION: of another version.
+// Traces the views of a database again, with much longer runs and other random numbers, and
+// compares the stored values with them. Several threads call `seen`, one at a time.
+// INVALID_ARGUMENT: no rows. FAILED_PRECONDITION: the database is of another version.
 [[nodiscard]] absl::StatusOr<CheckedDatabase> check_database_errors(
     AccuracySource& source, const ErrorCheckAsked& asked,
     const std::function<void(const CheckedViewpoint&)>& seen);

@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// A sweep file, or a sweep as it stands in a database.
+// A sweep file, or a sweep stored in a database.
 struct AccuracySource {
   LoadedSweep loaded;
   std::unique_ptr<StoreReader> database;  // null: a file

@@ -18,7 +18,7 @@ struct AccuracyRows {
   // Azimuth and elevation; none: the middle one of the sweep's viewpoints.
   std::optional<std::array<double, 2>> aspect_deg;
   double seconds = 60;  // CPU time for everything, roughly
-  // > 0: so many primary rays instead, whatever the machine does besides.
+  //  0: this number of primary rays instead, whatever the load of the machine.
   double primary_rays = 0;
 };
 

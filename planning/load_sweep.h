@@ -21,12 +21,12 @@ struct AccuracyAsked {
   bool any_size = true;    // false: more than sweep_size.h's limits is INVALID_ARGUMENT
 };
 
-// A sweep that can be computed: its file is right, and its scene could be built.
+// A sweep that can be computed: its file is valid, and its scene could be built.
 struct LoadedSweep {
   SweepFile file;
   schema::ResolvedSweep resolved;
   Assets assets;
-  HeatOutputs heat = {};  // what its heat jobs leave; empty: not computed yet
+  HeatOutputs heat = {};  // outputs of its heat jobs; empty: not computed yet
   // Warnings, one line each: its weather (jobs/consistency/check_weather.h), open shells of its
   // model.
   std::vector<std::string> warnings;
@@ -36,7 +36,7 @@ struct LoadedSweep {
 
 // Reads a sweep file and the files that it names, without resolving the sweep.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
-// Like load_sweep_file(), for a text that is not written yet: as if it stood in the file `path`.
+// Like load_sweep_file(), for a text that is not written yet, as if it were the file `path`.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_text(const std::string& text,
                                                         const std::string& path);
 

@@ -15,8 +15,8 @@
 namespace irsig {
 
 struct MeshStudyAsked {
-  // Factors on the triangles of a generated model, or files that take the place of the model's;
-  // at least two, separated by commas.
+  // Factors on the triangles of a generated model, or files that replace the model's file; at least
+  // two, separated by commas.
   std::string meshes;
   AccuracyRows rows;                     // season, time and band
   std::uint64_t views = 8;               // of the sweep's, spread evenly
@@ -24,10 +24,10 @@ struct MeshStudyAsked {
 };
 
 // Computes the same views on several meshes of the sweep's target, with every effect on unless the
-// sweep names the effects; each mesh has random numbers of its own. `seen` is called for each mesh
-// when it is done. INVALID_ARGUMENT: a list of meshes that does not suit the sweep's model, a mesh
-// that cannot be made or read or whose groups are not those of the parts, two meshes that are the
-// same; no such season, time or band.
+// sweep names the effects. Each mesh has separate random numbers. `seen` is called for each mesh
+// when it is done. INVALID_ARGUMENT: a list of meshes that does not suit the sweep's model; a mesh
+// that cannot be made or read, or whose groups are not those of the parts; two equal meshes; no
+// such season, time or band.
 [[nodiscard]] absl::StatusOr<MeshComparison> compare_meshes(
     const LoadedSweep& loaded, const MeshStudyAsked& asked, const CpuClock& cpu_s,
     const std::function<void(const MeasuredMesh&)>& seen);

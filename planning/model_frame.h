@@ -9,8 +9,8 @@
 
 namespace irsig {
 
-// The unit and axes of a model file as a command was given them; what is empty is taken from the
-// file, or assumed.
+// Unit and axes of a model file as given to a command; empty ones are read from the file, or
+// assumed.
 struct AskedFrame {
   std::optional<double> unit_m;
   std::optional<std::string> forward_axis, up_axis;

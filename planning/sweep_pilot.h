@@ -25,12 +25,12 @@ struct SweepPilot {
   std::vector<LedgerRow> ledger;  // of the piloted views' rows, by the largest count of samples
 };
 
-// Runs a few viewpoints of the sweep with few samples on a farm of one worker, into a database that
-// is thrown away: 5 viewpoints spread over the set, more (up to 15) while their predicted times
-// scatter by more than a tenth of the mean's. Of more than 18 conditions it does 12, the extremes
-// of light and temperature first, and 3 or 36 once more, from which the others' time follows. What
-// uncertain inputs change of computed temperatures is not computed.
-// FAILED_PRECONDITION: the sweep has a time budget that no pilot has turned into samples yet.
+// Runs a few viewpoints of the sweep with few samples on a farm of one worker, with a database that
+// is deleted afterwards. There are 5 viewpoints spread over the set, and up to 15 while their
+// predicted times scatter by more than a tenth of the mean. Of more than 18 conditions it computes
+// 12, the extremes of light and temperature first, and 3 or 36 once more, from which the time of
+// the others follows. Changes of computed temperatures by uncertain inputs are not computed.
+// FAILED_PRECONDITION: the sweep has a time budget that no pilot has converted to samples yet.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded);
 // Like pilot_sweep(loaded), on another farm.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& farm);

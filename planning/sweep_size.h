@@ -15,7 +15,7 @@ struct SweepSize {
   std::uint64_t all_viewpoints = 0;  // more than viewpoints: of a shard
   std::uint64_t wavelengths = 0;     // of all bands together
   std::uint64_t profile_rows = 0;
-  // About: 0.8 to 1.3 of the file's size in sweeps of 100 rows and more.
+  // Estimate: 0.8 to 1.3 of the file's size in sweeps of 100 rows and more.
   double database_bytes = 0;
 
   [[nodiscard]] std::uint64_t rows() const { return viewpoints * conditions * bands; }
@@ -32,7 +32,7 @@ struct SweepSize {
 // database about 45 MB".
 [[nodiscard]] std::string size_text(const SweepSize& size);
 
-// More than this is written only for who says --yes.
+// Limits of a sweep without --yes.
 inline constexpr double kMostBytesUnasked = 5e9;
 inline constexpr std::uint64_t kMostRowsUnasked = 1'000'000, kMostWavelengthsUnasked = 10'000;
 

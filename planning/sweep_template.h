@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// A sweep file to begin with, for a model of one's own: it runs as it is, and says in comments what
-// was found, what was assumed, and what to change first.
+// Request for a sweep file to begin with, for a user's model. The file runs unchanged; its comments
+// list the findings, the assumptions and the first changes to make.
 struct TemplateAsked {
   std::string name;        // of the sweep
   std::string model_file;  // as the sweep file names it
@@ -28,7 +28,7 @@ struct TemplateAsked {
   // each month (1 to 12; empty: all). Empty: temperatures and one season are assumed.
   std::string weather_file;
   std::vector<int> months;
-  double height_m = 0;      // of the surface, as the weather file has it
+  double height_m = 0;      // of the surface, from the weather file
   double utc_offset_h = 0;  // of the hours; without a weather file the place's
 };
 

@@ -20,11 +20,10 @@ namespace irsig {
     const SweepFacets& facets, int condition, const SignatureFilter::Direction& aspect,
     std::uint32_t long_side_px);
 
-// Makes the picture of a stored sweep. `query` selects it: sweep, season and time as far as there
-// are several, and an aspect, which need not be that of a viewpoint; or the row of a signature, for
-// all of these. Its other filters are those of signatures: INVALID_ARGUMENT, as is a query that
-// selects several conditions (they are listed) or none.
-//   range  [K]; without: from the coldest to the hottest pixel
+// Makes the picture of a stored sweep. `query` selects sweep, season and time, if there are
+// several, and an aspect, which need not be that of a viewpoint; or the row of a signature, for all
+// of these. range [K]: unset: from the coldest to the hottest pixel. INVALID_ARGUMENT: the query
+// selects several conditions (the message lists them) or none, or uses other filters of signatures.
 [[nodiscard]] absl::StatusOr<FalseColorPicture> temperature_picture(
     const std::string& database, const Query& query, const std::optional<ColorRange>& range,
     std::uint32_t long_side_px);

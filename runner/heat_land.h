@@ -14,9 +14,9 @@ namespace irsig {
 // Returns an upper bound of the number of kinds that the land of a sweep has.
 [[nodiscard]] std::size_t most_land_kinds(const schema::Sweep& sweep);
 
-// Computes the temperatures of land in a heat run that computes land, at each time wanted.
-// Appends warnings that are not there. INVALID_ARGUMENT: a material without solar_absorptance, a
-// build-up that leads to temperatures outside of all weather, by the key's path.
+// Computes the temperatures of land in a heat run that computes land, at each requested time.
+// Appends warnings that are not there yet. INVALID_ARGUMENT, by the key's path: a material without
+// solar_absorptance, or a build-up that leads to temperatures outside of all weather.
 [[nodiscard]] absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
                                                                  const schema::HeatRun& heat,
                                                                  const LandScene& land,

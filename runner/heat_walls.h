@@ -14,8 +14,8 @@ namespace irsig {
 struct HeatSurface {
   double solar_absorptance, emissivity;  // [0, 1]
 };
-// Appends a warning if the material's spectrum covers too little of what it emits.
-// path: "material[2]", of errors and warnings.
+// Returns the surface of a material; appends a warning if the material's spectrum covers too little
+// of its emission. path: "material[2]", for errors and warnings.
 [[nodiscard]] absl::StatusOr<HeatSurface> heat_surface(const schema::Material& material,
                                                        const std::string& path,
                                                        std::vector<std::string>& warning);

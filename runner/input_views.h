@@ -14,9 +14,9 @@
 
 namespace irsig {
 
-// The uncertain inputs of one sweep: what its views are asked for with each of them moved, and what
-// comes of it. What it makes of an input it keeps from view to view: an environment where the air
-// is another, a prepared scene where materials are.
+// The uncertain inputs of one sweep: the requests of its views with each input moved, and the
+// resulting changes. Data made for an input are kept from view to view: an environment if the air
+// differs, a prepared scene if materials differ.
 class InputViews {
  public:
   // Creates the views. scene: the sweep's own, kept only if materials are moved. heat: outputs of
@@ -28,8 +28,8 @@ class InputViews {
                                          std::shared_ptr<const LandScene> land,
                                          const HeatOutputs& heat);
 
-  // Asks for the views of another sweep, which differs in name, accuracy, viewpoints, profiles and
-  // size of jobs alone.
+  // Uses the views of another sweep, which differs only in name, accuracy, viewpoints, profiles and
+  // size of jobs.
   void look_as(const schema::ResolvedSweep& sweep);
 
   // Returns the moved views of one job, in the order of the moves.

@@ -13,7 +13,7 @@ namespace irsig {
 // kept from view to view.
 struct JobMemory {
   double fixed_bytes = 0;          // program, scene, weights of paths
-  double shared_bytes = 0;         // of these: what all workers of a process share
+  double shared_bytes = 0;         // part of it that all workers of a process share
   double bytes_per_condition = 0;  // season x time
   double heat_bytes = 0;           // of a job that computes temperatures: before there are views
 
@@ -25,7 +25,7 @@ struct JobMemory {
   [[nodiscard]] double bytes(std::uint64_t conditions, std::uint32_t workers) const {
     return shared_bytes + workers * (bytes(conditions) - shared_bytes);
   }
-  // Returns the number of conditions for which so many workers have memory; 0: not one.
+  // Returns the number of conditions for which this number of workers has memory; 0: not even one.
   [[nodiscard]] std::uint64_t conditions_in(double bytes, std::uint32_t workers) const;
 };
 

@@ -23,13 +23,13 @@ inline constexpr double kAcceptedBackfaceShare = 0.01;
 
 struct RunnerScene;
 
-// Keeps the scene of the sweep that a process computed last: mesh, ray tracer, air, sky and
-// sunlight, temperatures. Sweeps that differ in their name, accuracy, viewpoints, profiles and size
-// of jobs alone have the same one, and runners after the first do not build it again. A scene under
-// which a job failed is not used again. Thread-safe.
+// Keeps the scene of the last sweep that a process computed: mesh, ray tracer, air, sky and
+// sunlight, temperatures. Sweeps that differ only in name, accuracy, viewpoints, profiles and size
+// of jobs share the scene, and later runners do not build it again. A scene under which a job
+// failed is not used again. Thread-safe.
 class KeptScene {
  public:
-  // Returns the scene with this key; null: another one was kept, and is dropped.
+  // Returns the scene with this key. Null: another scene was kept, and is discarded.
   [[nodiscard]] std::shared_ptr<const RunnerScene> of(const std::string& key);
   void keep(const std::string& key, std::shared_ptr<const RunnerScene> scene);
   // Returns the number of scenes that were built so far.
@@ -42,18 +42,18 @@ class KeptScene {
   int scenes_ = 0;
 };
 
-// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. Immutable but for
-// caches of what does not depend on the job: run() may be called from several threads.
+// Runs jobs of one resolved sweep in this process, and keeps the scene between jobs. Immutable
+// except for caches of data that do not depend on the job: several threads may call run().
 class JobRunner {
  public:
-  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT, of
-  // problems with their keys ("part[2].name: no group of the model matches \"funel\"").
-  // heat: what the sweep's heat jobs have left, in their order. Without it the scene can be tried,
-  // and the heat jobs of a sweep can be run; run() refuses its views with FAILED_PRECONDITION.
-  // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
-  // run() refuses the others with FAILED_PRECONDITION.
-  // kept: where the scene is taken from, if it is there, and left. Results are the same with and
-  // without it.
+  // Builds the scene. INVALID_ARGUMENT: lists every error in the scene that the sweep's author can
+  // correct, with its key ("part[2].name: no group of the model matches \"funel\"").
+  //   heat     outputs of the sweep's heat jobs, in their order. Without them the scene can be
+  //            tried, and heat jobs can be run; run() refuses views with FAILED_PRECONDITION
+  //   encoder  without it the scene can be tried, and jobs of a sweep without thumbnails can be
+  //            run; run() refuses the others with FAILED_PRECONDITION
+  //   kept     the scene is taken from here, if present, and left here. Results are the same with
+  //            and without it
   static absl::StatusOr<std::unique_ptr<JobRunner>> create(
       const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
       std::optional<ThumbnailEncoder> encoder = {}, KeptScene* kept = nullptr);

@@ -16,9 +16,10 @@ struct LandTemperatures {
   std::vector<std::vector<double>> kelvin, error_k;  // [condition][kind]; empty without kinds
 };
 
-// Reads what heat jobs have left of land. A stated temperature is that of all kinds of its
-// material. heat: of the sweep's heat runs, or nothing. INVALID_ARGUMENT: an output that is
-// damaged, or has no land at a time of a condition. INTERNAL: two runs have different kinds.
+// Reads the temperatures of land from the outputs of heat jobs. A stated temperature applies to all
+// kinds of its material. heat: outputs of the sweep's heat runs, or empty. INVALID_ARGUMENT: an
+// output is damaged, or has no land at a time of a condition. INTERNAL: two runs have different
+// kinds.
 [[nodiscard]] absl::StatusOr<LandTemperatures> land_temperatures_from_sweep(
     const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
 

@@ -39,11 +39,13 @@ struct PlacementNote {
 // within 1 % gives a warning.
 [[nodiscard]] absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh);
 
-// Returns warnings for people about a model from a file, each at the key that may be wrong.
-// One-sided parts with facets of open shells (not where the sweep states
-// model.accepted_backface_fraction); a size that suggests another unit; axes that suggest others;
-// over a sea or ground, the way that the model floats or stands; sensors nearer than the target
-// reaches, an offset farther than the target is large (of generated models too).
+// Returns warnings for people about a model from a file, each at the key that may be wrong:
+//   - one-sided parts with facets of open shells, unless the sweep states
+//     model.accepted_backface_fraction
+//   - a size that suggests another unit, or axes that suggest others
+//   - over a sea or ground, the floating or standing position
+// For generated models too: sensors nearer than the target's reach, and an offset larger than the
+// target.
 [[nodiscard]] std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep,
                                                   const SceneSpec& scene);
 

@@ -12,8 +12,8 @@
 
 namespace irsig {
 
-// Requests of a job to the core: its scene, air and view, made of converted messages (messages/) and
-// of the sweep's files. Errors name the key's path in the sweep.
+// Requests of a job to the core: its scene, air and view, made of converted messages (messages/)
+// and of the sweep's files. Errors name the key's path in the sweep.
 
 // Geometry, parts, materials, bands, the temperatures of facets, and the land around the target.
 struct SweepScene : SceneSpec {

@@ -11,20 +11,20 @@
 
 namespace irsig {
 
-// Returns the land of a sweep: its maps are read and placed around the target. Null: the sweep has
+// Returns the land of a sweep, with its maps read and placed around the target. Null: the sweep has
 // no [land]. One land serves all views.
-// INVALID_ARGUMENT "land...": a file that cannot be read, a map that does not contain the target or
-// that has no heights where they are needed, fractions that do not fit (LandCover::create), objects
-// that do not stand on it (land_objects_from_sweep).
 //   assets  with the files of [land]
 //   kinds   of land whose temperatures are computed; null: each material is one kind
+// INVALID_ARGUMENT "land...": a file that cannot be read, a map that does not contain the target or
+// lacks heights where they are needed, fractions that do not fit (LandCover::create), objects that
+// do not stand on the land (land_objects_from_sweep).
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(
     const schema::ResolvedSweep& sweep, const Assets& assets,
     std::shared_ptr<const LandKinds> kinds = nullptr);
 
-// Returns a warning if the map's height at the target differs from that of [place] by more than
-// 10 m, as air and sky begin at the latter; and one if lines of sight to the target leave the map
-// before they meet land behind it. Null: none.
+// Returns a warning if the map's height at the target differs from that of [place] by more than 10
+// m, because air and sky begin at the latter. Adds one if lines of sight to the target leave the
+// map before they meet land behind it. Without land (null) there are no warnings.
 [[nodiscard]] std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep,
                                                  const LandScene* land);
 

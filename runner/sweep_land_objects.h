@@ -11,11 +11,10 @@
 
 namespace irsig {
 
-// Returns the objects of [[land.object]]: their meshes are read, and stand on the land. Null: there
-// is none. INVALID_ARGUMENT "land.object[...]...": a model or a file of places that cannot be read,
-// a group without a material, a part without a group, places beyond the map, and what
-// LandObjects::create and scatter_objects refuse.
-// assets: with the files of [land].
+// Returns the objects of [[land.object]], with their meshes, standing on the land. Null: there are
+// none. assets: with the files of [land]. INVALID_ARGUMENT "land.object[...]...": a model or a file
+// of places that cannot be read, a group without a material, a part without a group, places beyond
+// the map, and errors of LandObjects::create and scatter_objects.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const LandObjects>> land_objects_from_sweep(
     const schema::ResolvedSweep& sweep, const Assets& assets, const HeightField& field,
     const LandCover& cover);

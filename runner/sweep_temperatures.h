@@ -17,8 +17,8 @@ namespace irsig {
 
 // The temperatures of a sweep's facets, where they have their own.
 struct SweepTemperatures {
-  // Jobs compute some of them, and what these left is not given: no view can be asked for. Then
-  // there are no emitters, and this many at most will be.
+  // True if jobs compute some temperatures and their outputs are not given: no view can be
+  // requested. There are no emitters then; the field below is their largest number.
   bool awaited = false;
   std::size_t awaited_emitters = 0;
   std::shared_ptr<const Emitters> emitters;  // null: each part has one temperature
@@ -26,8 +26,9 @@ struct SweepTemperatures {
   // included, and their mean. Else 0.                                                      [K]
   std::vector<std::shared_ptr<const EmitterTemperatures>> condition;
   std::vector<std::vector<double>> part_k, part_mean_k;
-  // [condition] What was computed of facets that nobody can say the temperature of, as text, by
-  // facet: "286 K +- 295 K"; empty: no ray from outside reaches it, nor any facet of its part.
+  // [condition] Computed temperatures, as text, of facets whose temperature cannot be determined,
+  // by facet: "286 K +- 295 K"; empty: no ray from outside reaches the facet or any facet of its
+  // part.
   std::vector<std::map<std::size_t, std::string>> unknown;
   LandTemperatures land;
 };

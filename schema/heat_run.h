@@ -4,11 +4,11 @@
 
 namespace irsig {
 
-// Returns true if the job of a run computes temperatures of parts, or what inputs change of them.
+// Returns true if the job of a run computes temperatures of parts, or changes of them by inputs.
 [[nodiscard]] bool computes_parts(const schema::HeatRun& run);
 
-// Returns true if the job of a run computes temperatures of land. Runs of changes compute none:
-// uncertain inputs leave land as it is.
+// Returns true if the job of a run computes temperatures of land. Runs of changes compute none,
+// because uncertain inputs do not change land.
 [[nodiscard]] bool computes_land(const schema::HeatRun& run);
 
 }  // namespace irsig

@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// The commands that print what the page shows, for a POSIX shell. database: as it was named when
-// the page was started.
+// Commands that print the content of the page, for a POSIX shell. database: the name with which the
+// page was started.
 
 // Returns the `irsig query` command for every viewpoint of one condition and band.
 [[nodiscard]] std::string selection_command(const std::string& database, const Selection& selection,
@@ -28,8 +28,8 @@ namespace irsig {
                                       bool spectrum);
 // Returns the `irsig query --thumbnail` command for the row's stored image.
 [[nodiscard]] std::string image_command(const std::string& database, const Question& question);
-// Returns the `irsig plot --kind picture` command for a layer of that image; counts_command() is
-// for camera counts.
+// Returns the `irsig plot --kind picture` command for the camera's counts; layer_command() adds
+// --layer, for a layer of that image.
 [[nodiscard]] std::string counts_command(const std::string& database, const Question& question);
 [[nodiscard]] std::string layer_command(const std::string& database, const Question& question,
                                         std::string_view layer);

@@ -6,8 +6,8 @@
 
 namespace irsig {
 
-// An object of JSON, written field by field. Numbers have the digits that give the same double
-// back; what is not finite is null.
+// An object of JSON, written field by field. Numbers have enough digits to give the same double
+// back; numbers that are not finite become null.
 class JsonObject {
  public:
   void text(std::string_view name, std::string_view value);

@@ -26,14 +26,14 @@ struct Selection {
 
 // Question for the window of a selection's band in which a detector sees best.
 struct BandQuestion {
-  std::optional<std::size_t> detector;  // of those of the page; none: of constant noise
+  std::optional<std::size_t> detector;  // index into the page's detectors; none: constant noise
   double nei_w_m2 = 1e-9;               // then
   MeritOf merit;
   bool clutter = false;         // counts as noise
   bool all_conditions = false;  // every season and time of the sweep, not the selection's alone
 };
 
-// A question to the page's server: a parameter of each name, by the CLI's names where it has them
+// A question to the page's server: a parameter of each name, with the CLI's names where they exist
 // (at_range_m: the stored range; range_m: as seen from there).
 struct Question {
   Selection a;
@@ -52,9 +52,9 @@ enum class Needs {
   kNothing,    // no parameters
   kSelection,  // of a; elevation_deg allowed
   kBoth,       // of a and b
-  kBands,      // of a; what BandQuestion holds and range_m allowed
+  kBands,      // of a; members of BandQuestion and range_m allowed
   kRow,        // database, sweep, row; range_m allowed
-  kImage,      // likewise; layer and stderr allowed
+  kImage,      // as above; layer and stderr allowed
 };
 
 // Parses the parameters of a question. INVALID_ARGUMENT: names a parameter that is unknown, occurs

@@ -12,22 +12,21 @@
 
 namespace irsig {
 
-// The runners of the lease loops of one process. Loops that compute the same sweep have one runner
-// between them: one scene, one set of air, sky and sunlight, one copy of the temperatures. A runner
-// goes with the last loop that has it. Thread-safe.
+// The runners of the lease loops of one process. Loops that compute the same sweep share one
+// runner: one scene, one set of air, sky and sunlight, one copy of the temperatures. A runner is
+// destroyed with the last loop that uses it. Thread-safe.
 class SharedRunners {
  public:
   struct Key {
     std::string sweep_sha256;
     std::vector<std::string>
-        outputs;  // hashes of what its heat jobs have left; none: not yet there
+        outputs;  // hashes of the outputs of its heat jobs; none: not yet there
   };
-  // assets: by hash, those of the sweep before; make leaves those of its own sweep there.
+  // assets: by hash, those of the previous sweep; make leaves those of its own sweep there.
   using Make = std::function<absl::StatusOr<std::unique_ptr<const JobRunner>>(Assets& assets)>;
 
-  // Returns the runner of this sweep that another loop has, or a new one by `make`, for which other
-  // loops wait. A runner that was made before the outputs were there serves those that ask for
-  // none.
+  // Returns the runner of this sweep that another loop uses, or a new one by `make`, for which
+  // other loops wait. A runner made before the outputs existed serves requests without outputs.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const JobRunner>> get(const Key& key,
                                                                      const Make& make);
   // Forgets a runner after a failure; the next request makes a new one.

@@ -12,17 +12,18 @@
 namespace irsig {
 
 // Results that no coordinator has acknowledged, as files of a folder (mode 0700) that workers of
-// one machine may share. A file belongs to the worker that has it locked, and to nobody when that
-// one has died, in whatever way; another one takes it over then. Belongs to one thread.
+// one machine may share. A file belongs to the worker that has locked it. When that worker has
+// died, however it ended, another one takes the file over. Belongs to one thread.
 //
-// NAME is 32 hexadecimal digits; other files of the folder are not looked at, let alone removed.
+// NAME is 32 hexadecimal digits; other files of the folder are neither read nor removed.
 //
 //   NAME.result    "irsigsp1", the length of the record (8 bytes, little-endian), the record (a
 //                  serialized SpooledResult), the SHA-256 of all that in hex
-//   NAME.new-PID   one that is being written
+//   NAME.new-PID   a file that is being written
 //
-// A file is written beside its name, synced, renamed, and the folder synced: it is there whole or
-// not at all. One that is torn all the same (a disk that lied) is told by its hash, and removed.
+// A file is written beside its name, synced, renamed, and the folder synced: the file is there
+// completely or not at all. A torn file (from a faulty disk) is recognized by its hash, and
+// removed.
 class Spool {
  public:
   // Positions between two steps of a record's life, for tests that end the process there.

@@ -9,13 +9,13 @@
 
 namespace irsig {
 
-// The authority of one farm: a folder of mode 0700 that holds its key (ca.key), its certificate
-// (ca.pem), every certificate that it has signed (issued/SERIAL.pem) and the list of those that it
-// has revoked (crl.pem). Keys are P-256; files appear whole or not at all. Times: seconds since
-// 1970; a certificate is valid from five minutes before, since clocks differ.
+// The authority of one farm: a folder of mode 0700 with its key (ca.key), its certificate (ca.pem),
+// every certificate that it has signed (issued/SERIAL.pem) and the list of revoked certificates
+// (crl.pem). Keys are P-256. A file appears whole or not at all. Times are seconds since 1970; a
+// certificate is valid from five minutes before its issue, because clocks differ.
 //
-// Errors: INVALID_ARGUMENT names the name, host or file that is wrong; ALREADY_EXISTS a file that
-// would be written over.
+// Errors: INVALID_ARGUMENT names the wrong name, host or file; ALREADY_EXISTS names a file that
+// would be overwritten.
 
 // Creates an authority in `folder`, which must be empty or not exist. Times in seconds.
 [[nodiscard]] absl::Status make_authority(const std::string& folder, const std::string& name,

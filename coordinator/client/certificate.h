@@ -37,7 +37,7 @@ struct CertificateFacts {
   bool of_a_server = false;  // may be shown by a coordinator
   double valid_from_unix_s = 0, valid_until_unix_s = 0;
 };
-// Reads the first certificate of a PEM text. INVALID_ARGUMENT: there is none.
+// Reads the first certificate of a PEM text. INVALID_ARGUMENT: the text has no certificate.
 [[nodiscard]] absl::StatusOr<CertificateFacts> certificate_facts(const std::string& pem);
 
 // Returns a warning about a certificate that expires soon ("expires in 3 days", "has expired"):

@@ -12,25 +12,27 @@
 
 namespace irsig {
 
-// Both ends ping after this silence and give up after this wait: a hung peer (a stopped process, a
-// lost link) is noticed within their sum, which matches the lease timeout. Shorter ones took busy
-// workers on a loaded machine for dead.
+// Keepalive of both ends: each pings after this silence and closes the connection after this wait.
+// A hung peer (a stopped process, a lost link) is noticed within their sum, which matches the lease
+// timeout. With shorter times, busy workers on a loaded machine were taken for dead.
 inline constexpr int kKeepaliveMs = 4000;
 inline constexpr int kKeepaliveTimeoutMs = 6000;
 inline constexpr int kConnectTimeoutMs = 10000;
 // One piece of a stream.
 inline constexpr std::size_t kPieceBytes = 1 << 20;
-// One of what a coordinator sends: a thousand workers may fetch the same sweep at once, and a piece
-// is in memory once for each of them.
+// Size of a piece that a coordinator sends. A thousand workers may fetch the same sweep at once,
+// and each of them needs a piece in memory.
 inline constexpr std::size_t kFetchedPieceBytes = 64 << 10;
-// The largest message that the coordinator takes: a piece and what goes with it. Larger things come
-// in pieces, whose memory is accounted for before it is taken.
+// The largest message that the coordinator accepts: a piece and its other fields. Larger objects
+// are sent in pieces, whose memory is reserved before it is allocated.
 inline constexpr int kMaxRequestBytes = 2 << 20;
 // The largest answer: a job with 10^5 conditions.
 inline constexpr int kMaxMessageBytes = 64 << 20;
-// A serialized resolved sweep: 10^6 viewpoints take 30 MB, a radiosonde in 1000 conditions 40 MB.
+// The largest serialized resolved sweep: 10^6 viewpoints need 30 MB, a radiosonde in 1000
+// conditions 40 MB.
 inline constexpr std::uint64_t kMaxSweepBytes = 64 << 20;
-// A result: 2000 rows with spectra and thumbnails take 60 MB, 10^5 facets at 300 times 240 MB.
+// The largest result: 2000 rows with spectra and thumbnails need 60 MB, 10^5 facets at 300 times
+// 240 MB.
 inline constexpr std::uint64_t kMaxResultBytes = 256 << 20;
 // The largest asset: SQLite's default limit of a value is 10^9 bytes.
 inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
@@ -39,7 +41,7 @@ inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
 // reconnects within 2 s of the moment at which a server listens again.
 [[nodiscard]] std::shared_ptr<grpc::Channel> connect(const Address& address);
 
-// Returns the time at which a call ends that may take so many seconds from now.
+// Returns the time at which a call with this time limit ends.
 [[nodiscard]] std::chrono::system_clock::time_point deadline(double seconds);
 inline void set_deadline(grpc::ClientContext& context, double seconds) {
   context.set_deadline(deadline(seconds));

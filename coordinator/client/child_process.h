@@ -10,9 +10,9 @@
 
 namespace irsig {
 
-// A process that dies with the one that started it, even if that one is killed. Its output goes to
-// a file. Start it from the main thread: the kernel ties it to the thread, not to the process. One
-// object belongs to one thread.
+// A process that ends with its parent, even if the parent is killed. Its output goes to a file.
+// Start it from the main thread: the kernel ties it to the thread, not to the process. One object
+// belongs to one thread.
 class ChildProcess {
  public:
   // Starts a process. death_signal: the signal that the process receives when its parent dies.
@@ -29,7 +29,8 @@ class ChildProcess {
   // a signal killed it.
   [[nodiscard]] std::optional<int> exit_code() const { return exit_code_; }
   void signal(int number) const;
-  // Waits for its end, at most so long, then kills it. True if it ended by itself.
+  // Waits at most `seconds` for the process to end, then kills it. Returns true if it ended by
+  // itself.
   bool wait(double seconds);
 
   [[nodiscard]] pid_t pid() const { return pid_; }

@@ -12,12 +12,12 @@
 
 namespace irsig {
 
-// Requests of a user to a coordinator. Each call connects, waits at most `patience_s` for an answer
-// and returns UNAVAILABLE, naming the address, when there is none.
+// Requests of a user to a coordinator. Each call connects and waits at most `patience_s` for an
+// answer. UNAVAILABLE, naming the address: there is no answer.
 
-// Sends the sweep, the files that it needs, what a pilot predicted of it (null: nothing did) and
-// its priority (none: the one that it has, 0 if it is new). Sending it again changes nothing else.
-// Once connected it waits longer for the answer, by the number of viewpoints.
+// Sends a sweep, the files that it needs, the prediction of a pilot (null: none) and a priority
+// (none: unchanged, 0 for a new sweep). Repeating the call changes nothing else. Once connected,
+// the call waits longer for the answer, by the number of viewpoints.
 [[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(
     const Address& coordinator, const schema::ResolvedSweep& sweep, const Assets& assets,
     std::uint32_t physics_version, const schema::Prediction* prediction = nullptr,

@@ -18,7 +18,7 @@ namespace irsig {
 
 struct LogOptions {
   std::string format = "text";  // or "json": an object a line; time in UTC
-  std::string level = "info";   // and what is worse; debug: every lease and result
+  std::string level = "info";   // lowest level logged; debug: every lease and result
 };
 // Adds the options of a program that logs. App: CLI::App.
 template <class App>

@@ -7,9 +7,9 @@
 
 namespace irsig {
 
-// Fetches the content that a coordinator holds under a hash, in pieces, on a channel that the
-// caller keeps. NOT_FOUND: it holds nothing of that hash. DATA_LOSS: the received bytes have
-// another one.
+// Fetches the content that a coordinator stores under a hash, in pieces, on a channel of the
+// caller. NOT_FOUND: the coordinator has no content of that hash. DATA_LOSS: the received bytes
+// have another hash.
 [[nodiscard]] absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
                                                                 const std::string& sweep_sha256,
                                                                 double patience_s);

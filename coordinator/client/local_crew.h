@@ -9,12 +9,12 @@
 
 namespace irsig {
 
-// Workers that are children of this process and die with it: threads of one process, which share a
-// scene and its air. After a death each is a process of its own, so that a job that kills its
-// worker takes no other with it again.
+// Workers that are children of this process and end with it. They are threads of one process, which
+// share a scene and its air. After a death each worker becomes a separate process, so that a job
+// that kills its worker ends no other worker.
 class LocalCrew : public WorkerCrew {
  public:
-  // command: of a worker, but for its name. folder: of its logs.
+  // command: the worker's command without its name. folder: of its logs.
   LocalCrew(std::uint32_t workers, std::vector<std::string> command, std::string folder)
       : workers_(workers), command_(std::move(command)), folder_(std::move(folder)) {}
 
@@ -28,8 +28,8 @@ class LocalCrew : public WorkerCrew {
  private:
   absl::Status start_apart();
   absl::Status start_worker(std::size_t slot);
-  // Returns whether it has to be started again. ABORTED, FAILED_PRECONDITION: nobody of the crew
-  // has to.
+  // Returns true if the worker must be started again. FAILED_PRECONDITION: the coordinator refuses
+  // it, as it would refuse the next one. ABORTED: workers keep dying.
   absl::StatusOr<bool> has_died(ChildProcess& worker, std::uint64_t jobs_settled);
 
   std::uint32_t workers_;

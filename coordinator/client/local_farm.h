@@ -20,14 +20,14 @@ struct LocalFarmPlan {
   std::string coordinator_executable;
   std::string worker_executable;
   std::vector<std::string> worker_arguments;  // besides the address and the name
-  // Workers on the nodes of a cluster, which reach the coordinator over mutual TLS; the files of
-  // both lie in a private folder beside the database.
+  // Workers on the nodes of a cluster, which reach the coordinator over mutual TLS. The files of
+  // both sides are in a private folder beside the database.
   std::optional<SlurmPlan> slurm{};
 };
 
-// A coordinator and its workers. On this machine all are children of this process, which talk over
-// a Unix socket in a private directory and die with it; with Slurm the coordinator alone. Use it
-// from the main thread only (see ChildProcess).
+// A coordinator and its workers. On this machine all are children of this process, communicate over
+// a Unix socket in a private directory, and end with it; with Slurm this holds for the coordinator
+// alone. Use it from the main thread only (see ChildProcess).
 class LocalFarm {
  public:
   // Starts a coordinator and returns when it answers. If the coordinator cannot run (another writer
@@ -38,10 +38,11 @@ class LocalFarm {
 
   [[nodiscard]] const Address& address() const { return address_; }
   absl::Status start_workers();
-  // Starts again what died, as WorkerCrew does; a coordinator a few times.
+  // Restarts dead workers, as WorkerCrew does, and the coordinator a few times.
   absl::Status keep_alive(std::uint64_t jobs_settled);
-  // Workers end at once, the coordinator after it has made the database one plain file, or after a
-  // second or two in which a reader kept it from that (warning() says so; everything is stored).
+  // Stops the workers at once. The coordinator stops when it has made the database one plain file,
+  // or after a second or two if a reader prevents that; warning() then reports it, and everything
+  // is stored.
   absl::Status stop();
   // The coordinator's warning at its end; empty: none.
   [[nodiscard]] const std::string& warning() const { return warning_; }
@@ -56,7 +57,7 @@ class LocalFarm {
   absl::StatusOr<bool> answers(const std::string& log);
 
   LocalFarmPlan plan_;
-  std::unique_ptr<ScratchFolder> folder_;  // goes after those who write into it
+  std::unique_ptr<ScratchFolder> folder_;  // destroyed after its writers
   Address address_;
   std::unique_ptr<ChildProcess> coordinator_;
   std::unique_ptr<WorkerCrew> crew_;

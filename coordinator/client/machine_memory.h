@@ -2,8 +2,8 @@
 
 namespace irsig {
 
-// Returns the memory that one process may still take: of the machine, of the containers around this
-// one, and within the limits that it hands on to its children. [bytes]
+// Returns the memory [bytes] that one process may still allocate: limited by the machine, by the
+// containers around this process, and by the limits that it passes on to its children.
 [[nodiscard]] double usable_memory_bytes();
 
 }  // namespace irsig

@@ -37,8 +37,8 @@ PrivateKey private_key_of(const std::string& pem);
 std::string hex_of(const ASN1_INTEGER* serial);
 // Returns the store of an authority.
 CertificateStore store_of(const std::vector<Certificate>& trusted);
-// Shows the identity's certificate, with the others of its chain, and trusts its authority.
-// INVALID_ARGUMENT: OpenSSL does not take it.
+// Sets the identity's certificate with its chain, and trusts its authority. INVALID_ARGUMENT:
+// OpenSSL refuses the identity.
 [[nodiscard]] absl::Status use_identity(const TlsIdentity& tls, SSL_CTX* context);
 
 }  // namespace irsig

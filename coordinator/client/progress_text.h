@@ -21,10 +21,10 @@ struct ProgressView {
 // Mrays/s  1:23 left  worst error 0.12 %".
 [[nodiscard]] std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view);
 
-// Jobs that nobody will compute any more: done, failed for good or cancelled.
+// Returns the number of settled jobs: done, failed for good or cancelled.
 [[nodiscard]] std::uint64_t settled_jobs(const schema::SweepStatus& sweep);
 
-// Watches one sweep from the moment when it is first asked, and says how far it is.
+// Reports the progress of one sweep since its first call of text().
 class SweepWatch {
  public:
   // Returns the progress at a time [s] of any clock that does not jump.

@@ -9,16 +9,16 @@
 
 namespace irsig {
 
-// A private folder (mode 0700) below TMPDIR or /tmp that goes with this object. Those of processes
-// that were killed are removed by the next one that makes one: each holds a lock on its folder,
-// which the kernel releases in whatever way it ends.
+// A private folder (mode 0700) below TMPDIR or /tmp, removed with this object. Each process holds a
+// lock on its folder, which the kernel releases however the process ends. The next process that
+// makes a folder removes those of killed processes.
 class ScratchFolder {
  public:
   // Creates the folder in TMPDIR. longest_path: if the path of TMPDIR is longer, the folder is
   // created in /tmp (the path of a Unix socket must be short).
   static absl::StatusOr<std::unique_ptr<ScratchFolder>> make(
       std::size_t longest_path = std::numeric_limits<std::size_t>::max());
-  // Makes it in a folder of the user's own.
+  // Creates the folder in a folder of the user.
   static absl::StatusOr<std::unique_ptr<ScratchFolder>> make_in(const std::string& place);
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;

@@ -13,7 +13,7 @@ namespace irsig {
 // A user's request to Slurm.
 struct SlurmPlan {
   std::uint32_t nodes = 0;  // whole nodes, a worker on each CPU of theirs; 0: workers one by one
-  std::string partition, time_limit;  // as sbatch has them; empty: Slurm's own
+  std::string partition, time_limit;  // in the form of sbatch; empty: Slurm's defaults
   std::vector<std::string> options;   // of sbatch, besides
   std::string host;                   // under which nodes reach this machine; empty: its name
   // Callback: given the last words of workers that have vanished from Slurm's queue, which may be
@@ -21,9 +21,9 @@ struct SlurmPlan {
   std::function<void(const std::string&)> say{};
 };
 
-// Workers as a job array: Slurm places them, and starts anew those whose node it loses or takes
-// away; when a time limit has ended them, or all have died, they are handed in again as long as
-// there is work.
+// Workers as a Slurm job array. Slurm places the workers and restarts those whose node it loses or
+// takes away. When a time limit has ended the workers, or all have died, they are submitted again
+// as long as there is work.
 class SlurmCrew : public WorkerCrew {
  public:
   // Creates a crew. command: the worker's command without its name. folder: the place of the script
@@ -42,7 +42,8 @@ class SlurmCrew : public WorkerCrew {
   absl::Status hand_in();
   // Returns the end of the first worker's output. Empty: there is no output.
   [[nodiscard]] std::string last_words() const;
-  // Returns the output of a program of Slurm's; UNAVAILABLE: it failed, with its last words.
+  // Returns the output of a Slurm program. UNAVAILABLE: the program failed; the message has its
+  // last output.
   absl::StatusOr<std::string> run(const std::vector<std::string>& arguments, const char* name);
 
   SlurmPlan plan_;

@@ -13,14 +13,14 @@ struct TlsFiles {
   [[nodiscard]] bool any() const { return !(certificate.empty() && key.empty() && ca.empty()); }
 };
 
-// PEM, as gRPC wants it.
+// PEM texts in the form that gRPC expects.
 struct TlsIdentity {
   std::string certificate, key, ca;
 };
 
-// Reads and checks the three: the certificate (others of its chain may follow it) is valid today,
-// its key belongs to it, has no password and can be read by its owner only, and the authority has
-// signed it. INVALID_ARGUMENT, naming the file.
+// Reads and checks the three files. The certificate (others of its chain may follow it) is valid
+// today, and the authority has signed it. The key belongs to the certificate, has no password and
+// is readable by its owner only. INVALID_ARGUMENT otherwise; the message names the file.
 [[nodiscard]] absl::StatusOr<TlsIdentity> read_tls(const TlsFiles& files);
 
 }  // namespace irsig

@@ -12,14 +12,14 @@ class WorkerCrew {
  public:
   virtual ~WorkerCrew() = default;
   virtual absl::Status start() = 0;
-  // Starts again what died. jobs_settled: so far; workers that keep dying without any job being
-  // settled in between are not started for ever: an error, with their last words.
+  // Restarts dead workers. jobs_settled: jobs settled so far. If workers keep dying and no job is
+  // settled meanwhile, an error with their last output is returned.
   virtual absl::Status keep_alive(std::uint64_t jobs_settled) = 0;
-  // Ends the workers, at once or soon: their further messages are not waited for.
+  // Ends the workers, at once or soon, without waiting for their further messages.
   virtual void stop() = 0;
 };
 
-// Decides if workers may be started once more.
+// Decides whether workers may be started again.
 class DeathsWithoutProgress {
  public:
   // Counts one more death. Returns true if too many workers died since a job was last settled.
@@ -30,7 +30,7 @@ class DeathsWithoutProgress {
   }
 
  private:
-  // A worker that dies this often while no job gets settled will die again.
+  // Limit of deaths without a settled job; a worker that dies this often will die again.
   static constexpr int kMost = 10;
   std::uint64_t settled_at_last_ = 0;
   int count_ = 0;

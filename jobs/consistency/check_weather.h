@@ -13,19 +13,20 @@ namespace irsig {
 // with the rows and shown once. docs/reference/keys/air.md, "What is checked", lists every rule.
 void check_weather(schema::ResolvedSweep& resolved, Findings& findings);
 
-// Its pieces. Names of seasons, dates and the sun: of every sweep that has a place.
+// Checks names of seasons, dates and the sun, in every sweep that has a place. A part of
+// check_weather(), like the functions below.
 void check_calendar(schema::ResolvedSweep& resolved, Findings& findings);
 // Checks profile, surface weather, sea, ground, parts and imports, only in sweeps with the embedded
 // atmosphere. Other sweeps state sky and sea as idealisations (a sea at 0 K), which are not
 // restricted.
 void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings);
 
-// Temperatures that may be in Celsius, an accuracy that may be in percent, steps that are adjusted:
-// warnings.
+// Adds warnings about temperatures that may be in Celsius, an accuracy that may be in percent, and
+// steps that are adjusted.
 void check_units(schema::ResolvedSweep& resolved, Findings& findings);
 
-// Lines of sight: hidden by the Earth, or not covered by an import; and whether imports were made
-// for these conditions. Called by check_surfaces if nothing else was found.
+// Checks lines of sight: hidden by the Earth, or not covered by an import; and that imports were
+// made for these conditions. check_surfaces calls this if nothing else was found.
 void check_lines(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Adds a warning about a key to all conditions of a season.

@@ -5,11 +5,11 @@
 
 namespace irsig {
 
-// Writes [weather], [[condition]], condition_file and [vary] out as seasons, with which all else
-// works: a season takes what it does not say from [weather]; a condition is a season of one time,
-// with what it does not say from the season that it names; each is there once for each set of
-// values of [vary]. The keys of the new seasons keep the places at which they were written.
-// Nothing is done where a file has none of them. The text of condition_file is in
+// Writes [weather], [[condition]], condition_file and [vary] out as seasons, which all other code
+// uses. A season takes missing values from [weather]. A condition is a season of one time, and
+// takes missing values from the season that it names. Each of them occurs once for each set of
+// values of [vary]. The keys of the new seasons keep the places at which they were written. A file
+// without these tables stays unchanged. The text of condition_file is in
 // file.content["condition_file"].
 //
 // Errors (INVALID_ARGUMENT, all of them, file:line:column).

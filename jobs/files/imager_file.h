@@ -15,12 +15,13 @@ struct ImagerOfFile {
   Imager imager;
 };
 // Reads an imager from a TOML file (schema/imager.proto, docs/reference/imager.md).
-// INVALID_ARGUMENT, each file:line:column: what is unknown, missing, superfluous or out of bounds.
+// INVALID_ARGUMENT, each file:line:column: a key that is unknown, missing, superfluous or out of
+// bounds.
 [[nodiscard]] absl::StatusOr<ImagerOfFile> read_imager(const std::string& path);
 
-// Reports what is missing, superfluous or contradictory in an imager. Numbers are checked apart
-// (check_numbers).
-//   path  of the table that holds it: "imager" in a sweep, "" in a file of its own
+// Reports missing, superfluous and contradictory keys of an imager. Numbers are checked separately
+// (check_numbers). path: of the table that holds the imager: "imager" in a sweep, "" in a separate
+// file.
 void check_imager(const schema::ImagerFile& stated, const std::string& path, Findings& findings);
 
 }  // namespace irsig

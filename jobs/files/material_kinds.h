@@ -21,10 +21,10 @@ struct MaterialKind {
   std::vector<const char*> required, optional;  // other keys than the properties'
 };
 
-// Every kind whose properties the sweep file states.
+// Returns every kind whose properties the sweep file states.
 [[nodiscard]] const std::vector<MaterialKind>& material_kinds();
 
-// One of them, or null: the kind is built in, a library's or unknown.
+// Returns the kind of this name. Null: the kind is built in, a library's or unknown.
 [[nodiscard]] const MaterialKind* find_material_kind(const std::string& name);
 
 // Returns every key that a [[material]] of this kind may have.

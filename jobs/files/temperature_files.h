@@ -11,8 +11,8 @@
 namespace irsig {
 
 // Puts the bytes of the files that [[temperature_field]] names into file.content. Call it between
-// parse_sweep and resolve_sweep. Errors (INVALID_ARGUMENT, all of them, file:line:column): a file
-// that cannot be read. What is in it is read where the mesh is known.
+// parse_sweep and resolve_sweep. The content is read later, when the mesh is known. Errors
+// (INVALID_ARGUMENT, all of them, file:line:column): a file that cannot be read.
 [[nodiscard]] absl::Status read_temperature_files(SweepFile& file, const FileReader& read);
 
 // Returns the bytes of the fields' files, by their names.

@@ -7,11 +7,11 @@
 namespace irsig {
 
 // Reads condition_file and writes the conditions out as seasons (condition_table.h). Then puts the
-// text of every profile_file and modtran_file of [air] and [[season]] into file.content, and that
-// of each weather_file once, under weather_file_key(). Call it between parse_sweep and
+// text of every profile_file and modtran_file of [air] and [[season]] into file.content, and the
+// text of each weather_file once, under weather_file_key(). Call it between parse_sweep and
 // resolve_sweep, which refuses a file that was not read. Errors (INVALID_ARGUMENT, all of them,
-// file:line:column): a file that cannot be read or is larger than 8 MB, at its key; what is wrong
-// in it, at its own lines.
+// file:line:column): a file that cannot be read or is larger than 8 MB, at its key; errors in its
+// text, at its own lines.
 [[nodiscard]] std::string weather_file_key(const std::string& weather_file);
 [[nodiscard]] absl::Status read_weather_files(SweepFile& file, const FileReader& read);
 

@@ -50,10 +50,10 @@ namespace irsig {
 // hot parts.
 //
 // The job_key of a heat run is the SHA-256 of physics_version and the canonical encoding of the
-// sweep without fields that do not affect temperatures: the fields above, and viewpoints,
-// conditions, bands, accuracy, effects, output, profiles, other heat runs, the season's name and
-// the parts called hot. Two equal runs would share a key; a resolved sweep therefore has each run
-// once.
+// sweep without fields that do not affect temperatures. The encoding omits the fields above, and
+// viewpoints, conditions, bands, accuracy, effects, output, profiles, other heat runs, the season's
+// name and the parts called hot. Two equal runs would share a key; a resolved sweep therefore has
+// each run once.
 [[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
                                                        int physics_version);
 

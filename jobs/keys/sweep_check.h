@@ -7,9 +7,9 @@
 
 namespace irsig {
 
-// Checks a resolved sweep that comes from elsewhere. A program's main passes check_resolved
-// (jobs/check_resolved.h) to those who take sweeps from others, so that they need not link what it
-// takes to judge one. INVALID_ARGUMENT: as check_resolved.
+// Callback that checks a resolved sweep from another process. A program's main passes
+// check_resolved (jobs/check_resolved.h) to code that accepts sweeps, which therefore need not link
+// the checks. INVALID_ARGUMENT: as check_resolved.
 using SweepCheck = std::function<absl::Status(const schema::ResolvedSweep&)>;
 
 }  // namespace irsig

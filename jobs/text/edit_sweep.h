@@ -30,9 +30,9 @@ struct SweepEdit {
   bool without_imager = false;  // [imager] is left out, and a comment on the first line states so
 };
 
-// Returns the text of a sweep file that has one view of another one, and everything else as that
-// file has it. Comments are lost. INVALID_ARGUMENT with the place in the file: a syntax error, or
-// conditions that stand in a file of their own or vary.
+// Returns the text of a sweep file with one view of another file, and all other settings of that
+// file. Comments are lost. INVALID_ARGUMENT with the place in the file: a syntax error, or
+// conditions that are in a separate file or vary.
 [[nodiscard]] absl::StatusOr<std::string> edit_sweep(std::string_view text,
                                                      std::string_view file_name,
                                                      const SweepEdit& edit);

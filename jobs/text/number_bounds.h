@@ -11,9 +11,9 @@
 
 namespace irsig {
 
-// The numbers that one key may have, limits included, whatever else the file says. What depends on
-// other keys (the embedded atmosphere's weather, a wavelength inside its band) is checked where it
-// is resolved.
+// The range of numbers that one key may have, limits included, whatever the other keys are. Limits
+// that depend on other keys (the embedded atmosphere's weather, a wavelength inside its band) are
+// checked where these are resolved.
 struct NumberBounds {
   std::string_view key;  // "Viewpoints.range_m": message and field, in every table of that message
   double least, most;

@@ -14,17 +14,17 @@
 
 namespace irsig {
 
-// The errors found in one sweep file. Each is kept with the place of the key that it is about, so
-// that all of them are reported together, in the order of the file. Of a sweep without a file (an
-// empty SweepFile) they name the field's path alone, and those after the twentieth are counted.
+// The errors found in one sweep file. Each is kept with the place of its key, so that all errors
+// are reported together, in the order of the file. In a sweep without a file (an empty SweepFile)
+// errors name the field's path alone, and errors after the twentieth are counted.
 class Findings {
  public:
   explicit Findings(const SweepFile& file) : file_(file) {}
 
   void add(const std::string& path, const std::string& what);
-  // Adds a finding at "file:line:column", where that is no key's of the sweep file.
+  // Adds a finding at "file:line:column", for a place that belongs to no key of the sweep file.
   void add_at(const std::string& place, const std::string& what);
-  // Remembers the key of what is possible but odd, and returns it as a line for a warning.
+  // Remembers the key of a possible but odd value, and returns a line for a warning about it.
   std::string odd(const std::string& key, const std::string& what);
   // Returns the key of a line that odd() returned; empty for other lines.
   [[nodiscard]] std::string key_of_odd(const std::string& warning) const;
@@ -46,8 +46,8 @@ class Findings {
   std::map<std::string, std::string> odd_;  // the keys by the lines
 };
 
-// The checks that every table of a sweep file needs, on one message and by field names. A value
-// that is absent passes every check but require(): each error is reported once.
+// The checks that every table of a sweep file needs, on one message and by field names. An absent
+// value passes every check except require(), so that each error is reported once.
 class SectionCheck {
  public:
   using Names = std::vector<const char*>;
@@ -63,12 +63,12 @@ class SectionCheck {
   // Reports missing keys as errors. `why` ends the sentence: "place.latitude_deg is missing,
   // <why>".
   void require(const Names& names, const std::string& why) const;
-  // Keys other than these are errors: "<path> does not apply <why>".
+  // Reports other keys than these as errors: "<path> does not apply <why>".
   void only(const Names& names, const std::string& why) const;
   // Returns the number of the names that are present; more than one is an error.
   [[nodiscard]] int at_most_one(const Names& names) const;
-  // Numbers whose limits depend on other keys (jobs/text/number_bounds.h has all other limits),
-  // limits included; one that is out of its own bounds is reported already.
+  // Checks numbers whose limits depend on other keys, limits included (jobs/text/number_bounds.h
+  // has all other limits). A number outside its own bounds is already reported.
   void within(const char* name, double least, double most) const;
   [[nodiscard]] bool one_of(const char* name,
                             const Names& choices) const;  // true: present and known
@@ -84,7 +84,7 @@ class SectionCheck {
 inline constexpr const char* kFormulaName =
     "spreadsheets run a text that begins with =, +, - or @, expected a letter or a digit first";
 
-// Names of parts, seasons, bands ...: present, printable and different from each other.
+// Checks names of parts, seasons, bands ...: present, printable and different from each other.
 // Returns them in order.
 template <typename Repeated>
 std::vector<std::string> check_names(const Repeated& sections, const std::string& key,

@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// Largest length of one list, map or text of a sweep, in elements or bytes: of the file and of the
-// resolved sweep, wherever the message stands.
+// Largest length of one list, map or text of a sweep, in elements or bytes; it applies to the file
+// and to the resolved sweep, wherever the message occurs.
 struct SizeBound {
   std::string_view key;  // "Sweep.part": message and field
   std::size_t most;
@@ -26,7 +26,8 @@ struct SizeBound {
 void check_sizes(const google::protobuf::Message& message, const std::string& path,
                  Findings& findings);
 
-// Viewpoints x conditions x bands, and rows of profiles. Lists are within their bounds.
+// Checks the numbers of viewpoints x conditions x bands, and of rows of profiles. Lists must be
+// within their bounds.
 void check_row_count(const schema::ResolvedSweep& sweep, Findings& findings);
 
 }  // namespace irsig

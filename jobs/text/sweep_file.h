@@ -18,7 +18,7 @@ struct SweepFile {
   schema::Sweep sweep;
   std::map<std::string, std::string> where;
   std::string file_name;
-  // Name in messages of a season that stands for something else: "condition[3]"
+  // Names in messages of seasons that are made from other tables: "condition[3]"
   // (condition_table.h).
   std::map<std::string, std::string> written_as;
   // Text of the files that [air] and [[season]] name, by the path of the key (read_weather_files).

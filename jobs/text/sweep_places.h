@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// Returns true if [place] says where on the Earth the target is. Without latitude_deg it says only
-// how high it is.
+// Returns true if [place] states the target's position on the Earth. Without latitude_deg it states
+// the height only.
 [[nodiscard]] inline bool has_position(const schema::Sweep& sweep) {
   return sweep.place().has_latitude_deg();
 }

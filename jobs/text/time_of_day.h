@@ -6,8 +6,8 @@
 
 namespace irsig {
 
-// The time of day in full, "10:30:00+09:00", from "10:30+09:00"; an empty string and what is wrong
-// if it is no time of day or has no offset.
+// The time of day in full, "10:30:00+09:00", from "10:30+09:00". If the text is not a time of day
+// or has no offset: an empty string and the error.
 struct TimeOfDay {
   std::string text, wrong;
 };

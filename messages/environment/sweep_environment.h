@@ -13,8 +13,8 @@
 namespace irsig {
 
 // Makes air, sky and sea from a resolved sweep: for the worker, and for code that evaluates a line
-// of sight of a stored sweep anew (another range, a printed sky). Pure: a resolved sweep names no
-// file. For sweeps for which has_atmosphere() is true (weather_from_message.h).
+// of sight of a stored sweep again (another range, a printed sky). Pure: a resolved sweep names no
+// file. Only for sweeps for which has_atmosphere() is true (weather_from_message.h).
 
 // [condition]: the number of its weather, of as many as differ.
 struct SweepWeathers {

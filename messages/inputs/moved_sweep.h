@@ -8,7 +8,7 @@
 namespace irsig {
 
 // An input of a sweep that is not known exactly: a key of [uncertainty], and its one sigma in the
-// key's unit ("relative": as a share of the value).
+// key's unit ("relative": as a fraction of the value).
 struct UncertainInput {
   std::string name;
   double sigma = 0;
@@ -19,22 +19,22 @@ struct UncertainInput {
 // Returns the uncertain inputs that a sweep states, in the order of the grammar.
 [[nodiscard]] std::vector<UncertainInput> uncertain_inputs(const schema::Uncertainty& uncertainty);
 
-// A resolved sweep as it would be if an input were `move` sigmas higher: every value of it in
-// conditions, heat runs, materials and build-ups, and nothing else. One weather drives all:
+// A resolved sweep with one input moved by `move` sigmas: every value of the input in conditions,
+// heat runs, materials and build-ups, and nothing else. All of them share one weather:
 //
 //   air_temperature_k    air at the surface and in the course, at the same dew point (or at the
-//   air's,
-//                        if that is lower); long-wave radiation of the sky that a weather file
-//                        states goes with the fourth power of the air's temperature
+//                        air's temperature, if that is lower); long-wave radiation of the sky that
+//                        a weather file states is scaled with the fourth power of the air's
+//                        temperature
 //   convection_relative  of faces in air, natural and forced
-//   sky_emissivity_relative   long-wave radiation of the sky of walls, where the course states none
-//   dew_point_k          at most that of the air
-//   wind_speed_*         of the course; and of conditions where a rough sea or the Navy's aerosol
-//   asks emissivity           of the materials of parts: in the bands, and thermal_emissivity if
-//   stated part_temperature_k   those that are stated or read from files
+//   sky_emissivity_relative   long-wave radiation of the sky on walls, if the course states none
+//   dew_point_k          at most the temperature of the air
+//   wind_speed_*         of the course; and of conditions with a rough sea or the Navy's aerosol
+//   emissivity           of the materials of parts: in the bands, and thermal_emissivity if stated
+//   part_temperature_k   temperatures that are stated or read from files
 //
-// Values stay within the range that they can have (emissivity up to 1, wind from 0): `share` is how
-// much of the move they could make, on average; 0: none.
+// Values stay within their possible range (emissivity up to 1, wind from 0). `share` is the mean
+// fraction of the move that the values could make; 0: none.
 struct MovedSweep {
   schema::ResolvedSweep sweep;
   int values = 0;    // that belong to the input: 0: the sweep does not have it

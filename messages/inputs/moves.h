@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// Moves values, within what they can be, and counts them.
+// Moves values within their possible range, and counts them.
 class Mover {
  public:
   // The sigma times the move; relative: of the value itself.

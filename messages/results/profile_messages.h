@@ -10,7 +10,7 @@ namespace irsig {
 
 [[nodiscard]] ProfileSpec profile_from_message(const schema::Profile& profile);
 
-// Values as they are; the names and numbers of the profile are left to the caller.
+// Converts the values of a profile; the caller sets the profile's name and numbers.
 void profile_row_to_proto(const ProfileRow& row, const ProfileSpec& spec, std::uint64_t samples,
                           schema::ProfileRow& out);
 

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// Reads a heat job's output for so many facets. INVALID_ARGUMENT: the bytes are no output, or that
-// of another mesh.
+// Reads a heat job's output for this number of facets. INVALID_ARGUMENT: the bytes are not such an
+// output, or belong to another mesh.
 [[nodiscard]] absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes,
                                                                 std::size_t facets);
 

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// The bodies, worlds and requests that hard cases are made of. Every random number is a function of
-// a seed that stands in the case.
+// Bodies, worlds and requests of the hard cases. Every random number is a function of a seed in the
+// case.
 
 // Returns a prism over a regular polygon of `sides` corners on the circle of radius_m, about the x
 // axis. Two fans close the prism. With many sides its walls are needles, and all facets of a fan

@@ -24,7 +24,7 @@ namespace irsig {
 [[nodiscard]] std::vector<HardCase> sun_and_frame_cases();
 [[nodiscard]] std::vector<HardCase> transport_cases();
 
-// Keeps the largest error that a case has seen and says where it was.
+// Records the largest error of a case and its place.
 class Worst {
  public:
   explicit Worst(double bound) { finding_.bound = bound; }

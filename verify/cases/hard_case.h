@@ -12,19 +12,20 @@ namespace irsig {
 // cores), or the counts that docs/evidence/validation.md quotes (1e8 rays, 1e9 terms).
 enum class Effort { kShort, kFull };
 
-// The worst that a case has seen. An error is never negative; one that is not a number breaks every
-// bound. A case without a single check has proved nothing, and fails.
+// Largest error of a case. An error is never negative; NaN exceeds every bound. A case without a
+// single check has proved nothing, and fails.
 struct Finding {
   double worst_error = 0;
   double bound = 0;
   std::uint64_t checks = 0;
-  std::string where;  // the arguments of the worst error, or what was counted
+  std::string where;  // arguments of the worst error, or the counted items
 
   [[nodiscard]] bool holds() const { return checks > 0 && worst_error <= bound; }
 };
 
-// One hard case: what it compares, and why the bound is what it is. `run` uses the public interface
-// of core alone; an error status means that the case could not be made, which counts as failed.
+// One hard case: the compared quantities, and the reason for the bound. `run` uses the public
+// interface of core alone; an error status means that the case could not be made, which counts as
+// failed.
 struct HardCase {
   std::string group;
   std::string name;

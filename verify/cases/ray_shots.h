@@ -9,7 +9,7 @@
 
 namespace irsig {
 
-// One ray as the tracer gets it, and what it met.
+// One ray as the tracer receives it, and its hit.
 struct Shot {
   Float3 origin, direction;  // relative to the target's centre [m]
   bool hit = false;
@@ -23,8 +23,8 @@ struct Shot {
 };
 
 // Traces `count` rays in full packets: aim(i, shot) sets origin and direction of ray i, see(i,
-// shot) gets what it met. `sheet_m`: if not below 0, the body is met on its front alone, as paths
-// meet one-sided parts.
+// shot) receives its hit. sheet_m: if not below 0, only the front of the body is hit, as by paths
+// on one-sided parts.
 template <typename Aim, typename See>
 void shoot(const Tracer& tracer, std::uint64_t count, bool coherent, Aim&& aim, See&& see,
            float sheet_m = -1) {

@@ -12,7 +12,7 @@ namespace irsig {
 struct CaseResult {
   HardCase hard_case;
   absl::StatusOr<Finding> finding;
-  double seconds = 0;  // measured by the caller: core does not know the time
+  double seconds = 0;  // measured by the caller: core uses no clock
 
   [[nodiscard]] bool passed() const { return finding.ok() && finding->holds(); }
 };

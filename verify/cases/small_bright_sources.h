@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// Plates of 16 m2 with one small thing that is much brighter than they are, and the same plate
-// without it: what aiming at what is bright has to be worth (docs/evidence/stability.md).
+// Plates of 16 m2 with one small object that is much brighter, and the same plate without it: they
+// measure the benefit of aiming at bright objects (docs/evidence/stability.md).
 struct RareLightScene {
   std::string name;
   SceneSpec scene;

@@ -11,16 +11,16 @@
 
 namespace irsig {
 
-// A material's BRDF as its equation has it, in double, at any wavelength: what tables of
-// core/materials are an interpolation of. There is no emissivity: whoever integrates radiance takes
+// A material's BRDF by its equation, in double, at any wavelength; the tables of core/materials
+// interpolate it. There is no emissivity: an integrator of radiance uses
 //
 //   L = B(T) + integral of f cos_i (L_in - B(T)) over the hemisphere
 //
 // which is Kirchhoff's law without a DHR. Equations and their sources:
-// core/materials/material_spec.h and docs/explanation/methods/materials-*.md; written here a second
-// time. Two models are numerical solutions and not formulas, the symmetric form of Sandford and
-// Robertson and tabulated BRDFs: they come from core/materials, evaluated in double, and only at
-// grey properties (UNIMPLEMENTED otherwise).
+// core/materials/material_spec.h and docs/explanation/methods/materials-*.md; this is an
+// independent implementation. Two models are numerical solutions instead of formulas, the symmetric
+// form of Sandford and Robertson and tabulated BRDFs. They come from core/materials, evaluated in
+// double, and only at grey properties (UNIMPLEMENTED otherwise).
 class ReferenceBrdf {
  public:
   // Creates the reference of a material. UNIMPLEMENTED: materials that the search does not generate

@@ -34,7 +34,7 @@ class WavelengthDraw {
   std::vector<double> sum_;  // of the density, running, at the cells' ends
 };
 
-// Spectral radiances of what surrounds a target in plain air, and of its sun.
+// Spectral radiances of the surroundings of a target in plain air, and of its sun.
 struct PlainLight {
   const ConditionSpec* condition;
   bool sun;  // shines

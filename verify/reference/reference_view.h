@@ -47,8 +47,8 @@ class ReferenceView {
   struct Row {                           // of a band; means over batches and their standard errors
     Estimate total, apparent, contrast;  // [W/sr]
     Estimate projected_area_m2;
-    // Sum of the absolute values of what was added to the total [W/sr]: what rounding is relative
-    // to.
+    // Sum of the absolute values of all contributions to the total [W/sr]: the scale of rounding
+    // errors.
     double gross_w_sr = 0;
   };
   struct Result {

@@ -23,7 +23,8 @@ namespace reference_view {
 
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr int kStrata = 6;  // wavelengths of a path in a band
-// Lobes narrower than this throw the sun onto other surfaces: followed from the sun.
+// Lobes narrower than this reflect the sun onto other surfaces; their light is followed from the
+// sun.
 inline constexpr double kMirrorSlope = 0.15;
 
 using Body3 = Vec<Body>;
@@ -126,8 +127,8 @@ struct ReferenceView::Parts {
   [[nodiscard]] bool buried(reference_view::Body3 x) const;
   [[nodiscard]] bool hidden(reference_view::Body3 x, reference_view::Body3 towards,
                             double distance_m) const;
-  // Sets the radiance of land where a ray meets it, in each channel, and returns how far away that
-  // is; nullopt: it meets none. shaded: whether the target's shadow counts.
+  // Sets the radiance of land where a ray meets it, in each channel, and returns the distance.
+  // nullopt: the ray meets no land. shaded: true if the target's shadow counts.
   [[nodiscard]] std::optional<double> see_land(Path& path, reference_view::Body3 from,
                                                reference_view::Body3 towards, bool shaded,
                                                std::vector<double>& radiance) const;
@@ -145,7 +146,7 @@ struct ReferenceView::Parts {
   }
 };
 
-// One path and what it needs.
+// One path and its working data.
 struct ReferenceView::Parts::Path {
   reference_view::Random& random;
   std::array<double, reference_view::kBase.size()> u;  // of the first vertex

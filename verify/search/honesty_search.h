@@ -14,9 +14,9 @@
 
 namespace irsig {
 
-// `irsig selftest --search`: random scenes (random_scene.h), each computed by this program as any
-// sweep is - parsed, resolved, run as a job -, and judged by an integrator of other means
-// (verify/reference/reference_view.h) and by what must not change it.
+// `irsig selftest --search`: random scenes (random_scene.h). Each is computed by this program as
+// any sweep is (parsed, resolved, run as a job), and judged by an independent integrator
+// (verify/reference/reference_view.h) and by changes that must not alter it.
 
 // A scene as a sweep, and its files.
 struct SceneSweep {
@@ -40,7 +40,7 @@ inline constexpr int kInvariances = 8;
 [[nodiscard]] const char* name_of(Invariance invariance);
 [[nodiscard]] RandomScene changed(const RandomScene& scene, Invariance by);
 
-// One stored in-band value and what it should be.
+// One stored in-band value and its expected value.
 struct JudgedValue {
   std::string what;  // "total", "apparent", "contrast"; of which band; "turned: total" ...
   double value = 0, error = 0;        // numerical error, stated
@@ -57,7 +57,7 @@ struct SceneVerdict {
   SceneFamily family = SceneFamily::kBodies;
   absl::Status status;  // not OK: the scene could not be computed, which counts as a failure
   std::vector<JudgedValue> value;
-  // The reference did not get to a fifth of the stated errors within its budget of rays, and
+  // True if the reference did not reach a fifth of the stated errors within its budget of rays, and
   // nothing failed.
   bool undecided = false;
   std::uint64_t program_rays = 0, reference_rays = 0;
@@ -66,13 +66,13 @@ struct SceneVerdict {
 
 struct SearchOptions {
   std::uint64_t first = 1, last = 60;  // seeds
-  std::string family = "*";            // only those whose family matches
+  std::string family = "*";            // only scenes whose family matches
   SceneGrammar grammar;
   std::uint64_t most_reference_rays = 6'000'000;  // of a scene
   int invariances = 2;                            // of each scene, in rotation; kInvariances: all
   std::size_t threads = 1;
-  // Folder for failing scenes, made smaller; empty: none. At most so many trials look for smaller
-  // scenes.
+  // Folder for failing scenes, made smaller; empty: none. The field below limits the trials for
+  // smaller scenes.
   std::string failures;
   int shrink_trials = 40;
 };
@@ -100,8 +100,8 @@ struct SearchSummary {
   [[nodiscard]] std::vector<const SceneVerdict*> failed() const;
   [[nodiscard]] std::size_t undecided() const;
   // Root mean square of the deviations whose error is mostly statistical: 1.03 for Student's t of
-  // 31 degrees of freedom. Above `most` (3.5 standard deviations of it, scenes as units) standard
-  // errors are too small, though nothing need be beyond the bound.
+  // 31 degrees of freedom. Above `most` (3.5 standard deviations of the rms, scenes as units)
+  // standard errors are too small, even if no deviation exceeds the bound.
   struct Spread {
     std::size_t scenes = 0, values = 0, beyond_2 = 0;
     double rms = 0, most = 0;

@@ -9,8 +9,9 @@
 
 namespace irsig {
 
-// Random scenes for `irsig selftest --search`, each a function of its seed: within the grammar of
-// sweep files, and made of what error bars have broken on before (docs/evidence/stability.md).
+// Random scenes for `irsig selftest --search`, each a function of its seed. They stay within the
+// grammar of sweep files, and consist of elements that have broken error bars before
+// (docs/evidence/stability.md).
 
 // The main subject of a scene.
 enum class SceneFamily {
@@ -90,8 +91,8 @@ struct RandomScene {
   // The embedded atmosphere over a rough sea in place of air and sky; judged by invariances alone.
   bool atmosphere = false;
   double visibility_m = 23000, wind_speed_m_s = 5;
-  RandomCloud cloud;  // drawn apart: without it the scene of a seed is the same
-  RandomLand land;    // likewise, in place of the sea
+  RandomCloud cloud;  // drawn separately: without it the scene of a seed is the same
+  RandomLand land;    // drawn separately, in place of the sea
   std::string time = "12:00Z";
   double heading_deg = 0;
   double azimuth_deg = 0, elevation_deg = 0, range_m = 1000;

@@ -29,8 +29,8 @@ struct WatertightCounts {
   std::uint64_t lost = 0;      // a facet is met, and the tracer reports none or a farther one
   std::uint64_t invented = 0;  // the tracer reports a facet that is not met, or none is that near
   std::uint64_t shadow_lost = 0, shadow_invented = 0;  // of occluded(), likewise
-  // Answers that are not exact, but right for the ray moved sideways by at most tolerance_m.
-  // Neither lost nor invented.
+  // Answers that are not exact, but right for the ray moved sideways by at most tolerance_m; they
+  // count neither as lost nor as invented.
   std::uint64_t within_tolerance = 0;
   double tolerance_m = 0;  // 2^-20 of the mesh's radius
   VertexCounts near_vertices;
@@ -47,17 +47,20 @@ struct WatertightCounts {
 [[nodiscard]] absl::StatusOr<WatertightCounts> check_watertight(const Mesh& mesh,
                                                                 const WatertightCheck& check);
 
-// Returns the mesh after a journey through a text file with coordinates offset_m away from the
-// origin in all three axes, re-centred on import.
+// Returns the mesh after it was written to a text file with coordinates offset_m away from the
+// origin in all three axes, and re-centred on import.
 [[nodiscard]] absl::StatusOr<Mesh> import_from_offset(const Mesh& mesh, double offset_m);
 
 struct NamedMesh {
   std::string name;
   Mesh mesh;
 };
-// Returns closed meshes that are difficult for ray tracers: a sphere whose poles are 2000 needles
-// each, a lens of 1 m radius and 1 mm height, a spindle with facets 10^4 times longer than wide, a
-// box of twelve facets, and the frigate (about `frigate_triangles` facets).
+// Returns closed meshes that are difficult for ray tracers:
+//   - a sphere whose poles are 2000 needles each
+//   - a lens of 1 m radius and 1 mm height
+//   - a spindle with facets 10^4 times longer than wide
+//   - a box of twelve facets
+//   - the frigate (about `frigate_triangles` facets)
 [[nodiscard]] std::vector<NamedMesh> hard_closed_meshes(std::uint64_t frigate_triangles);
 
 }  // namespace irsig

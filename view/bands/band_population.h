@@ -17,7 +17,7 @@ namespace irsig {
 // Contrast of one target at a sensor, on the band's stored wavelengths, and its errors.
 struct TargetContrast {
   std::vector<double> value;  // at the aperture: the target less its background. [W/(sr um)]
-  SpectralSet modes;          // of its errors, and what they leave over
+  SpectralSet modes;          // modes of its errors, and the remainder
   std::vector<double> rest;
   double bias_bound_w_sr, undersampling_stderr_w_sr;  // of the whole band
   double model_error_w_sr;                            // one sigma, with that of uncertain inputs
@@ -41,7 +41,7 @@ struct BandCase {
   TargetContrast target;
   std::optional<TargetContrast> against;  // of another target in the same place; independent paths
   std::vector<double> background_w_m2_sr_um;
-  std::optional<TargetClutter> clutter = {};  // nullopt: not asked for
+  std::optional<TargetClutter> clutter = {};  // nullopt: not requested
 };
 struct BandPopulation {
   std::vector<double> lambda_um;

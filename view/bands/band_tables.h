@@ -37,8 +37,8 @@ namespace irsig {
                                       const WindowChoice& choice, const std::string& title);
 
 // Writes the detection range of each row and each compared candidate: season, time_utc, aspect,
-// weight, detection_range_m (nothing: below the nearest or beyond the farthest range, as `reach`
-// says).
+// weight and detection_range_m. The range is empty below the nearest and beyond the farthest range;
+// the column `reach` states which.
 [[nodiscard]] absl::Status write_detection(const BandSearch& search, const WindowChoice& choice,
                                            double threshold, std::string_view format,
                                            std::ostream& out);
@@ -54,8 +54,8 @@ namespace irsig {
 // Returns a response in the CSV format that `irsig query --response` reads.
 [[nodiscard]] std::string response_csv(const ResponseTable& response);
 
-// Returns notes for people: the windows that cannot be told apart, and the line of the sweep file
-// that asks for enough samples to tell them apart.
+// Returns notes for people: the windows that cannot be distinguished, and the line of the sweep
+// file that requests enough samples to distinguish them.
 [[nodiscard]] std::vector<std::string> notes_on(const WindowChoice& choice,
                                                 const BandPopulation& population,
                                                 const schema::Accuracy& accuracy);

@@ -25,19 +25,20 @@ struct Passband {
   bool operator==(const Passband&) const = default;
 };
 
-// Ways of pairing passbands. With S the signal of a row (of a target, or of the target less the
-// other one), V the variance of the noise and of the clutter, if rows have any, W the covariance of
-// the clutter in both passbands (0 without), 1 and 2 the two passbands:
+// Ways of pairing passbands 1 and 2. S is the signal of a row (of a target, or the difference of
+// two targets), V the variance of noise and, if rows have clutter, of clutter. W is the covariance
+// of the clutter in both passbands (0 without clutter):
 //
 //   kNone        s = |S| / sqrt(V)
 //   kDifference  s = |S1 - g S2| / sqrt(V1 + g^2 V2 - 2 g W),  g = sqrt(<B1^2> / <B2^2>): the gain
-//                with which both see as much of the population's backgrounds B, which then cancel
-//   kMatched     s = sqrt((S1, S2) (V1 W; W V2)^-1 (S1, S2)^T): what the best weighted sum of both
-//                reaches, for each row its own [fukunaga1990, 4.2]
+//                that makes the population's backgrounds B equal in both, so that they cancel
+//   kMatched     s = sqrt((S1, S2) (V1 W; W V2)^-1 (S1, S2)^T): the best weighted sum of both, for
+//                each row separately [fukunaga1990, 4.2]
 //   kRatio       s = |angle between a and b| / sqrt(1 / |a|^2 + 1 / |b|^2),  a = (S1 / sqrt(V1),
-//                S2 / sqrt(V2)) of the target, b of the other: where both ratios S1 / S2 differ
-//                little, their difference over its noise; no ratio of a signal that may be 0. With
-//                clutter, signals in axes in which noise and clutter are alike and independent
+//                S2 / sqrt(V2)) of the target, b of the other one: for a small difference of the
+//                ratios S1 / S2, this is the difference over its noise, without division by a
+//                signal that may be 0. With clutter, signals are taken in axes in which noise and
+//                clutter are equal and independent
 enum class Pairing { kNone, kDifference, kRatio, kMatched };
 
 struct Candidate {
@@ -53,23 +54,23 @@ struct Candidate {
 
 struct CandidateMerit {
   Candidate of;
-  // One sigma of the merit: of the samples; with bounds and unseen light; with models and inputs.
-  // With what errors add to it on average: |S| of a small S is as large as its error.
+  // One sigma of the merit: from samples; with bounds and undersampled light; with models and
+  // inputs. The mean offset from errors is included: |S| of a small S is as large as its error.
   double samples_stderr, numerical_error, total_error;
-  // Probability of being the best of those compared, and of being at least as good as the first:
-  // of numerical errors, and of all.
+  // Probability of being the best candidate, and of being at least as good as the first one: by
+  // numerical errors, and by all errors.
   double best_numerical, best, as_good_numerical, as_good;
-  // The merit that these errors alone would have, of no contrast at all.
+  // Merit that these errors alone would give, without any contrast.
   double errors_alone = 0;
-  // True if the merit is at least three times errors_alone (a range: that of errors three times as
-  // large); if not, the contrast is unknown.
+  // True if the merit is at least three times errors_alone (for a range: the range for errors three
+  // times as large); otherwise the contrast is unknown.
   bool known = true;
-  // Factor on the samples that would tell the candidate from the first (at two sigma); 0: it is
-  // told from the first, or is the first; infinite: no number of samples, since bounds and models
-  // remain.
+  // Factor on the samples that would distinguish the candidate from the first one (at two sigma).
+  // 0: it is distinguished, or is the first; infinite: no number of samples suffices, because
+  // bounds and models remain.
   double samples_to_tell = 0;
-  // A range beyond those that it is taken from: its errors are infinite; of the first, what follows
-  // from comparing with it is NaN.
+  // True if a range lies beyond the ranges that it is derived from. Its errors are infinite; if the
+  // first candidate's range does, the results of the comparison with it are NaN.
   bool extrapolated = false;
 };
 struct WindowChoice {
@@ -94,7 +95,7 @@ class BandSearch {
   // range and the rows have one range only.
   [[nodiscard]] absl::Status check(const MeritOf& merit) const;
 
-  // Limits of windows: those of the stored bins, and of the band.
+  // Returns the limits of windows: those of the stored bins, and of the band.
   [[nodiscard]] std::span<const double> edges_um() const {
     return std::span(limit_um_).first(edges_);
   }
@@ -112,9 +113,9 @@ class BandSearch {
   [[nodiscard]] Candidate candidate(const MeritOf& merit, Passband one,
                                     std::optional<Passband> other = {}) const;
 
-  // Every window between two edges that is at least so wide; with a pairing every two of them that
-  // do not overlap. Where these are too many, edges are taken at a stride, and the best are moved
-  // edge by edge as long as that makes them better.
+  // Result of a search over every window between two edges that has at least a given width; with a
+  // pairing, over every two such windows that do not overlap. If these are too many, edges are
+  // taken at a stride, and the best windows are moved edge by edge as long as that improves them.
   struct Found {
     std::vector<Candidate> best;  // at most `most`, the best first
     std::vector<Candidate> map;   // of each window the best that it is part of
@@ -135,25 +136,26 @@ class BandSearch {
   // the difference.
   [[nodiscard]] double background_left(const Candidate& c) const;
 
-  // Candidates compared by drawing their errors:
-  // samples   by mode, the same draw for all rows of a view (they share its paths);
-  // clutter   the standard error of its standard deviation, one draw for all rows of a view: their
-  //           windows show the same pixels; a numerical error
-  // bounds    uniform within them, models and inputs normal: one draw for all rows, spread over
-  //           wavelengths as |contrast| is, half of the variance level and half a slope. Of two
-  //           targets bounds err in opposite ways, models each for itself.
+  // Compares candidates by drawing their errors:
+  //   samples   by mode, the same draw for all rows of a view (they share its paths)
+  //   clutter   the standard error of its standard deviation, one draw for all rows of a view,
+  //             whose windows show the same pixels; a numerical error
+  //   bounds    uniform within them; models and inputs normal. One draw for all rows, distributed
+  //             over wavelengths as |contrast|; half of the variance is a level and half a slope.
+  //             For two targets, bounds have opposite signs, and models are independent
   [[nodiscard]] WindowChoice compare(const MeritOf& merit,
                                      std::span<const Candidate> candidates) const;
 
-  // The range at which a row's s falls to the threshold, between the ranges of the population, on a
-  // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere.
+  // Range at which a row's s falls to the threshold, between the ranges of the population, by
+  // linear interpolation of log s over log R. 0: below the threshold everywhere; infinite: above it
+  // everywhere.
   struct Detection {
     std::size_t row;  // the first of its place
     double weight;    // of all rows of the place
     double range_m;
   };
   [[nodiscard]] std::vector<Detection> detection(const Candidate& c, double threshold) const;
-  // Returns true if a merit that is a range lies beyond the ranges from which it is taken.
+  // Returns true if the merit is a range beyond the ranges from which it is derived.
   [[nodiscard]] bool extrapolated(const MeritOf& merit, const Candidate& c) const;
 
   [[nodiscard]] const BandPopulation& population() const { return population_; }
@@ -161,7 +163,7 @@ class BandSearch {
 
  private:
   // Integrals of a target's rows from the band's first edge to each edge, and of each filter: the
-  // integral over a passband is [last] - [first]. All per R^2.
+  // integral over a passband is [last] - [first]. All values per R^2.
   using ByLimit = std::vector<std::vector<double>>;  // [limit][row]
   struct Cumulated {
     ByLimit signal, rest, shape, slope;
@@ -225,7 +227,7 @@ class BandSearch {
   double step_um_ = 0,
          ratio_ = 1;  // the most that the detector's signal has of the band's response
   Cumulated target_, against_;
-  // Clutter as signals, per R^2: [row][mode][limit], and what the modes leave over.
+  // Clutter as signals, per R^2 [row][mode][limit], and the remainder without modes.
   std::vector<std::vector<std::vector<double>>> clutter_mode_;
   ByLimit clutter_rest_;
   ByLimit photons_, background_;

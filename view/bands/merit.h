@@ -9,7 +9,7 @@ namespace irsig {
 // A merit of the signal-to-noise ratios s of the rows.
 enum class Merit {
   kMean,
-  kPercentile,  // what all but `percentile` % of the population exceed
+  kPercentile,  // the value that all but `percentile` % of the population exceed
   kWorst,
   kAbove,  // the share of the population with s >= threshold
   kRange   // up to where all but `percentile` % of the population have s >= threshold [m]
@@ -26,8 +26,8 @@ struct MeritOf {
   std::string_view ratio = kRatio;  // the name of s
 };
 
-// Computes the merit of rows with these weights, which sum to 1. kRange: of ranges that are
-// reached, in place of s.
+// Computes the merit of rows with these weights, which sum to 1. kRange: takes reached ranges in
+// place of s.
 [[nodiscard]] double merit_of(const MeritOf& merit, std::span<const double> weight,
                               std::span<const double> snr);
 

@@ -16,8 +16,8 @@ namespace irsig {
     const std::string& path, const std::function<absl::Status(const std::string&)>& write);
 [[nodiscard]] absl::Status replace_file(const std::string& path, std::string_view bytes);
 
-// Removes what calls of `replace_file` for `path` left beside it when their processes were killed.
-// For a caller that is alone in the folder: a call that still writes would lose its file.
+// Removes the files that calls of `replace_file` for `path` left beside it when their processes
+// were killed. The caller must be alone in the folder: a running call would lose its file.
 void remove_left_beside(const std::string& path);
 
 // Returns the error "cannot write PATH: reason" after a stream of the standard library failed. The

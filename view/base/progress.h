@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// One line on standard error that is written over on a terminal, a line every few seconds
-// elsewhere.
+// A line on standard error that is overwritten on a terminal; elsewhere a new line every few
+// seconds.
 class ProgressLine {
  public:
   ProgressLine() = default;
@@ -24,8 +24,8 @@ class ProgressLine {
   std::chrono::steady_clock::time_point at_{};
 };
 
-// Says how far a loop has come, if it takes longer than two seconds: "rows written: 120 of 4000,
-// 12 s left".
+// Reports the progress of a loop that takes longer than two seconds: "rows written: 120 of 4000, 12
+// s left".
 class LoopProgress {
  public:
   LoopProgress(std::string what, std::size_t total);
@@ -42,8 +42,8 @@ class LoopProgress {
   ProgressLine line_;
 };
 
-// Says that something of unknown length goes on, if it takes longer than two seconds: "building the
-// scene: 12 s". A thread of its own prints it, until this object is destroyed.
+// Reports work of unknown length that takes longer than two seconds: "building the scene: 12 s". A
+// separate thread prints the line until this object is destroyed.
 class WaitProgress {
  public:
   explicit WaitProgress(std::string what);

@@ -5,7 +5,7 @@
 
 namespace irsig {
 
-// An identifier of the glossary taken apart: "intensity_stderr_w_sr" is "intensity stderr" in
+// The parts of an identifier of the glossary: "intensity_stderr_w_sr" is "intensity stderr" in
 // "W/sr".
 struct Quantity {
   std::string noun;     // words with spaces

@@ -20,8 +20,8 @@ struct Column {
   bool brief = true;  // shown to people; formats for machines have every column
 };
 
-// Writes rows as they come. finish() must be called once, after the last row; it fails if the
-// stream did.
+// Writes rows as they arrive. finish() must be called once, after the last row; it fails if the
+// stream has failed.
 class TableWriter {
  public:
   virtual ~TableWriter() = default;

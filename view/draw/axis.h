@@ -26,7 +26,7 @@ struct DisplayUnit {
 // == high, the axis is widened.
 [[nodiscard]] Axis round_axis(double low, double high, int ticks, double label_factor = 1);
 
-// Ticks inside [low, high], which are kept as the ends.
+// Returns the ticks inside [low, high], which are kept as the ends.
 [[nodiscard]] Axis tight_axis(double low, double high, int ticks);
 
 }  // namespace irsig

@@ -21,7 +21,7 @@ struct ColorRange {
   double low, high;
 };
 
-// A text in a picture, its beginning at a place in pixels from the top left corner.
+// A text in a picture, from a position [px] relative to the top left corner.
 struct PictureLabel {
   double x_px, y_px;
   std::string text;
@@ -32,7 +32,7 @@ struct FalseColorPicture {
   std::string title, subtitle;
   std::uint32_t width_px = 0, height_px = 0;
   std::vector<float> value;
-  ColorRange range{};  // what is outside has the colour of its end
+  ColorRange range{};  // values outside have the colour of the nearer end
   BarAxis axis;
   std::optional<BarAxis> other{};  // of a quantity that the first determines, on the other side
   std::vector<PictureLabel> label{};

@@ -23,18 +23,18 @@ struct ExportAsked {
   ExtentOf extent_of = {};                     // where rows are moved: query.range_m
 };
 
-// Writes what a query selects to a file, completely or not at all. Memory does not grow with the
-// number of rows but for netcdf (4 kB a row, and its spectrum if it is moved).
-//   csv      the columns of `irsig query --format csv --causes`, one line per signature; or with
-//            spectra. Of several sweeps, too
-//   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day (time, if
-//            there is one season, or one has several dates), band, part, and bin (of the band's
-//            wavelengths, which are lambda_um(band, bin)), and range_m if rows are moved to other
-//            ranges; scalars, causes, parts, spectra with the bins' limits, response and weights;
-//            instant, sun, weather and warnings by condition. Of several sweeps each is a group.
-//            What is not there (yet) is NaN.
-//   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
-//            one band's wavelengths, a spectrum and its name for each signature
+// Writes the rows that a query selects to a file, completely or not at all. Memory does not grow
+// with the number of rows, except for netcdf (4 kB a row, and its spectrum if the row is moved).
+//   csv      the columns of `irsig query --format csv --causes`, one line per signature, or with
+//            spectra; one or several sweeps
+//   netcdf   netCDF-4 with CF-1.10 attributes. Dimensions are viewpoint, season, time_of_day (time,
+//            if there is one season, or a season has several dates), band, part, bin (of the band's
+//            wavelengths lambda_um(band, bin)), and range_m if rows are moved to other ranges.
+//            Variables are scalars, causes, parts, and spectra with the bins' limits, response and
+//            weights; by condition instant, sun, weather and warnings. Each of several sweeps is a
+//            group. Missing values are NaN
+//   envi     spectral library of the query's quantity, float32, with its header (.hdr): one band's
+//            wavelengths, a spectrum and its name for each signature
 //   tsf      STK's target signature file: the source spectra of one sweep, season, band and range,
 //            by time and direction
 // NOT_FOUND: nothing matches.

@@ -9,9 +9,9 @@
 
 namespace irsig {
 
-// A netCDF-4 file being written. The first error sticks: later calls do nothing, close() reports
-// it. The only user of the netCDF library. Names of quantities are those of the glossary: units and
-// long_name are made from them.
+// A netCDF-4 file that is being written. After the first error later calls do nothing, and close()
+// reports the error. The only user of the netCDF library. Names of quantities are those of the
+// glossary; units and long_name are made from them.
 class NetcdfFile {
  public:
   explicit NetcdfFile(const std::string& path);
@@ -38,11 +38,11 @@ class NetcdfFile {
   // fill value of doubles and floats.
   void doubles(const Quantity& what, const std::vector<Dimension>& dimensions,
                const std::vector<double>& values);
-  // Instants as seconds since 1970, which readers of CF turn into dates; NaN: none.
+  // Writes instants as seconds since 1970, which readers of CF convert to dates; NaN: none.
   void times(const Quantity& what, const std::vector<Dimension>& dimensions,
              const std::vector<double>& unix_s);
-  // Floats that are written piece by piece: put() has all values of one place of the first
-  // dimension.
+  // A variable of floats that is written in pieces: put() writes all values of one index of the
+  // first dimension.
   struct Variable {
     int id;
     std::size_t dimensions;

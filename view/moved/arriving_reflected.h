@@ -14,17 +14,19 @@
 
 namespace irsig {
 
-// Relative error bound of a reflected radiance of 1 in each bin when it is moved: the transmittance
-// of its directions from one range to the other, against that of the mean. [side][bin], sky and sea
+// Bound on the relative error of a unit reflected radiance in each bin when it is moved: the
+// transmittance of its directions between both ranges, relative to the mean. [side][bin], sky and
+// sea
 using ReflectedSpread = std::array<SightLine::Values, 2>;
 [[nodiscard]] ReflectedSpread spread_of(const SightLine& from, const SightLine& to);
 
 // Transmitted light of sky and sea that a target reflects, from a stored range and from another
-// one, for any elevation of the sensor, interpolated from lines of sight at a few elevations. Most
-// of the time of a line goes into the light around the target. The arriving part depends on the
-// line's elevation and range alone, not on its azimuth, and varies smoothly over the transmittance.
-// Cubic between elevations; the difference to straight lines is added to the spread, and exceeds
-// the error: tests/unit/arriving_reflected_test.cpp.
+// one, for any elevation of the sensor. It is interpolated from lines of sight at a few elevations,
+// because most of the time of a line is spent on the light around the target. The arriving part
+// depends on the line's elevation and range alone, not on its azimuth, and varies smoothly over the
+// transmittance. The interpolation between elevations is cubic. The difference to linear
+// interpolation is added to the spread, and exceeds the error:
+// tests/unit/arriving_reflected_test.cpp.
 class ArrivingTable {
  public:
   // Whole lines of sight for some conditions from one elevation and range.
@@ -39,8 +41,8 @@ class ArrivingTable {
     };
     std::array<Side, 2> side;
   };
-  // Returns the size of a table with all elevations, for so many conditions and ranges and stored
-  // wavelengths. [bytes]
+  // Returns the size of a table with all elevations, for this number of conditions, ranges and
+  // stored wavelengths. [bytes]
   [[nodiscard]] static double bytes(std::size_t conditions, std::size_t ranges, std::size_t bins);
   // One elevation from one stored range: to be made by compute(), each by one thread.
   struct Task {
@@ -50,7 +52,7 @@ class ArrivingTable {
     std::vector<std::uint32_t> condition;
     std::vector<std::optional<Node>*> out;  // [condition x range]
   };
-  // Returns the tasks that lines from this elevation lack and that were not returned before. All of
+  // Returns the tasks that lines from this elevation need and that were not returned before. All of
   // them must be computed before at() is called.
   [[nodiscard]] std::vector<Task> lacking(double elevation_deg, double from_m,
                                           const std::vector<double>& to_m,
@@ -58,8 +60,8 @@ class ArrivingTable {
   // Computes a task. Lines that do not exist leave it without values.
   static void compute(const Task& task, const Lines& lines);
 
-  // Completes lines of sight, of which all but what is reflected is known. Nothing: not between
-  // elevations from which there are lines.
+  // Completes lines of sight in which only the reflected light is missing. nullopt: the elevation
+  // is not between those of known lines.
   [[nodiscard]] std::optional<ReflectedSpread> complete(double elevation_deg, double from_m,
                                                         double to_m, std::uint32_t condition,
                                                         SightLine& from, SightLine& to) const;

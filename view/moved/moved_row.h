@@ -15,9 +15,10 @@ struct MovedRow {
   double range_bound_w_sr;  // part of apparent_numerical_error_w_sr: all that moving added to it
 };
 
-// Returns a stored row as it would be seen from another range: the formula and the errors of
-// range_change.h. from, to: the row's lines of sight at both ranges; spread: of these
-// (arriving_reflected.h); shape: what perspective changes.
+// Returns a stored row as seen from another range, by the formula and the errors of range_change.h.
+//   from, to  lines of sight of the row at both ranges
+//   spread    of these lines (arriving_reflected.h)
+//   shape     changes by perspective
 [[nodiscard]] absl::StatusOr<MovedRow> moved_row(const StoredSignature& row,
                                                  const schema::Spectrum& spectrum,
                                                  const SightLine& from, const SightLine& to,

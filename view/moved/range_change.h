@@ -21,38 +21,41 @@ namespace irsig {
 // to (1 - z / range)^-2, with |z| <= reach.                            [1]
 [[nodiscard]] double perspective_bound(double from_range_m, double to_range_m, double reach_m);
 
-// Computes rows as they would be seen from another range on the same aspect, without tracing. The
-// environment of the stored sweep is evaluated anew at both ranges, and the mesh of the target is
-// projected from both (silhouette.h):
+// Computes rows as seen from another range on the same aspect, without tracing. The environment of
+// the stored sweep is evaluated at both ranges, and the mesh of the target is projected from both
+// (silhouette.h):
 //
 //   I(R) = t [s I(R0) + sum over causes c of I_c (a_c(R) - s a_c(R0))] + A (g P(R) - t s P(R0))
 //   C(R) = t [s C(R0) + the same sum] - A (g B(R) - t s B(R0))
 //
-// a_c: the fraction of a cause that arrives; P: the path's radiance; A: the stored projected area;
-// s = transmittance(R) / transmittance(R0); g, t: the ratios of the silhouette's area and of the
-// target's light (shape_change.h). B is the mean radiance behind the silhouette as each range sees
-// it: the fraction of the silhouette before each direction times what arrives from there, so that a
-// farther sensor at the same aspect sees more sea behind a ship. A row at its own range keeps its
-// values and its errors.
+// a_c is the arriving fraction of a cause, P the radiance of the path, A the stored projected area,
+// s = transmittance(R) / transmittance(R0), and g, t the ratios of the silhouette's area and of the
+// target's light (shape_change.h). B is the mean radiance behind the silhouette at each range: the
+// fraction of the silhouette before each direction times the radiance that arrives from there. A
+// farther sensor at the same aspect thus sees more sea behind a ship. A row at its own range keeps
+// its values and errors.
 //
-// Standard errors are upper bounds: the causes' errors are taken as fully correlated. The numerical
-// error also gets: for unevenly bright parts, how much their facets change against each other, and
-// parts that come into view (shape_change.h); fractions of the silhouette, by half as many rows;
-// the background between its directions; for reflected sky and sea, how far the directions differ
-// in what of them arrives, and by how much that may be off between elevations
-// (arriving_reflected.h); what the formula without s misses at the stored range, as far as the
-// transmittance changes. Without the mesh (TargetExtent::shape is null) the perspective bound
-// replaces g and t, and the whole silhouette may stand before sky or sea if the horizon is within
-// the target's reach. Not covered: lobes narrower than the target is seen from either range.
+// Standard errors are upper bounds: the errors of the causes are taken as fully correlated. The
+// numerical error also includes:
+//   - for unevenly bright parts, the relative change of their facets, and parts that become visible
+//     (shape_change.h)
+//   - fractions of the silhouette, by comparison with half as many rows
+//   - the background between its directions
+//   - for reflected sky and sea, the spread of the arriving fraction over directions, and its error
+//     between elevations (arriving_reflected.h)
+//   - the error of the formula without s at the stored range, scaled with the change of
+//     transmittance
+// Without the mesh (TargetExtent::shape is null) the perspective bound replaces g and t, and the
+// whole silhouette may stand before sky or sea if the horizon is within the target's reach. Not
+// covered: lobes narrower than the target as seen from either range.
 //
-// INVALID_ARGUMENT: a range that is not positive, below 20 target lengths (asked for or stored) or
-// beyond 1e9 m, a line of sight that the environment does not have (environment.h);
-// FAILED_PRECONDITION: a row that an older irsig or an earlier version of the sweep left, whose air
-// is not known; a target of which the Earth hides a part (elevations below the horizontal), or
-// which shows more than twice the area from one range than from the other.
+// INVALID_ARGUMENT: a range (requested or stored) that is not positive, below 20 target lengths or
+// beyond 1e9 m, or a line of sight that the environment does not have (environment.h).
+// FAILED_PRECONDITION: a row of an older irsig or an earlier version of the sweep, whose air is not
+// known. FAILED_PRECONDITION also: a target that the Earth partly hides (elevations below the
+// horizontal), or that shows more than twice the area from one range than from the other.
 //
-// The air of a sweep's band is made once, for all rows: what many rows are moved with, some at a
-// time.
+// The air of a sweep's band is made once, for all rows.
 class RangeChanger {
  public:
   // extent_of: needed as soon as a row is moved.

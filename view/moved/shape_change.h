@@ -24,7 +24,7 @@ struct PartLight {
   double uneven;
 };
 
-// One viewpoint at two ranges: all that does not depend on the row.
+// One viewpoint at two ranges: all values that do not depend on the row.
 class ShapeAtRanges {
  public:
   ShapeAtRanges(const TargetShape& shape, const Viewpoint& from, double to_range_m, bool waterline,

@@ -18,8 +18,8 @@ struct SightLine {
   static constexpr std::array<std::size_t, 2> kReflected = {2, 3};  // from around: sky, sea
   using Values = std::vector<double>;                               // [stored wavelength]
 
-  // Integrals over each bin. With the weights of a bin's mean: means; with those of the in-band
-  // integral: what the bin adds to it, so that sums over bins are in-band.
+  // Integrals over each bin. With the weights of a bin's mean they are means. With those of the
+  // in-band integral they are the contribution of the bin, so that sums over bins are in-band.
   struct Integrals {
     std::array<Values, kCauses> arriving;  // share of each cause's radiance that arrives
     Values width, transmittance, path_radiance;
@@ -30,8 +30,8 @@ struct SightLine {
   };
   Integrals bin, band;
 
-  // Share of the mean radiance of each direction of sky and sea that arrives,
-  // [side][direction x bin]; negative: no radiance comes from there.
+  // Arriving fraction of the mean radiance of each direction of sky and sea, [side][direction x
+  // bin]; negative: no radiance comes from the direction.
   std::array<Values, 2> directions;
 };
 

@@ -19,10 +19,10 @@ struct TargetShape {
   std::vector<bool> two_sided;      // [part]
 };
 
-// The outline of a target in perspective from one viewpoint, with what lies below the waterline
-// (body z > 0) cut off where there is one. Rows of constant height in the sensor's image plane hold
-// the union of the facets that face the sensor: exact along a row, sampled across rows. Rows begin
-// and end at the horizons and at the vertices of small meshes, so that a box is exact.
+// The outline of a target in perspective from one viewpoint, without the parts below the waterline
+// (body z > 0) if there is one. Rows of constant height in the sensor's image plane hold the union
+// of the facets that face the sensor: exact along a row, sampled across rows. Rows begin and end at
+// the horizons and at the vertices of small meshes, so that a box is exact.
 class Silhouette {
  public:
   //   horizon_z  z of the directions at which the radiance behind the target jumps
@@ -56,18 +56,18 @@ class Silhouette {
   Rows fine_, coarse_;
 };
 
-// The visible area of each part [m2: range^2 x solid angle] from one viewpoint, by a raster with a
-// depth buffer, and the error (one sigma) that its cells leave.
+// Visible area of each part [m2: range^2 x solid angle] from one viewpoint, by a raster with a
+// depth buffer, and its error (one sigma) from the size of the cells.
 struct PartAreas {
   std::vector<double> area_m2, error_m2;
 };
 [[nodiscard]] PartAreas part_areas(const TargetShape& shape, const Viewpoint& viewpoint,
                                    bool waterline);
 
-// Returns the changes of facets of each part relative to each other between two ranges, whatever
-// hides them: [part] the sum over facets of the change of the area that they turn towards the
-// sensor, or the largest change by distance alone, where that is more; relative to the part's area,
-// less the change that all of them share.
+// Returns for each part the change of its facets relative to each other between two ranges,
+// whatever hides them. It is the sum over facets of the change of the area that faces the sensor;
+// or, if larger, the largest change by distance alone. The change is relative to the part's area,
+// without the change that all facets share. [part]
 [[nodiscard]] std::vector<double> facet_changes(const TargetShape& shape, const Viewpoint& from,
                                                 double to_range_m, bool waterline);
 

@@ -16,10 +16,10 @@
 
 namespace irsig {
 
-// One image with and without the effects that light meets: (a) emission without air, (b) emission
-// behind air, (c) b and the sky's light that is reflected, (d) b and the sun's, (e) all. Sky beside
-// land is as the sensor sees it in each. e = c + d - b. Light that the target reflects of surface
-// and parts is in b.
+// One image with and without effects on light: (a) emission without air, (b) emission behind air,
+// (c) b and reflected light of the sky, (d) b and reflected light of the sun, (e) all. e = c + d -
+// b. Sky beside land is as the sensor sees it in each picture. Light of surface and parts that the
+// target reflects is in b.
 struct EffectPictures {
   static constexpr std::array<const char*, 5> kName = {"a: emission, without air",
                                                        "b: emission, air", "c: b and sky reflected",

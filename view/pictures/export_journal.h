@@ -13,12 +13,13 @@
 
 namespace irsig {
 
-// How an export of images goes on after an end: what it has done, and that nobody else is at it.
+// State of an export of images, by which a later call continues it, and the lock that excludes a
+// second process.
 
 // The name of a sweep and of a band.
 using SweepBand = std::pair<std::string, std::string>;
 
-// Files to which every step adds lines. Those of COCO's entries become one file at the end.
+// Files to which every step adds lines. The files of COCO's entries become one file at the end.
 enum Growing : std::size_t {
   kLabels,
   kTrainImages,
@@ -29,7 +30,7 @@ enum Growing : std::size_t {
 constexpr std::array<const char*, 5> kGrowing = {"labels.csv", "train.images", "train.objects",
                                                  "validation.images", "validation.objects"};
 
-// How far an earlier call has come: a text of lines.
+// Progress of an earlier call: a text of lines.
 struct Journal {
   std::string asked;                  // of the question and of the rows
   std::size_t seen = 0, painted = 0;  // rows
@@ -38,13 +39,14 @@ struct Journal {
   std::map<SweepBand, double> hottest;                 // of the rows seen
 
   [[nodiscard]] std::string text() const;
-  // Returns nothing if the file is not there or is no journal.
+  // Reads a journal. nullopt: the file does not exist or is not a journal.
   static std::optional<Journal> read(const std::string& path);
-  // Cuts the files that grow in `folder` back to what is stated. INVALID_ARGUMENT: one is shorter.
+  // Cuts the growing files in `folder` back to the stated lengths. INVALID_ARGUMENT: a file is
+  // shorter.
   [[nodiscard]] absl::Status cut_back(const std::string& folder) const;
 };
 
-// Marks a failure at which the same call would end again: no folder is left to go on with.
+// Marks a failure that a repeated call would meet again; no folder is left to continue.
 [[nodiscard]] absl::Status final_end(absl::Status why);
 [[nodiscard]] bool is_final(const absl::Status& why);
 

@@ -17,7 +17,7 @@ namespace irsig {
 enum class PictureFormat {
   kPng,   // grey of 8 or 16 bits
   kTiff,  // likewise, or float32 with 32 bits
-  kEnvi   // float32: a cube for each viewpoint and condition, with the bands that are asked for
+  kEnvi   // float32: a cube for each viewpoint and condition, with the requested bands
 };
 // ".png", ".tif", ".bsq".
 [[nodiscard]] const char* ending_of(PictureFormat format);
@@ -39,12 +39,12 @@ struct ThumbnailsAsked {
   double validation = 0;
   std::uint64_t split_seed = 1;
   std::string layer;        // pictures of this further image; empty: of the radiance at the target
-  bool background = false;  // pictures as the sensor has them, before the row's background
+  bool background = false;  // pictures at the sensor, before the row's background
   // Pictures of counts of this imager, in place of `scale` and `bits`; needs `background`.
   std::optional<Imager> imager = std::nullopt;
   std::string imager_name;      // for labels
   std::string imager_identity;  // differs between different imagers
-  std::string said;             // the question, for who resumes
+  std::string said;             // text of the question, for a resumed export
 };
 
 // Exports the stored images of all rows that a query selects, and returns their number. The folder

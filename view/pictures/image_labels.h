@@ -43,7 +43,7 @@ struct ImageLabel {
   std::optional<Counts> counts = std::nullopt;
 };
 
-// Writes the heading and a line for each label, with what each part of its row sends.
+// Writes the heading and a line for each label, with the contribution of each part of its row.
 [[nodiscard]] absl::Status write_labels(StoreReader& reader, const LabelColumns& columns,
                                         const std::vector<ImageLabel>& labels, std::ostream& out);
 

@@ -39,7 +39,7 @@ struct RegionMean {
   double radiance_w_m2_sr, stderr_w_m2_sr;
   double temperature_k;    // over the target's area in the region, and the land's, as far as known
   double target_fraction;  // of the region's area
-  double known_fraction;   // likewise, of which the temperature is known
+  double known_fraction;   // of the region's area, with known temperature
 };
 
 // Pixels of an image and its layers, row by row from the top left.
@@ -50,16 +50,17 @@ struct ImageNumbers {
   // Temperature of land beside and behind the target; 0: no land. Empty: not known.
   std::span<const float> land_temperature_k;
   std::span<const float> filled;  // the fraction of each pixel that the target fills
-  // True if pixels without target have errors of their own, as those of land of stated temperature,
-  // whose rays are theirs alone. Those of sky and sea come from the same few directions, and
-  // computed temperatures of land are wrong together.
+  // True if pixels without target have independent errors, as those of land of stated temperature,
+  // which have their own rays. Pixels of sky and sea share a few directions, and computed
+  // temperatures of land share their error.
   bool independent_background = false;
 };
 
-// Returns the means over a region. The radiance is that of n pixels with equal weights, the
-// temperature that of the pixels that show the target, with the weights filled, and of those that
-// show land with the rest. The standard error takes the errors e of the pixels T that show the
-// target as independent and those of the others B as the same error:
+// Returns the means over a region of n pixels. The radiance is the mean with equal weights. The
+// temperature is one mean over the target and the land: a pixel's temperature of the target has the
+// filled fraction as its weight, its temperature of land the rest. The standard error takes the
+// errors e of the target's pixels T as independent and those of the other pixels B as one common
+// error:
 //
 //   stderr = sqrt(sum_T e^2 + (sum_B e)^2) / n
 //

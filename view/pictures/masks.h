@@ -18,13 +18,13 @@ namespace irsig {
 // Returns the pixels that show any of the target, and their box.
 [[nodiscard]] ImageContent covered_pixels(const StoredSilhouette& silhouette);
 
-// Returns for each pixel 1 + the index in `parts` of the part that most samples meet; 0 where the
-// target fills less than half of the pixel.
+// Returns [pixel] 1 + the index in `parts` of the part that most samples of the pixel meet; 0 where
+// the target fills less than half of the pixel.
 [[nodiscard]] std::vector<std::uint16_t> part_mask(const StoredSilhouette& silhouette,
                                                    const std::vector<std::string>& parts);
 
-// Seen pixels of some parts: those of which the parts together fill at least half; where there are
-// none, as of a target smaller than a pixel, those that show any of it.
+// Visible pixels of some parts: pixels that the parts together fill by at least half. If there are
+// none, as for a target smaller than a pixel: pixels that show any of the parts.
 struct SeenObject {
   double area_px = 0;  // of its fractions of all pixels
   std::uint32_t left_px = 0, top_px = 0, width_px = 0, height_px = 0;  // box around its pixels
@@ -34,13 +34,13 @@ struct SeenObject {
   // Lengths of runs of pixels outside and inside by turns, column by column from the top left.
   std::vector<std::uint32_t> runs;
 };
-// An object with what other parts hide of it.
+// An object including the area that other parts hide.
 struct WholeObject {
   SeenObject mask;
   double occlusion = 0;   // fraction of its area in the image that other parts hide
   double truncation = 0;  // fraction of its area that lies outside the frame
 };
-// Returns the whole of an object that is seen; nothing: the silhouette has no whole parts.
+// Returns the whole of a visible object. nullopt: the silhouette has no whole parts.
 [[nodiscard]] std::optional<WholeObject> whole_object(
     const StoredSilhouette& silhouette, const SeenObject& seen,
     const std::function<bool(const std::string&)>& has);

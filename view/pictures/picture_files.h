@@ -14,7 +14,7 @@
 
 namespace irsig {
 
-// PictureFacts are those of an exported picture that its row and its silhouette do not have.
+// Facts of an exported picture that its row and its silhouette do not have.
 struct PictureFacts {
   std::string name;                             // of its file, without the ending
   std::size_t band = 0;                         // its place in a cube
@@ -39,8 +39,8 @@ class PictureFiles {
                                           std::vector<PictureFacts>& facts) const;
 
   // Writes the files of one image, which shows `radiance`. With an imager the silhouette and the
-  // size of `image` become those of the recorded picture. May be called from several threads, for
-  // an image each.
+  // size of `image` become those of the recorded picture. Several threads may call this, each for
+  // its own image.
   [[nodiscard]] absl::Status write(RowImage& image, RadianceImage radiance,
                                    PictureFacts& facts) const;
 
@@ -48,7 +48,7 @@ class PictureFiles {
   [[nodiscard]] absl::Status write_headers(const std::vector<RowImage>& images,
                                            const std::vector<PictureFacts>& facts) const;
 
-  // Bytes as a file of the folder, which nobody reads yet: not synchronised with the disk.
+  // Writes bytes to a file of the folder that no process reads yet, without synchronizing the disk.
   [[nodiscard]] static absl::Status plain_file(const std::string& path, const std::string& bytes);
 
  private:

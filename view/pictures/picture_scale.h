@@ -14,7 +14,7 @@ struct PictureScale {
   double black_w_m2_sr = 0, white_w_m2_sr = 0;  // kStated
 };
 
-// Parses "common", "own" or "BLACK,WHITE". INVALID_ARGUMENT: `text` is none of them.
+// Parses "common", "own" or "BLACK,WHITE". INVALID_ARGUMENT: any other text.
 [[nodiscard]] absl::StatusOr<PictureScale> parse_picture_scale(const std::string& text);
 
 }  // namespace irsig

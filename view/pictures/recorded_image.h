@@ -36,8 +36,9 @@ struct RecordedImage {
 };
 // Records an image of radiance at the sensor. The noise depends on sweep, season, time, band,
 // aspect and range of `row`, so that a slice of the database gives the same counts.
-//   with_surroundings  the image has sky, horizon and sea up to its border, beyond which its
-//                      border's pixels go on, and no margin is added; else the row's background
+//   with_surroundings  the image shows sky, horizon and sea up to its border; beyond the border its
+//                      outermost pixels are repeated, and no margin is added. If false, the row's
+//                      background is used
 // INVALID_ARGUMENT: the stored pixels are too coarse for the imager, or the image would be too
 // large.
 [[nodiscard]] absl::StatusOr<RecordedImage> record_image(

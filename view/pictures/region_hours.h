@@ -29,19 +29,20 @@ struct RegionValue {
 // days.
 struct RegionHours {
   std::string sweep, layer;
-  std::optional<double> solar_offset_h;  // as Hours has it (view/report/hours.h)
+  std::optional<double> solar_offset_h;  // as in Hours (view/report/hours.h)
   std::vector<RegionValue> value;        // by day, band, region and hour
 };
 
-// Returns the means of a layer of light over rectangles, or without any over each part of the
-// target and the whole image. An aspect alone chooses the nearest viewpoint. Images are read one
-// after the other.
+// Returns the means of a layer of light over rectangles; without rectangles, over each part of the
+// target and the whole image. A query with an aspect alone selects the nearest viewpoint. Images
+// are read one after the other.
 //
 //   layer  of kImageLayers, a radiance
 //
-// Errors: those of run_query; NOT_FOUND: nothing matches, a row has no image or no such layer;
-// INVALID_ARGUMENT: several viewpoints or sweeps, no day with two times, an interpolated query, a
-// layer that is no radiance, a rectangle beyond the image; DATA_LOSS: an image is damaged.
+// Errors are those of run_query. NOT_FOUND: nothing matches, or a row has no image or no such
+// layer. INVALID_ARGUMENT: several viewpoints or sweeps, no day with two times, an interpolated
+// query, a layer that is not a radiance, a rectangle beyond the image. DATA_LOSS: an image is
+// damaged.
 [[nodiscard]] absl::StatusOr<RegionHours> region_hours(
     StoreReader& reader, const Query& query, const std::vector<ImageRectangle>& rectangles,
     const std::string& layer, const ReadPictures& read);

@@ -16,23 +16,23 @@
 
 namespace irsig {
 
-// The image of a row as it is stored.
+// The image of a row as stored.
 struct RowImage {
   StoredSignature signature;
   schema::Thumbnail thumbnail;
   StoredSilhouette silhouette;
   std::vector<schema::ImageLayer> layers;
 
-  // Returns null if there is no such layer among `layers`.
+  // Returns a layer of a name; null if there is no such layer among `layers`.
   [[nodiscard]] const schema::ImageLayer* layer(std::string_view name) const;
 };
 
 // Which radiance of a stored image a picture shows.
 struct ShownAsked {
   std::string layer;        // of this further image; empty: the radiance at the target
-  bool background = false;  // as the sensor has it, before the row's background
+  bool background = false;  // as at the sensor, before the row's background
 
-  // Returns the layer that is shown where the image has it; empty: none.
+  // Returns the layer that is shown if the image has it; empty: none.
   [[nodiscard]] std::string wanted_layer() const;
 };
 

@@ -18,8 +18,8 @@ struct SweepImager {
   Imager imager;
 };
 
-// Returns nothing if the sweep has no [imager]. INVALID_ARGUMENT: a damaged database states one
-// that no camera can be.
+// Returns the imager of a sweep. nullopt: the sweep has no [imager]. INVALID_ARGUMENT: a damaged
+// database states one that no camera can be.
 [[nodiscard]] absl::StatusOr<std::optional<SweepImager>> imager_of_sweep(
     const schema::Sweep& sweep);
 
@@ -28,7 +28,7 @@ struct SweepImager {
 [[nodiscard]] absl::StatusOr<std::optional<SweepImager>> common_imager(StoreReader& reader,
                                                                        const std::string& sweep);
 
-// The stored image of a row as a camera records it, as far as it is known without its pixels.
+// The stored image of a row as recorded by a camera, as far as it is known without its pixels.
 struct CountsFrame {
   DetectorGrid grid;
   ImagerInBand figures;

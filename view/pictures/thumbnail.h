@@ -11,7 +11,8 @@
 
 namespace irsig {
 
-// Answers of each, in their order. Given by who has a program that reads EXR.
+// Callback: returns the answers to all tasks, in their order. Programs that can read EXR provide
+// it.
 using ReadPictures =
     std::function<absl::StatusOr<std::vector<PictureAnswer>>(const std::vector<PictureTask>&)>;
 
@@ -29,13 +30,15 @@ using ReadPictures =
 [[nodiscard]] absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
                                                                  const std::vector<QueryRow>& rows);
 
-// Returns a further image of a row. NOT_FOUND, with those that the row has: it has no such layer.
+// Returns a further image of a row. NOT_FOUND: the row has no such layer; the message lists its
+// layers.
 [[nodiscard]] absl::StatusOr<schema::ImageLayer> stored_layer(StoreReader& reader,
                                                               const StoredSignature& row,
                                                               const std::string& name);
 
-// Writes the stored image of the only row to a file; its ending (.png or .exr) says which.
-// INVALID_ARGUMENT: another ending; those of stored_thumbnail. DATA_LOSS: the image is damaged.
+// Writes the stored image of the only row to a file whose ending, .png or .exr, selects the format.
+// INVALID_ARGUMENT: another ending. DATA_LOSS: the image is damaged. Other errors: those of
+// stored_thumbnail.
 //   scale  of a .png: "" (the image as stored: 0 to its own hottest pixel), "common" (0 to the
 //          hottest pixel of all images of its sweep and band) or "BLACK,WHITE" in W/(m2 sr); needs
 //          `read`

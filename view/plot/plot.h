@@ -11,13 +11,13 @@
 
 namespace irsig {
 
-// Each plot draws query.quantity of what a query selects, as a complete SVG document. NOT_FOUND:
-// nothing matches; FAILED_PRECONDITION: an older irsig stored some of it without that quantity.
-// extent_of: needed for query.range_m, of which there may be several, each a curve of its own.
+// Each plot draws query.quantity of the selected rows as a complete SVG document. NOT_FOUND:
+// nothing matches. FAILED_PRECONDITION: an older irsig stored some rows without the quantity.
+// extent_of: needed for query.range_m; each of several ranges has its own curve.
 
 // Plots in-band values against aspect azimuth at one elevation, one panel per band, one curve per
-// season and time. If viewpoints stand on that elevation, they are the curve, with error bars (2
-// sigma); otherwise the curve is interpolated, with its 2 sigma band, and the viewpoints within
+// season and time. If viewpoints lie on that elevation, they form the curve, with error bars (2
+// sigma). Otherwise the curve is interpolated, with its 2 sigma range, and the viewpoints within
 // half a spacing of the ring are marked. Without elevation_deg: the lowest elevation that the
 // viewpoints cover all around.
 [[nodiscard]] absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,

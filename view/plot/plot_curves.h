@@ -15,13 +15,13 @@ struct Curve {
   std::vector<double> low{}, high{};   // of a shaded band around it; empty: none
   std::optional<std::size_t> place{};  // default: its own in the panel
   bool marks = false;                  // a dot at each value
-  // Limits of a second, lighter band without edges; empty: none. Where a limit is not finite there
-  // is no band.
+  // Limits of a second, lighter band without edges; empty: none. Points with a limit that is not
+  // finite have no band.
   std::vector<double> far_low{}, far_high{};
 };
 
-// One pair of axes. Without a range the y axis covers the curves and their bands, without an x axis
-// that covers them, too.
+// One pair of axes. Without a range, the y axis covers the curves and their bands; without an x
+// axis, the x axis covers them.
 struct CurvePanel {
   std::string title, x_label, y_label;
   std::vector<Curve> curve;

@@ -21,12 +21,13 @@ using ResponseTable = std::vector<SpectralPoint>;
 // beside it have: exact for whole bins under a constant response.
 struct BandWeights {
   std::vector<double> weight;  // [bin], slopes included
-  // [bin] um: the most that the response inside a bin differs from its mean there, times the bin
+  // [bin] Largest deviation of the response inside a bin from its mean there, times the bin's width
+  // [um]
   std::vector<double> swing;
 
-  // Returns the bound of the sum's change by the shape of spectra inside bins: in each bin, the
-  // deviation of its mean from straight lines between the means around it may lie anywhere in the
-  // bin.
+  // Returns the bound of the sum's change by the shape of spectra inside bins. In each bin, the
+  // deviation of its mean from straight lines between the neighbouring means may lie anywhere in
+  // the bin.
   [[nodiscard]] double shape_bound(std::span<const double> bin_mean) const;
 };
 
@@ -38,17 +39,18 @@ struct BandWeights {
 
 // A stored row under another response.
 struct InBand {
-  // The standard error follows from the stored modes; where a row has none, it is that of errors
-  // which are all one (the largest that it can be). Bounds are those of the whole band, which no
-  // part of it exceeds, times the most that the response has of the band's own; what spectra do
-  // inside bins is added to the quadrature's. [W/sr]
+  // Source, apparent and contrast intensity [W/sr]. The standard error follows from the stored
+  // modes; for a row without modes it is the largest possible one, for fully correlated errors.
+  // Bounds are those of the whole band, which no part of it exceeds, times the largest ratio of the
+  // response to the band's own. The variation of spectra inside bins is added to the error of the
+  // quadrature.
   Measured source, apparent, contrast;
   bool modes = false;  // all three have modes
 };
 
-// Computes rows as run_query gives them. stored: the response of the band with which the row was
-// computed (empty: 1). INVALID_ARGUMENT: as band_weights(); a response that is narrower than the
-// stored step, for which a bin's mean is no information; one where the band's own is 0, since
+// Computes rows as run_query returns them. stored: the response of the band with which the row was
+// computed (empty: 1). INVALID_ARGUMENT: as band_weights(); a response narrower than the stored
+// step, for which a bin's mean has no information; or a response where the band's own is 0, because
 // errors are unknown there. FAILED_PRECONDITION: a row without apparent and contrast spectra
 // (format version 2 or older).
 [[nodiscard]] absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,

@@ -12,8 +12,8 @@ struct SignatureField {
   SphereSamples samples;                   // of one quantity, in the same order
 };
 
-// Signatures sorted into fields, in order of appearance. Of viewpoints that share a direction (the
-// zenith of a grid) the first one stands for all.
+// Returns signatures sorted into fields, in order of appearance. Of viewpoints that share a
+// direction (the zenith of a grid) only the first is used.
 [[nodiscard]] std::vector<SignatureField> fields_of(
     const std::vector<StoredSignature>& signatures,
     SignatureQuantity quantity = SignatureQuantity::kIntensity);

@@ -15,7 +15,7 @@ namespace irsig {
 
 // A user's query of a database; an empty string means "any".
 struct Query {
-  // {}: so that a designated initializer may name some of the fields.
+  // The initializer {} allows designated initializers that name some of the fields.
   std::string sweep{}, season{}, band{};
   std::string time{};                                  // RFC 3339 with any offset
   std::optional<SignatureFilter::Direction> aspect{};  // with exactly one of the next three
@@ -47,7 +47,7 @@ struct Query {
                                                               const Query& query,
                                                               const ExtentOf& extent_of = {});
 
-// At most so many of the rows, as if drawn at random; the same ones each time.
+// A fixed pseudo-random selection of a query's rows, at most at_most of them.
 struct SomeRows {
   std::vector<QueryRow> rows;  // each at all of query.range_m
   std::size_t matching;        // stored rows
@@ -58,8 +58,8 @@ struct SomeRows {
 
 class RangeChanger;
 
-// The rows of a query in batches, for streaming large results: memory does not grow with their
-// number. (Interpolated rows come all at once.) The reader outlives it.
+// The rows of a query in batches, for streaming large results: memory does not grow with the number
+// of rows. (Interpolated rows come all at once.) The reader must outlive this object.
 class QueryRows {
  public:
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<QueryRows>> open(

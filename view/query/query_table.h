@@ -18,10 +18,10 @@ struct QueryContent {
   bool wide = false;      // one column per wavelength of the quantity's spectrum; not with these
   bool parts = false;     // one line per part; not together with spectrum
   bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
-  SignatureQuantity quantity = SignatureQuantity::kIntensity;  // what people are shown
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;  // shown in tables for people
 };
 
-// Values of a spectrum and what the csv format calls them.
+// Values of a spectrum and their name in the csv format.
 struct SpectralColumn {
   const char* name;
   const google::protobuf::RepeatedField<float>& (schema::Spectrum::*values)() const;
@@ -34,7 +34,7 @@ struct SpectralColumn {
 [[nodiscard]] absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column,
                                      bool descending);
 
-// Rows on their way into a table, of which there may be many.
+// Writes rows to a table; there may be many.
 class RowTable {
  public:
   // Creates a table. first: some of the rows, which determine the columns. INVALID_ARGUMENT: the
@@ -55,13 +55,13 @@ class RowTable {
   std::unique_ptr<Parts> parts_;
 };
 
-// Writes rows in a format of table.h. The columns start with those that scripts rely on (docs:
+// Writes rows in a format of table.h. The first columns are those that scripts rely on (docs:
 // `irsig query --help`).
 [[nodiscard]] absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
                                       const QueryContent& content, std::string_view format,
                                       std::ostream& out);
 
-// Rows under a response of the user's own, one line each. sum: [row]
+// Writes rows under a user's response, one line each. sum: [row]
 [[nodiscard]] absl::Status write_in_band(const std::vector<QueryRow>& rows,
                                          const std::vector<InBand>& sum, SignatureQuantity quantity,
                                          std::string_view format, std::ostream& out);

@@ -11,12 +11,12 @@
 namespace irsig {
 
 // Finds the directions in which interpolation between viewpoints is too uncertain, and the
-// viewpoints that would mend it.
+// viewpoints that would correct it.
 
-// Errors are shares of the value beside them; of a quantity that may be below zero, of the rms of
+// Errors are fractions of the value beside them; for a quantity that may be negative, of the rms of
 // its field.
 
-// A viewpoint as the others of its field have it.
+// A viewpoint, and its value interpolated from the other viewpoints of its field.
 struct LeftOutViewpoint {
   std::size_t sample;         // of the field
   double value;               // left out
@@ -24,7 +24,7 @@ struct LeftOutViewpoint {
   double error;               // one sigma that this states, with the standard errors of both
   double relative_deviation;  // |interpolated - value|, as a share
 };
-// Viewpoints that the others surround; the outermost are left out of it.
+// Viewpoints that others surround; the outermost ones are excluded.
 [[nodiscard]] absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(
     const SignatureField& field, FieldKind kind);
 
@@ -36,16 +36,16 @@ struct ProposedViewpoint {
 struct Refinement {
   std::vector<ProposedViewpoint> add;
   double largest_before, largest_after;  // relative error of interpolation, over all directions
-  std::size_t above_before, above_after, directions;  // of these, how many exceed what is asked
+  std::size_t above_before, above_after, directions;  // above: the requested error
 };
 
-// Viewpoints to add until interpolation states at most `relative_error` everywhere between the
-// viewpoints (not beyond them), in all fields, or `most` are found: the worst directions first,
-// those that lie apart at once, and then anew as if they were known. fields: of one quantity, with
-// the same viewpoints. Standard errors of the viewpoints' own are no part of it: more viewpoints
-// are not for them. Directions are looked at in a golden-angle order, so that what is proposed for
-// a ring does not share the ring's phase. FAILED_PRECONDITION: too few viewpoints to interpolate at
-// all.
+// Finds viewpoints to add until interpolation states at most `relative_error` everywhere between
+// the viewpoints (not beyond them) in all fields, or `most` are found. The worst directions come
+// first; directions far apart are added together, and the next search treats them as known. fields:
+// of one quantity, with the same viewpoints. The viewpoints' own standard errors are excluded,
+// because more viewpoints do not reduce them. Directions are examined in a golden-angle order, so
+// that viewpoints proposed for a ring do not share the ring's phase. FAILED_PRECONDITION: too few
+// viewpoints to interpolate.
 [[nodiscard]] absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields,
                                                 FieldKind kind, double relative_error,
                                                 std::size_t most);

@@ -17,8 +17,8 @@
 namespace irsig {
 
 // One aspect under two conditions: b - a. The error takes the samples of both as independent and
-// lets their bounds add up: where both come from the same paths (conditions of one view) it is too
-// large rather than too small.
+// adds their bounds. If both come from the same paths (conditions of one view), it is too large
+// rather than too small.
 struct ComparedAspect {
   double aspect_azimuth_deg, aspect_elevation_deg;
   StoredValue a, b;
@@ -31,12 +31,12 @@ struct Comparison {
   std::size_t only_in_a = 0, only_in_b = 0;  // aspects that the other one does not have
 };
 
-// The aspects of values, sorted: what is one aspect to compare() has one key.
+// Key of an aspect for sorting; values that compare() treats as one aspect share a key.
 using AspectKey = std::pair<std::int64_t, std::int64_t>;
 [[nodiscard]] std::vector<AspectKey> aspect_keys(std::span<const StoredValue> values);
 
-// Aspects within 1e-6 deg are one. Values that were not computed are left out as if they were not
-// there.
+// Compares values by aspect; aspects within 1e-6 deg are equal. Values that were not computed are
+// left out.
 [[nodiscard]] Comparison compare(std::span<const StoredValue> a, std::span<const StoredValue> b);
 
 // Writes one line per aspect, in a format of table.h.
@@ -49,8 +49,8 @@ using AspectKey = std::pair<std::int64_t, std::int64_t>;
 // one of the same quantity.
 [[nodiscard]] absl::Status check_same_band(const schema::Band& a, const schema::Band& b);
 
-// Names in which two rows may differ and still be compared. With a free season, times are those of
-// the day.
+// Names in which two rows may differ and still be compared. With a free season, times are times of
+// day.
 struct FreeNames {
   bool season = false, time = false, band = false;
 };

@@ -27,8 +27,8 @@ struct LedgerRow {
 struct EffectSummary {
   std::string effect;
   std::uint64_t on = 0, off = 0, absent = 0;
-  // Largest bound relative to the intensity, of the source or at the aperture, among the rows where
-  // the effect is off; kNotComputed: off nowhere, or a bound is not known.
+  // Largest bound relative to the intensity, of the source or at the aperture, over the rows where
+  // the effect is off. kNotComputed: the effect is off in no row, or a bound is not known.
   double largest_bound = kNotComputed;
   std::map<std::string, std::uint64_t> reason;  // of the rows where it is not absent
   // Sums over all views; kNotComputed: no ledger states them.

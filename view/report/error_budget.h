@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// One reason why a value may be off.
+// One part of the error of a value.
 struct ErrorPart {
   std::string name, what;
   bool bound;         // else a standard error
@@ -16,9 +16,9 @@ struct ErrorPart {
 };
 
 // Returns the parts of the numerical error of a row's intensity, apparent or contrast intensity:
-// its standard errors, then its bounds, those of 0 included. For a row that was moved to another
-// range, bounds are known only together. Empty: the quantity has no bounds (background radiance),
-// or the row is interpolated or was stored without the quantity.
+// its standard errors, then its bounds, including zeros. For a row moved to another range, only the
+// sum of the bounds is known. Empty: the quantity has no bounds (background radiance), or the row
+// is interpolated or was stored without the quantity.
 [[nodiscard]] std::vector<ErrorPart> error_budget(const QueryRow& row,
                                                   const QuantityColumns& quantity);
 

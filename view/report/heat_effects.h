@@ -8,19 +8,20 @@
 
 namespace irsig {
 
-// Effects on computed temperatures that a sweep has left out, in the rows of the sweep: made once
+// Effects on computed temperatures that a sweep has left out, for the rows of the sweep; made once
 // from the outputs of its heat jobs.
 class HeatEffects {
  public:
   // Reads the effects of a sweep. INVALID_ARGUMENT: the output of a heat job cannot be read.
   [[nodiscard]] static absl::StatusOr<HeatEffects> make(const StoredSweep& sweep);
 
-  // Lines of a row's ledger; none where no temperature of its condition was computed, or is known.
-  // Off: a part of the row's temperature bounds. Each temperature's error has the effect's bound b
-  // in it, b <= r error, and Planck's function is convex in temperature, so that b changes a row by
-  // r times its temperature bound at most; r: the largest of the facets.
+  // Returns lines of a row's ledger; none if no temperature of its condition was computed, or none
+  // is known. The bound of an effect that is off is a part of the row's temperature bounds. Each
+  // temperature's error includes the effect's bound b, with b <= r error. Planck's function is
+  // convex in temperature, so that b changes a row by at most r times its temperature bound; r is
+  // the largest of the facets.
   [[nodiscard]] std::vector<StoredEffect> of(const StoredSignature& row) const;
-  // The largest bound of the row's facets, of those effects whose bound is known.              [K]
+  // Largest bound [K] over the row's facets, for effects whose bound is known.
   struct Kelvin {
     std::string effect;
     bool off;

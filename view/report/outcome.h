@@ -11,8 +11,8 @@
 namespace irsig {
 
 // Returns the requested accuracy of a sweep and the stop reasons of its rows: "1051 of 1146 rows
-// reach 0.2 %, 95 only the floor of 0.05 K (floor_reached)". Empty where every row reaches the
-// relative error, or none was asked for.
+// reach 0.2 %, 95 only the floor of 0.05 K (floor_reached)". Empty: every row reaches the relative
+// error, or no accuracy was requested.
 [[nodiscard]] std::string stopped_text(const StoredOutcome& outcome,
                                        const schema::Accuracy& accuracy);
 
@@ -22,16 +22,16 @@ namespace irsig {
 //   at_sample_limit  whether more samples would help, and the sweep allows no more
 [[nodiscard]] std::string limit_text(std::string_view limiting_bound, bool at_sample_limit);
 
-// Returns what decides the error of the rows that did not reach their accuracy, the most frequent
-// first, each with its remedy: "14 rows do not reach the accuracy: effects that are off (omitted);
-// run with --effects all". Empty: every row reached it.
+// Returns the causes that decide the error of rows that did not reach their accuracy, the most
+// frequent first, each with its remedy: "14 rows do not reach the accuracy: effects that are off
+// (omitted); run with --effects all". Empty: every row reached it.
 [[nodiscard]] std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows);
 // Returns these notes for all rows of a sweep, few of which are in memory at once.
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
                                                                    const std::string& sweep);
 
-// Returns by how much images fall short of what [image] asks for: "images are known to 0.8 % in the
-// worst case, 0.5 % was asked for; raise [image] max_samples". Empty: none does.
+// Returns the shortfall of images from the accuracy of [image]: "images are known to 0.8 % in the
+// worst case, 0.5 % was asked for; raise [image] max_samples". Empty: no image falls short.
 [[nodiscard]] std::string image_text(const StoredOutcome& outcome, const schema::Image& image);
 
 // Returns a warning, with the remedy, if views were partly seen from behind. Empty: none were.

@@ -32,7 +32,7 @@ struct ProfileQuery {
 [[nodiscard]] std::string profile_summary(const std::vector<StoredProfileRow>& rows,
                                           const std::vector<StoredPublished>& published);
 
-// Profiles of a sweep whose standard error is above the one asked for, a line each.
+// Returns a line for each profile of a sweep whose standard error exceeds the requested one.
 [[nodiscard]] std::vector<std::string> profile_notes(const std::vector<StoredProfileRow>& rows,
                                                      const schema::Sweep& sweep);
 

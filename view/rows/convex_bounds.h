@@ -23,11 +23,12 @@ namespace irsig {
 // constraints). The bounds hold wherever the edges of facets lie between the viewpoints.
 //
 // Accuracy: proven for such a body and exact values; two standard errors of a combination widen its
-// bound. Of 16 viewpoints (the two nearest of each of eight bearings) are the combinations made:
-// more of them could only narrow the bounds.
-// Limits: where no combination bounds one side (the edge of a set, a single ring above the
-// horizon), two viewpoints do whose plane passes at a distance r of d, and r times the largest
-// value widens the bound. That is proven only if the body is no brighter along the plane's normal.
+// bound. Combinations are made of 16 viewpoints (the two nearest of each of eight bearings); more
+// viewpoints could only narrow the bounds.
+// Limits: at the edge of a set, or for a single ring above the horizon, no combination may bound
+// one side. Then two viewpoints are used whose plane passes at a distance r of d, and r times the
+// largest value widens the bound. This is proven only if the body is no brighter along the plane's
+// normal.
 class ConvexBounds {
  public:
   // among: indices into direction, the nearest to `where` first.

@@ -36,28 +36,29 @@ struct SphereEstimate {
   double value;
   double value_stderr;         // of the samples, propagated through the weights
   double interpolation_error;  // one sigma, of both below; 0 at a sample
-  double rough_error;          // what the samples' own scatter shows
-  double hidden_error;         // what facets hide between samples, whatever the scatter is
+  double rough_error;          // from the samples' own scatter
+  double hidden_error;         // possible effect of facets between samples, whatever the scatter
 };
 
-// Interpolation at one direction, by ordinary kriging on the nearest samples: the weights depend on
+// Interpolation at one direction, by ordinary kriging on the nearest samples. The weights depend on
 // directions, standard errors and kernel only, so that they can be applied to any quantity known at
 // the same directions (spectra, parts).
 //
 //   value = m + k' C^-1 (v - m 1)                                 [rasmussen2006, eq. 2.25, 2.42]
 //   error = s sqrt(1 - k' C^-1 k + (1 - 1' C^-1 k)^2 / 1' C^-1 1 - w' diag(stderr^2) w / s^2)
 //
-// with C = K + diag(stderr^2) / s^2 and s from the samples' own scatter; the error is multiplied by
+// with C = K + diag(stderr^2) / s^2 and s from the samples' own scatter. The error is multiplied by
 // the rms of the standardized leave-one-out residuals of the 12 nearest samples, or by the largest
-// of the 6 nearest, where that exceeds 1. Of a field that facets make, 0.4 of this error and the
-// bounds of convex_bounds.h, which count as three standard errors, are the stated error; or all of
-// it and the bounds of an even field where the samples contradict a convex body. Samples at equal
-// steps can meet all facets of a regular body alike, and their scatter is then 0.
+// of the 6 nearest, where that exceeds 1. For a field made by facets, the stated error combines 0.4
+// of this error with the bounds of convex_bounds.h, which count as three standard errors. Where the
+// samples contradict a convex body, it combines all of this error with the bounds of an even field.
+// Samples at equal steps can meet all facets of a regular body equally, and their scatter is then
+// 0.
 //
 // Accuracy: calibrated on closed forms of convex bodies, on rings, grids, Fibonacci and clustered
 // sets (tests/honesty/between_viewpoints_test.cpp; table in docs/evidence/stability.md).
 // Limits: features narrower than the spacing that are not facets of a convex body (glints, gaps)
-// are seen neither by the value nor by its error.
+// affect neither the value nor its error.
 class SphereFit {
  public:
   // Returns the kernel of greatest restricted likelihood, for at most 150 evenly chosen samples. At
@@ -65,13 +66,13 @@ class SphereFit {
   static absl::StatusOr<SphereKernel> choose_kernel(const SphereSamples& samples);
 
   // Interpolates at a direction; without a kernel, with the best one for the samples around
-  // `where`. OUT_OF_RANGE, with the reason, if `where` lies outside the directions that the samples
-  // cover: see `uncovered`.
+  // `where`. OUT_OF_RANGE, with the reason: `where` lies outside the directions that the samples
+  // cover; see `uncovered`.
   static absl::StatusOr<SphereFit> at(const SphereSamples& samples, Vec<Body> where,
                                       std::optional<SphereKernel> kernel = std::nullopt);
 
-  // The samples that take part, as indices into SphereSamples, nearest first, and their weights
-  // (their sum is 1).
+  // Returns the samples used, as indices into SphereSamples, nearest first; weight() returns their
+  // weights (sum 1).
   [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
   [[nodiscard]] const std::vector<double>& weight() const { return weight_; }
 
@@ -86,7 +87,7 @@ class SphereFit {
                                         FieldKind kind) const;
 
  private:
-  // Rms distance of an estimate from what facets leave open, and whether bounds tell so.
+  // Rms distance of an estimate from the values that facets allow, and whether bounds give these.
   struct Hidden {
     double distance;
     bool is_bounded;

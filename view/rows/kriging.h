@@ -32,7 +32,7 @@ class Cholesky {
 
 [[nodiscard]] double inner(const std::vector<double>& a, const std::vector<double>& b);
 
-// C = K + diag(stderr^2) / s^2 factored, with what ordinary kriging needs of it.
+// C = K + diag(stderr^2) / s^2, factored, with the further quantities that ordinary kriging needs.
 struct FactoredCovariance {
   Cholesky c;
   std::vector<double> c_inv_one;

@@ -37,8 +37,8 @@ struct RangeChange {
 };
 
 struct QueryRow {
-  // Interpolated: row and signature_id are 0, the fields that are not a function of the aspect are
-  // those of the nearest viewpoint, numerical errors include the interpolation error.
+  // Interpolated rows: row and signature_id are 0; fields that do not depend on the aspect are
+  // those of the nearest viewpoint; numerical errors include the interpolation error.
   StoredSignature signature;
   std::optional<Interpolation> interpolation;
   std::optional<RangeChange> range_change{};

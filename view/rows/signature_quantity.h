@@ -13,10 +13,10 @@
 
 namespace irsig {
 
-// A quantity of a signature that can be asked for, sorted by and drawn: where its numbers stand.
+// Columns of a quantity of a signature that can be queried, sorted by and drawn.
 struct QuantityColumns {
   SignatureQuantity quantity;
-  const char* name;   // as asked for: "contrast_intensity"
+  const char* name;   // in queries: "contrast_intensity"
   const char* title;  // of a plot: "In-band contrast intensity"
   const char* unit;   // "W/sr"
   const char *value_name, *stderr_name, *error_name;

@@ -9,14 +9,14 @@ namespace irsig {
 // Errors against work, both logarithmic.
 struct WorkSeries {
   std::string name;          // in the legend
-  std::vector<double> x, y;  // as long as each other; what is not positive or finite is left out
+  std::vector<double> x, y;  // equal lengths; values that are not positive and finite are left out
   bool joined = true;        // by a line
 };
 
 struct WorkPanel {
   std::string title, x_label, y_label;
   std::vector<WorkSeries> series;
-  double reference_error = 0;  // > 0: a grey band up to there, what the reference leaves open
+  double reference_error = 0;  // > 0: upper end of a grey band, the error of the reference
   std::vector<double> target;  // dashed lines across
 };
 

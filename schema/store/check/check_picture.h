@@ -29,23 +29,24 @@ inline constexpr std::uint32_t kMostPixels = 4096;
 [[nodiscard]] std::string exr_defect(std::string_view exr, std::uint32_t width_px,
                                      std::uint32_t height_px);
 
-// Checks a layer of an image of that size likewise; its name is one of kImageLayers.
+// Checks a layer of an image of that size in the same way; its name is one of kImageLayers.
 [[nodiscard]] absl::Status check_image_layer(const schema::ImageLayer& layer,
                                              std::uint32_t width_px, std::uint32_t height_px,
                                              const std::string& path);
 
-// Calls visit(place of the part, pixel, count) for each pixel that shows a part, one part after the
-// other. DATA_LOSS as soon as something is found that no worker makes: a frame of another size than
-// images have, a part twice, a box that is not in the frame, damaged counts or none but zeros, a
-// pixel of more counts than it has samples, boxes of more than 16 frames and 2^26 pixels together,
-// or more numbers than 4 for each pixel and 2^22. No more memory is taken than the frame's and one
-// box's.
+// Calls visit(index of the part, pixel, count) for each pixel that shows a part, one part after the
+// other. Needs no more memory than the frame's and one box's. DATA_LOSS as soon as the data cannot
+// be a worker's:
+//   - a frame of another size than images have, a part twice, or a box that is not in the frame
+//   - damaged counts, only zero counts, or a pixel with more counts than samples
+//   - boxes of more than 16 frames and 2^26 pixels together
+//   - more numbers than 4 for each pixel and 2^22
 [[nodiscard]] absl::Status visit_silhouette(
     const schema::Silhouette& silhouette,
     const std::function<void(int part, std::uint32_t pixel, std::uint16_t count)>& visit);
 
-// Visits the pixels of the sets of parts likewise: visit(place of the set, pixel, count). The place
-// of a set's part_index is not looked at.
+// Visits the pixels of the sets of parts in the same way: visit(index of the set, pixel, count).
+// The indices in a set's part_index are not checked.
 [[nodiscard]] absl::Status visit_part_sets(
     const schema::Silhouette& silhouette,
     const std::function<void(int set, std::uint32_t pixel, std::uint16_t count)>& visit);

@@ -5,11 +5,11 @@
 
 namespace irsig {
 
-// Checks a result by itself, whoever sent it: no number beyond the range of the quantity of its
-// name, fractions and transmittances between 0 and 1, causes and parts that sum to the intensity
-// within the rounding of their sums, pictures that are pictures (check_picture.h), texts of no more
-// than a line. INVALID_ARGUMENT, naming the field. check_result compares the result with its job,
-// in the transaction that stores it. Thread-safe: touches nothing else.
+// Checks a result by itself, whoever sent it. Numbers lie in the range of the quantity that their
+// name states; fractions and transmittances are between 0 and 1. Causes and parts sum to the
+// intensity within the rounding of their sums. Pictures are valid (check_picture.h), and texts have
+// at most one line. INVALID_ARGUMENT otherwise; the message names the field. check_result compares
+// the result with its job, in the transaction that stores it. Thread-safe: uses no other data.
 [[nodiscard]] absl::Status check_plausible(const schema::JobResult& result);
 
 }  // namespace irsig

@@ -18,7 +18,7 @@ struct ExpectedResult {
   std::vector<std::uint32_t> band_index;
   std::size_t parts;
   std::size_t profile_rows;               // of each condition and band
-  std::optional<bool> thumbnail;          // whether images were asked for
+  std::optional<bool> thumbnail;          // true: images were requested
   std::vector<std::string> image_layers;  // of each row with an image, in this order
   LedgerNames ledger;
   std::vector<std::string> inputs;  // uncertain ones, of each row

@@ -7,10 +7,10 @@
 
 namespace irsig {
 
-// Every table, index and view of a file is read and written as the code expects only if it is
-// defined as the code defines it: a view may be another query that never ends, a trigger runs with
-// whatever is written, a table without its CHECKs holds anything. SQLite's own statistics
-// (sqlite_stat1 ...) may be there.
+// The code can rely on a table, index or view of a file only if it is defined as the code defines
+// it. Otherwise a view may be another query that never ends, a trigger may run at each write, and a
+// table without its CHECKs may hold anything. SQLite's own statistics (sqlite_stat1 ...) are
+// allowed.
 
 // Checks that the definitions in a database are those of the format, apart from comments and white
 // space. INVALID_ARGUMENT otherwise: the message names the file and the first definition that

@@ -22,8 +22,8 @@ struct Blob {
   std::string_view bytes;
 };
 
-// A running statement. It goes back to its database's cache when it is destroyed, so one statement
-// text runs at most once at a time. Move-only.
+// A running statement. It returns to its database's cache when it is destroyed, so that one
+// statement text runs at most once at a time. Move-only.
 class Rows {
  public:
   explicit Rows(sqlite3_stmt* statement) : statement_(statement) {}
@@ -31,7 +31,7 @@ class Rows {
   Rows& operator=(Rows&&) = delete;
   ~Rows();
 
-  // Steps to the next row; false: there is none.
+  // Steps to the next row; returns false if there is none.
   absl::StatusOr<bool> next();
 
   // Columns of the current row, from left to right: every call reads the next one.
@@ -61,7 +61,7 @@ class Database {
   enum class Mode {
     kReadWriteCreate,
     kReadOnly,
-    kImmutable,  // read-only, and nobody writes: without lock, without journal
+    kImmutable,  // read-only, without writers: no lock, no journal
   };
   // Opens a database. attaches: if true, another database may be attached for writing, whatever the
   // mode of this one.
@@ -74,8 +74,8 @@ class Database {
   // Runs a script of statements without parameters.
   absl::Status script(const std::string& text);
 
-  // Attaches a database that exists, for writing, as a schema of the name that `sql` says
-  // ("ATTACH ?1 AS name").
+  // Attaches an existing database for writing, under the schema name in `sql` ("ATTACH ?1 AS
+  // name").
   absl::Status attach(const char* sql, const std::string& path);
 
   // Starts a statement with its parameters bound in order (integers, doubles, strings, Blob,
@@ -106,7 +106,7 @@ class Database {
     return rows.integer();
   }
 
-  // Overwrites a piece of a value that is there and long enough.
+  // Overwrites a part of an existing value that is long enough.
   absl::Status write_blob(const char* table, const char* column, std::int64_t row,
                           std::uint64_t offset, std::string_view bytes);
 
@@ -152,7 +152,7 @@ class Database {
   std::unordered_map<const char*, sqlite3_stmt*> statements_;
 };
 
-// A savepoint inside a transaction: what was done since is undone unless keep() succeeds.
+// A savepoint inside a transaction: later changes are undone unless keep() succeeds.
 class Savepoint {
  public:
   static absl::StatusOr<std::unique_ptr<Savepoint>> open(Database& database);
@@ -165,14 +165,14 @@ class Savepoint {
   bool open_ = true;
 };
 
-// Returns the status for an error number of a file that a user has named, "read" or "written":
-// NOT_FOUND and INVALID_ARGUMENT where another name or another permission mends it,
+// Returns the status for an error number of a file that a user has named. used: "read" or
+// "written". NOT_FOUND and INVALID_ARGUMENT where another name or permission corrects it,
 // RESOURCE_EXHAUSTED for a full disk, UNAVAILABLE otherwise.
 [[nodiscard]] absl::Status unusable_file(const std::string& path, std::string_view used, int error);
 
-// Facts from the first 100 bytes of a file, read through SQLite's own file layer: a plain open and
-// close of the file would drop the locks that this process holds on it through another connection
-// (POSIX locks are per process).
+// Facts from the first 100 bytes of a file, read through SQLite's own file layer. POSIX locks are
+// per process: a plain open and close of the file would drop the locks that this process holds on
+// it through another connection.
 struct FileHeader {
   bool empty;
   bool is_sqlite;

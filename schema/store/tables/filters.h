@@ -52,8 +52,8 @@ struct TemperatureFilter {
   std::string sweep, season, time_utc;
 };
 
-// The files of a sweep that are read with it. A damaged file is an error only for a caller that
-// asks for it.
+// Files of a sweep that are read with it. A damaged file is an error only if the caller requests
+// it.
 enum class SweepFiles { kNone, kTemperatures, kAll };
 
 }  // namespace irsig

@@ -46,8 +46,8 @@ struct QueuedJob {
   JobState state;
   std::uint32_t failures;       // distinct workers that failed on it
   std::uint64_t fencing_token;  // of the current lease, 0 if none
-  // [spec.needs] The SHA-256 of the asset that each needed job has left; empty: its kind leaves
-  // none.
+  // [spec.needs] SHA-256 of the asset that each needed job has produced; empty: jobs of its kind
+  // produce none.
   std::vector<std::string> output = {};
 };
 
@@ -68,7 +68,7 @@ struct SweepProgress {
   int priority = 0;
 };
 // The cost of a sweep as a pilot predicted it before the run. CPU times are those of the jobs; the
-// wall time is that of `workers` workers, their start included.
+// wall time is for `workers` workers, including their start.
 struct StoredPrediction {
   std::string sweep_sha256;
   double made_unix_s = 0;
@@ -127,7 +127,7 @@ struct StoredSilhouette {
   std::uint32_t width_px = 0, height_px = 0, pixel_samples = 0;
   struct Pixel {
     std::uint32_t at;       // row by row from the top left
-    std::uint16_t samples;  // of it that meet the part first, or the set; more than 0
+    std::uint16_t samples;  // of the pixel that meet the part first, or the set; > 0
   };
   struct Part {
     std::string name;
@@ -137,7 +137,7 @@ struct StoredSilhouette {
   // Rays that meet exactly these parts, one behind the other, if the sweep asked for whole parts.
   struct PartSet {
     std::vector<std::string> part;
-    double outside_px = 0;  // what such rays cover outside the frame [areas of a pixel]
+    double outside_px = 0;  // area of such rays outside the frame [pixels]
     std::vector<Pixel> pixel;
   };
   std::vector<PartSet> part_set = {};
@@ -291,7 +291,7 @@ struct SweepContents {
   };
   std::vector<Band> band;
   std::vector<double> range_m;  // of its viewpoints, increasing
-  bool thumbnails = false;      // asked for
+  bool thumbnails = false;      // requested
   bool clutter = false;         // a row has some: its target stands before land
 };
 

@@ -32,7 +32,8 @@ class SpectrumBlobs {
 [[nodiscard]] absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
     std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays);
 
-// Floats as such arrays have them; DATA_LOSS as above: not so many, or no finite number.
+// Encodes an array as float32, little-endian; floats_from_blob() decodes it. DATA_LOSS: the number
+// of values is not `count`, or a value is not finite.
 [[nodiscard]] std::string float_blob(const google::protobuf::RepeatedField<float>& values);
 [[nodiscard]] absl::StatusOr<google::protobuf::RepeatedField<float>> floats_from_blob(
     std::string_view blob, int count);

@@ -10,9 +10,9 @@
 
 namespace irsig {
 
-// Bytes on their way into the database: a file without a name in the database's folder, so that
-// memory holds a piece at a time; it is gone when this object is, however its process ends. The
-// SHA-256 is taken as the bytes come. Not thread-safe.
+// Bytes on their way into the database, in a file without a name in the database's folder, so that
+// memory holds one piece at a time. The file disappears with this object, however its process ends.
+// The SHA-256 is computed as the bytes arrive. Not thread-safe.
 class SpooledFile {
  public:
   static absl::StatusOr<std::unique_ptr<SpooledFile>> make(const std::string& folder);

@@ -11,8 +11,8 @@
 
 namespace irsig {
 
-// The only code that reads the bytes of assets (but for `examine`, which reads all of them): each
-// time they are held against the SHA-256 that is the asset's name.
+// The only code that reads the bytes of assets, except `examine`, which reads all of them. Each
+// read checks the bytes against the SHA-256 that is the asset's name.
 
 // Reads the bytes of an asset. NOT_FOUND: the database has no such asset. DATA_LOSS: the stored
 // bytes do not match the hash; the message describes the asset and how to replace it.
@@ -20,14 +20,14 @@ namespace irsig {
 // Like read_asset(), without the bytes.
 [[nodiscard]] absl::Status check_asset(Database& database, const std::string& sha256);
 
-// Checks the output of a heat job; NOT_FOUND: it has none.
+// Checks the output of a heat job. NOT_FOUND: the job has no output.
 [[nodiscard]] absl::Status check_heat_output(Database& database, std::int64_t job_id);
-// Checks each SHA-256 that a statement without parameters lists; returns the error of the first
-// that is damaged or missing.
+// Checks each SHA-256 that a statement without parameters lists. Returns the error of the first
+// asset that is damaged or missing.
 [[nodiscard]] absl::Status check_assets(Database& database, const char* listed);
 
-// Stores an asset whose bytes are those of its hash. What is there already stays, unless it is
-// damaged: then it is replaced.
+// Stores an asset whose bytes match its hash. An existing asset stays, unless it is damaged; then
+// it is replaced.
 [[nodiscard]] absl::Status store_asset(Database& database, const Asset& asset);
 [[nodiscard]] absl::Status store_asset(Database& database, const std::string& sha256,
                                        std::string_view bytes);

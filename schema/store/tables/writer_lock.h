@@ -8,15 +8,15 @@
 
 namespace irsig {
 
-// The exclusive right to write one database: an flock on "<database>-lock", so that the kernel
-// releases it when the holder dies in whatever way. (Not on the database itself: closing a
+// The exclusive right to write one database: an flock on "<database>-lock", which the kernel
+// releases however the holder ends. (The lock is not on the database itself, because closing a
 // descriptor of that file would drop SQLite's own locks on it.) The file is removed when the lock
-// is given back.
+// is released.
 //
-// The lock file also tells the two moments in which a database's header asks for a journal that
-// is not there: between the header's change to write-ahead mode and the first commit, and between
-// the removal of the journal and the header's change back. The database is whole then; if the
-// writer is killed, the lock file stays and says so.
+// The lock file also marks the two moments in which a database's header asks for a journal that
+// does not exist. They lie between the header's change to write-ahead mode and the first commit,
+// and between the removal of the journal and the header's change back. The database is complete
+// then; if the writer is killed, the lock file stays and states that.
 class WriterLock {
  public:
   // Takes the lock. database: its real path. name: the user's name for the database, used in
@@ -31,9 +31,9 @@ class WriterLock {
   // lock of this name.
   [[nodiscard]] bool holds() const;
 
-  // States in the lock file that the database, as the file that it is now (device and inode), is
-  // whole without a journal. The lock file then stays when the lock is given back. That it cannot
-  // be written is no error: after a kill the user is asked instead (schema/store/whole_file.h).
+  // States in the lock file that the database, as its present file (device and inode), is complete
+  // without a journal. The lock file then stays when the lock is released. A failure to write it is
+  // no error: after a kill the user is asked instead (schema/store/whole_file.h).
   void say_whole_without_journal();
   // Withdraws that statement: a commit has reached the journal, or the header no longer asks for a
   // journal.
@@ -51,7 +51,7 @@ class WriterLock {
 // State of the lock file beside a database, for processes that do not hold the lock.
 struct LockFile {
   bool held = false;                   // by a living writer
-  bool whole_without_journal = false;  // as say_whole_without_journal() has it, of this very file
+  bool whole_without_journal = false;  // stated by say_whole_without_journal(), of this file
 };
 [[nodiscard]] LockFile read_lock_file(const std::string& database);
 

@@ -11,18 +11,17 @@ namespace irsig {
 // A fault of a database, or a sign of its age.
 struct StoreFinding {
   enum class Kind {
-    kDamaged,  // not what was written
+    kDamaged,  // differs from the written content
     kMissing,  // not computed (yet)
     kOld,      // of an earlier version of irsig or of the sweep
   } kind;
   std::string what;
 };
 
-// Reads all of it: SQLite's own checks, references between tables, assets by their hashes, numbers
-// that are none, sums, spectra, images; then what is missing and what is old. Of damage of one kind
-// the first few are named. Nothing found: empty.
-//   physics_version  of this program
-// Errors: those of opening it.
+// Examines a database completely: SQLite's own checks, references between tables, assets by their
+// hashes, invalid numbers, sums, spectra and images; then missing and outdated content. Returns the
+// first few findings of each kind of damage; empty: none. physics_version: of this program. Errors:
+// those of opening the database.
 [[nodiscard]] absl::StatusOr<std::vector<StoreFinding>> examine(const std::string& path,
                                                                 int physics_version);
 

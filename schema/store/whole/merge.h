@@ -13,7 +13,8 @@ namespace irsig {
 
 struct MergeAsked {
   std::vector<std::string> from;
-  // jobs/check_resolved.h and jobs/keys/expand.h, which the store does not know.
+  // The functions of jobs/check_resolved.h and jobs/keys/expand.h, on which the store does not
+  // depend.
   std::function<absl::StatusOr<std::vector<schema::JobSpec>>(const schema::ResolvedSweep&,
                                                              int physics_version)>
       jobs;
@@ -30,19 +31,19 @@ struct Merged {
   std::string digest;        // StoreReader::digest
 };
 
-// Callback: given the numbers of rows read and in all, returns OK to continue; another status ends
-// the merge, and leaves nothing.
+// Callback: given the number of rows read and the total, returns OK to continue; another status
+// ends the merge and removes the file.
 using MergeProgress = std::function<absl::Status(std::uint64_t rows, std::uint64_t of)>;
 
-// Makes a database of the done jobs of others. Sweeps of one name are one sweep: the whole one,
-// where sources hold shards of it; what no source has done waits there, so that the sweep can be
-// gone on with. Other sweeps stand side by side. The order of the sources changes no digest; that
-// of all shards is that of the undivided run. Rows of an earlier version of a sweep, leases and
-// failures stay behind.
+// Merges the done jobs of other databases into a new one. Sweeps of one name are one sweep: the
+// whole sweep where sources hold its shards. Jobs that no source has done wait there, so that the
+// sweep can be continued. Other sweeps are kept separately. The order of the sources changes no
+// digest; the digest of all shards is that of the undivided run. Rows of an earlier version of a
+// sweep, leases and failures are not copied.
 //
 // INVALID_ARGUMENT, naming both files: two definitions of one sweep, determinism classes or physics
-// versions; a job that is done in both with different content (all of it but who, when and how
-// long); a slice; unfinished sweeps of different determinism classes. Else as of slice_database.
+// versions; a job done in both with different content (all fields except who, when and how long); a
+// slice; unfinished sweeps of different determinism classes. Other errors: those of slice_database.
 [[nodiscard]] absl::StatusOr<Merged> merge_databases(const MergeAsked& asked, const std::string& to,
                                                      const MergeProgress& progress = {});
 

@@ -7,8 +7,8 @@
 
 namespace irsig {
 
-// Makes a database that appears complete or not at all: `fill` makes it under the name that it is
-// given, beside `to`, and leaves one plain file. INVALID_ARGUMENT: `to` exists, or what fill says.
+// Makes a database that appears complete or not at all: `fill` makes it under the given name beside
+// `to`, and leaves one plain file. INVALID_ARGUMENT: `to` exists, or the error of fill.
 [[nodiscard]] absl::Status make_new_database(
     const std::string& to, const std::function<absl::Status(const std::string& beside)>& fill);
 
