@@ -138,6 +138,8 @@ class MaterialCheck {
     if (material_.has_roughness()) message->set_roughness(material_.roughness());
     if (material_.has_solar_absorptance())
       message->set_solar_absorptance(material_.solar_absorptance());
+    else if (const auto absorbed = solar_absorptance(entry->spec); absorbed && sweep_.has_heat())
+      message->set_solar_absorptance(*absorbed);
     if (material_.has_thermal_emissivity())
       message->set_thermal_emissivity(material_.thermal_emissivity());
     return *message;

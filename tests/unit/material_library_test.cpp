@@ -120,6 +120,20 @@ TEST(MaterialLibrary, WaterAndMetalsEmitWhatTheirConstantsSay) {
 // Expected: means from 8 to 14 um of 0.89 to 0.92 for sand and 0.97 to 0.99 for grass. Source:
 // R. A. Sutherland, J. Atmos. Oceanic Technol. 3 (1986) 199. Wet soil absorbs more than dry soil at
 // every wavelength, as all wet ground does.
+TEST(MaterialLibrary, PaintsAbsorbSunlightAsTheirSpectraDo) {
+  const auto absorbed = [](const char* name) {
+    return solar_absorptance(library_entry(name)->spec);
+  };
+  EXPECT_NEAR(absorbed("generic_black_paint").value(), 0.956, 0.005);
+  EXPECT_NEAR(absorbed("generic_grey_paint").value(), 0.756, 0.01);
+  EXPECT_NEAR(absorbed("generic_white_paint").value(), 0.234, 0.01);
+  EXPECT_FALSE(absorbed("iron"));
+  MaterialSpec grey{"grey", Lambert{{{0.3, 0.5}, {2.5, 0.5}}}};
+  EXPECT_NEAR(solar_absorptance(grey).value(), 0.5, 1e-12);
+  std::get<Lambert>(grey.model).emissivity.front().lambda_um = 0.4;
+  EXPECT_FALSE(solar_absorptance(grey));
+}
+
 TEST(MaterialLibrary, LandEmitsWhatIsKnownOfIt) {
   const auto emissivity = [](const char* name, double um) {
     const auto entry = library_entry(name);

@@ -51,17 +51,18 @@ struct BandPopulation {
   std::size_t without_clutter = 0;  // rows left out because clutter was asked for
 };
 
-// Weight of each row: all alike, or each aspect as the solid angle of the directions that are
-// nearest to it (between the lowest and the highest viewpoint).
+// Weighting of rows: equal, or each aspect by the solid angle of the directions nearest to it
+// (between the lowest and the highest viewpoint).
 enum class AspectWeight { kRows, kSolidAngle };
 
-// Rows of one band, as run_query gives them. against: rows of another target at the same places,
-// empty: none. Weights of one's own: of aspects instead of those of `weight`; of conditions, as
-// shares of their aspect (kRows: of all). Rows of weight 0 are left out. INVALID_ARGUMENT: no rows,
-// several bands, interpolated rows, rows that have no partner or no weight, other wavelengths, with
-// `clutter` no row that has it.
-// clutter: with the background around the target of each row, without rows that have none; at
-// another range as much of it as the air between lets through.
+// Makes a population from rows of one band, as run_query returns them.
+//   against  rows of another target at the same places; empty: none
+//   clutter  adds the background around the target of each row, and leaves rows without one out; at
+//            another range, the part that the air between transmits
+// User weights replace those of `weight` for aspects; for conditions they are fractions of their
+// aspect (kRows: of all). Rows of weight 0 are left out. INVALID_ARGUMENT: no rows, several bands,
+// interpolated rows, rows without a partner or weight, other wavelengths, or, with `clutter`, no
+// row with clutter.
 [[nodiscard]] absl::StatusOr<BandPopulation> band_population(
     StoreReader& reader, std::span<const QueryRow> rows, StoreReader* other,
     std::span<const QueryRow> against, AspectWeight weight,

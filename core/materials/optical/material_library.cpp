@@ -5,6 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/check.h"
+#include "core/materials/spectra.h"
+#include "core/spectral/solar.h"
 
 namespace irsig {
 namespace {
@@ -15,6 +17,9 @@ struct EmbeddedFile {
 constexpr EmbeddedFile kFiles[] = {
 #include "library_entries.inc"
 };
+
+// Sunlight whose absorption warms a surface.
+constexpr double kSolarMinUm = 0.3, kSolarMaxUm = 2.5;
 
 std::vector<LibraryEntry> read_all() {
   std::vector<LibraryEntry> entries;
@@ -45,6 +50,23 @@ absl::StatusOr<LibraryEntry> library_entry(std::string_view name) {
     if (entry.spec.name == name) return entry;
   return absl::NotFoundError(
       absl::StrCat("the library has no material \"", std::string(name), "\""));
+}
+
+std::optional<double> solar_absorptance(const MaterialSpec& spec) {
+  const auto* paint = std::get_if<Lambert>(&spec.model);
+  if (paint == nullptr || paint->emissivity.empty() ||
+      paint->emissivity.front().lambda_um > kSolarMinUm ||
+      paint->emissivity.back().lambda_um < kSolarMaxUm)
+    return std::nullopt;
+  constexpr int kSteps = 440;
+  double absorbed = 0, all = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double um = kSolarMinUm + (kSolarMaxUm - kSolarMinUm) * (i + 0.5) / kSteps;
+    const double sun = solar_irradiance_w_m2_um(um);
+    absorbed += sun * spectrum_at(paint->emissivity, um);
+    all += sun;
+  }
+  return absorbed / all;
 }
 
 std::string model_kind(const MaterialModel& model) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,11 @@ struct LibraryEntry {
 // Reads an entry's file (data/README.md has the format). Errors: file:line:column.
 [[nodiscard]] absl::StatusOr<LibraryEntry> read_library_entry(std::string_view text,
                                                               std::string_view file_name);
+
+// Returns the fraction of sunlight (0.3 to 2.5 um, E490) that a Lambert material absorbs, or
+// nothing if its emissivity is not known there. The mean over the sun's spectrum outside the air:
+// at the ground it differs by some 0.02 for paints.
+[[nodiscard]] std::optional<double> solar_absorptance(const MaterialSpec& spec);
 
 // Returns the kind of a sweep file's [[material]] that this model is: "cook_torrance", "ward_1992"
 // ...
