@@ -17,8 +17,8 @@ class BackgroundDirections {
  public:
   // One node above the horizontal, one below.
   BackgroundDirections() : BackgroundDirections({0, 0}) {}
-  // z: increasing, at least one; equal where radiance jumps. Directions beyond the first and the
-  // last take its radiance.
+  // Takes at least one z, increasing; two equal z mark a jump of radiance. Directions beyond the
+  // first or last node take the radiance of that node.
   explicit BackgroundDirections(std::vector<float> z, double azimuth_rad = 0);
   // Returns as many directions as are needed from one z to another, with a jump at each of `breaks`
   // in between. They are densest close to a horizon and below it, where the path through the air

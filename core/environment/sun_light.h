@@ -53,6 +53,7 @@ class SunLight {
   struct LowerRatio {
     AirSpectrum air, surface;
   };
+  // Returns the ratios of a ring of the lower hemisphere.
   //   near_end  joined(near)
   [[nodiscard]] LowerRatio lower_ratio(std::size_t ring, const AbsorberAmounts& near,
                                        const AirSpectrum& near_end) const;
@@ -111,9 +112,11 @@ class SunLight {
   [[nodiscard]] Around make_around() const;
   [[nodiscard]] Sky make_sky() const;
   [[nodiscard]] std::vector<double> lower_node_error(const std::vector<Lower>& lower) const;
-  //   sky  [node][band that is wanted]
+  // Returns the sunlight that a ring of the lower hemisphere scatters and reflects.
+  //   sky  [node][wanted band]
   [[nodiscard]] Lower make_lower(std::size_t ring, const BandRows<double>& sky) const;
-  // Returns the BRDF of a grey surface for sunlight, the same in all directions. [1/sr]
+  // Returns the BRDF of a grey, diffuse surface times the cosine of the sun's zenith angle; 0 for
+  // other surfaces and for a sun below the horizon. [1/sr]
   [[nodiscard]] double diffuse_per_sr() const;
   // Sets both kinds of interpolation error.
   void find_errors(Sky& sky) const;

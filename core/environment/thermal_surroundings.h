@@ -117,6 +117,7 @@ class ThermalSurroundings {
 
  private:
   [[nodiscard]] SkyRing make_sky(double sin_elevation) const;
+  // Returns the ring of the lower hemisphere at an elevation.
   //   air  in front of the surface; null: to be computed
   [[nodiscard]] LowerRing make_lower(double sin_elevation,
                                      std::shared_ptr<const PathLayers> air = nullptr) const;

@@ -29,7 +29,7 @@ struct WaterSpectrum {
   std::vector<double> real, imaginary;  // of the index squared
 };
 [[nodiscard]] WaterSpectrum sea_water_spectrum(const std::vector<double>& lambda_um);
-//   out  of wavelengths first, first + 1, ...
+// Writes the unpolarised Fresnel reflectance of water at the wavelengths first, first + 1, ...
 void water_reflectance(const WaterSpectrum& water, double cos_incidence, std::size_t first,
                        std::span<double> out);
 
@@ -45,6 +45,7 @@ struct SeaFacet {
   double cos_incidence;  // on the facet
   Vec<Body> mirrored;  // where the facet mirrors the line of sight to (unit vector, z < 0: the sky)
 };
+// Returns the facets of a rough sea that an observer sees.
 //   to_observer  unit vector from the sea towards the observer, z < 0
 [[nodiscard]] std::vector<SeaFacet> sea_facets(Vec<Body> to_observer, double wind_speed_m_s);
 // Returns one level facet.
