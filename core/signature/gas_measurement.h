@@ -94,12 +94,13 @@ class GasMeasurement {
   absl::Status prepare(const std::vector<GasColumn>& columns, std::vector<HotColumn>& hot,
                        std::vector<ColumnLight>& here) const;
 
-  // Chooses, one after another, the column that is least a sum of those chosen before.
+  // Chooses columns one by one: each time the column that the chosen columns represent worst.
   absl::Status choose_classes(const std::vector<GasColumn>& columns,
                               const std::vector<std::vector<double>>& tested,
                               const ColumnTests& tests);
 
-  // Chooses two sets of nodes: one from every other column of the survey, one from the rest.
+  // Chooses two sets of nodes: the first from columns 0, 2, ... of the survey, the second from
+  // columns 1, 3, ...; both from the same column if there is only one.
   absl::Status choose_nodes(const std::vector<GasColumn>& columns,
                             const std::vector<std::vector<double>>& tested,
                             const std::vector<double>& sums);
@@ -164,8 +165,11 @@ class GasMeasurement {
     std::vector<double> share;   // [class] of what is behind it, in band
     double in_band = 0;
   };
-  //   stored    tables of weights as tally_row() has them, `first` on; behind them stand
-  //   spectrum  and `quantity` of it; inside a bin the light is taken to have that shape
+  // Returns the absorption of the light behind each class, times `sign`.
+  //   stored    tables of weights as tally_row() has them; class k is stored[first + k]
+  //   spectrum  the light behind a class, one value for each bin
+  //   quantity  the in-band value of that light
+  //   shape     relative spectrum assumed for the light inside a bin
   [[nodiscard]] Taken taken_by(const std::vector<ColumnLight>& gas,
                                const std::vector<RowTally>& stored, std::size_t first,
                                std::vector<double> RowTally::*spectrum, double RowTally::*quantity,

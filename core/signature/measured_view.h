@@ -67,8 +67,9 @@ struct MeasuredIntensities {
 // which emit nothing there.
 [[nodiscard]] double backface_fraction(const MeasuredView& view);
 
-// Return the error that the request wants of a row: relative to its value, the absolute floor, and
-// the larger of both. [W/sr]
+// Returns the error that the request allows a row: relative to the row's value, the absolute floor,
+// and the larger of both. For a row of value 0, goal_w_sr() is at least 1e-9 pi radius^2 of the
+// target x the row's brightest thermal radiance. [W/sr]
 [[nodiscard]] double relative_goal_w_sr(const MeasuredView& view, const Row& row);
 [[nodiscard]] double absolute_floor_w_sr(const MeasuredView& view, const Row& row);
 [[nodiscard]] double goal_w_sr(const MeasuredView& view, const Row& row);

@@ -29,7 +29,8 @@ class PictureWindow {
   [[nodiscard]] TracedPictures joined(TracedPictures squares, const ImagePlan& plan,
                                       std::uint32_t& samples) const;
 
-  // Return the place of the window's pixel in the frame, and of a pixel of the frame in the window.
+  // Returns the index in the frame of a pixel of the window, and the reverse; pixel_of() is empty
+  // for pixels outside the window.
   [[nodiscard]] std::uint32_t whole_of(std::size_t pixel) const {
     return static_cast<std::uint32_t>((top_ + pixel / width_) * frame_width_ + left_ +
                                       pixel % width_);

@@ -31,7 +31,7 @@ class SmallBrightSources {
     double bound = 0, stderr_ = 0;
   };
   [[nodiscard]] Allowance allowance(double sample_m2) const;
-  // Return totals: the sum of radiance x area, and the brightest radiance.
+  // Returns the sum of radiance x area, and the brightest radiance.
   [[nodiscard]] double sum() const;
   [[nodiscard]] double brightest() const;
 
@@ -108,11 +108,11 @@ class UndersampledSources {
 
   // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
   [[nodiscard]] const SmallBrightSources& reflected() const { return reflected_; }
-  // Return upper bounds on the light of an irradiance from anywhere, seen after one reflection: the
-  // sum of each facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on,
-  // whose brdf may be very large, contribute their projected area x DHR [m2], per radiance,
-  // instead; and the largest brdf x cos_i of any direction, which most glossy models do not limit
-  // [1/sr].
+  // Returns upper bounds on the light seen after one reflection, for an irradiance from any
+  // direction. shown_m2_per_sr() sums area x cos_o x largest brdf x cos_i over facets [m2/sr].
+  // Facets seen nearly edge on, whose brdf may be very large, count in edge_on_m2() instead:
+  // projected area x DHR, per radiance [m2]. any_per_sr() is the largest brdf x cos_i of any
+  // direction, which most glossy models do not limit [1/sr].
   [[nodiscard]] double shown_m2_per_sr() const { return shown_m2_per_sr_; }
   [[nodiscard]] double edge_on_m2() const { return edge_on_m2_; }
   [[nodiscard]] double any_per_sr() const { return any_per_sr_; }
