@@ -45,7 +45,7 @@ struct ClearSkyIrradiance {
 // K/hPa e / T.
 [[nodiscard]] double precipitable_water_cm(double air_k, double vapour_pressure_pa);
 
-// Return the long-wave emissivity of the clear sky: horizontal irradiance = emissivity sigma
+// Returns the long-wave emissivity of the clear sky: horizontal irradiance = emissivity sigma
 // T_air^4.
 //
 // 1 - (1 + w) exp(-sqrt(1.2 + 3 w)), w = precipitable_water_cm [prata1996].

@@ -158,7 +158,7 @@ class CourseRadiation {
   double unplaced_j_m2_ = 0;
 };
 
-// Return height and temperature of a cloud's base in some weather. [m, K]
+// Returns the height and the temperature of a cloud's base in the given weather. [m, K]
 [[nodiscard]] double base_height_m(const CloudAbove& cloud, const WeatherRecord& now);
 [[nodiscard]] double base_temperature_k(const CloudAbove& cloud, const WeatherRecord& now);
 

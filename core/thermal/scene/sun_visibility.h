@@ -7,10 +7,7 @@
 
 namespace irsig {
 
-// Irradiance of each face by a sun with one unit of irradiance normal to its beam: the cosine of
-// its angle times the fraction of the face that sees the sun, from `points` rays a face to places
-// on the sun's disk. 0 below the horizon's plane and for faces below surface_z_m (as
-// exchange_factors has it).
+// The sun as a disk on the sky.
 struct SunDisk {
   Vec<Body> direction;  // unit vector towards its centre
   double angular_radius_rad;
@@ -20,6 +17,10 @@ struct SunSettings {
   std::uint64_t seed = 1;
   double surface_z_m = 0;
 };
+// Computes the irradiance of each face by a sun with one unit of irradiance normal to its beam: the
+// cosine of incidence times the fraction of the face that sees the sun. Traces `points` rays from
+// each face to points on the sun's disk. Sets 0 for a sun below the horizon's plane and for faces
+// below surface_z_m (as exchange_factors has it).
 //   out  [face]
 void sun_visibility(const Target& target, const ThermalFaces& faces, const SunDisk& sun,
                     const SunSettings& settings, std::span<float> out);
