@@ -30,7 +30,7 @@ class BrdfModel {
   // Computes, for each spectrum, the integral of brdf cos_i over w_i.
   virtual void dhr(double cos_o, std::span<double> out) const = 0;
 
-  // Directions for w_o = (sin_o, 0, cos_o), and their density. [1/sr]
+  // Returns a drawn direction for w_o = (sin_o, 0, cos_o), and the density of such draws. [1/sr]
   [[nodiscard]] virtual Drawn sample(double cos_o, double u_lobe, double u, double cos_phi,
                                      double sin_phi) const = 0;
   [[nodiscard]] virtual double density_per_sr(const ReflectionGeometry& g) const = 0;
@@ -38,7 +38,7 @@ class BrdfModel {
   // Returns the limit of Material::cos_brdf_limit_per_sr(). [1/sr]
   [[nodiscard]] virtual double cos_brdf_limit_per_sr(const ReflectionRange& range) const = 0;
 
-  // Return the slopes of Material::narrowest_slope() and Material::roulette_slope2().
+  // Returns the slopes of Material::narrowest_slope() and Material::roulette_slope2().
   [[nodiscard]] virtual double narrowest_slope() const = 0;
   [[nodiscard]] virtual double roulette_slope2() const = 0;
 };

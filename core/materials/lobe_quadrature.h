@@ -70,7 +70,7 @@ class LobeQuadrature {
   }
 
  private:
-  // Return the end of the integration variable x in [0, last()], the slope as a function of x, and
+  // Returns the end of the integration variable x in [0, last()], the slope as a function of x, and
   // the fraction of half vectors in dx.
   [[nodiscard]] double last() const {
     switch (lobe_.law) {

@@ -58,7 +58,7 @@ class Material {
   // each model (docs/explanation/methods/README.md, "The largest reflection"); infinite where a
   // model has no limit there. [1/sr]
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const;
-  // Return upper bounds of brdf x cos_i for light of the given cosines and any view direction
+  // Returns upper bounds of brdf x cos_i for light of the given cosines and any view direction
   // (limit_of_light_per_sr), and for view directions of the given cosines and any light
   // (limit_seen_per_sr). [1/sr]
   [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
@@ -98,7 +98,7 @@ class Material {
     return {entry[0] + t * (entry[2] - entry[0]), entry[1] + t * (entry[3] - entry[1])};
   }
 
-  // Write spectral forms, one value for each node, to out[0 .. nodes()).
+  // Writes the spectral forms, one value for each node, to out[0 .. nodes()).
   void spectral_brdf_per_sr(const Reflection& r, float* out) const;
   void spectral_weight(const Sampled& s, float* out) const;  // brdf cos_i / density
   void spectral_emissivity(float cos_o, float* out) const;

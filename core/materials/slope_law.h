@@ -25,7 +25,7 @@ struct SlopeLobe {
 // Returns the largest exp(-t / w2) (1 + t)^power for t >= tan2.
 [[nodiscard]] double largest_bell(double tan2, double w2, int power);
 
-// Return upper bounds, in a range of reflections, of the two factors by which brdf x cos_i of a
+// Returns upper bounds, in a range of reflections, of the two factors by which brdf x cos_i of a
 // lobe diverges at grazing: 1 / (4 cos_o) for the open lobe, and cos_h / (2 cos_d) <= 1 / (cos_i +
 // cos_o) with V-grooves. Infinite where the range holds no limit.
 [[nodiscard]] double open_grazing(const ReflectionRange& range);
