@@ -80,7 +80,7 @@ class ConditionSources {
     std::array<double, 4> weight{1};
   };
   [[nodiscard]] EmitterShare fraction_of(std::uint32_t emitter) const;
-  // Returns an emitter that paths have met and whose temperature is not known.
+  // Returns an emitter that paths have met and whose temperature is not known, if there is one.
   [[nodiscard]] std::optional<std::uint32_t> unknown_emitter(const SourceWeights& of_paths,
                                                              std::size_t parts) const;
   // Returns, for sums over parts of one replicate's weights, the additional emission if every
@@ -125,7 +125,7 @@ class ConditionSources {
     return brightest_w_m2_sr(band, brightest_thermal_w_m2_sr(band));
   }
   [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band, double brightest_thermal) const;
-  // Return the coldest and hottest temperature of emitting surfaces, at least 1 K each. [K]
+  // Returns the coldest and the hottest temperature of emitting surfaces, at least 1 K each. [K]
   [[nodiscard]] double coldest_k() const { return coldest_k_; }
   [[nodiscard]] double hottest_k() const { return hottest_k_; }
 

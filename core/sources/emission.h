@@ -33,8 +33,10 @@ struct ElementEmission {
   Emitters emitters;
   std::vector<EmitterTemperatures> condition;
 };
+// Returns the emitters of all facets and their temperatures under each condition. A facet whose
+// temperature is NaN under every condition belongs to the emitter of its whole part.
 //   part_of_facet  [facet]
-//   condition      under each, of all facets
+//   condition      [condition], each of all facets
 [[nodiscard]] ElementEmission make_element_emission(std::span<const std::uint32_t> part_of_facet,
                                                     std::size_t parts,
                                                     std::span<const FacetTemperatures> condition);

@@ -134,7 +134,7 @@ class SourceLayout {
   [[nodiscard]] SourceRange around() const { return {sky_, land_}; }
   [[nodiscard]] SourceRange land() const { return {land_, sun_}; }
   [[nodiscard]] SourceRange land_suns() const { return {land_sun_, behind_}; }
-  // Return the sources of land lit by sun j: around the target, and behind it.
+  // Returns the sources of land lit by sun j: around the target, and behind it.
   [[nodiscard]] SourceRange land_suns(std::uint32_t j) const {
     const std::uint32_t first = index_of(land_sun(j, 0, 0));
     return {first, first + land_materials_ * land_ranges_};
