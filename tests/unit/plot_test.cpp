@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "absl/strings/str_cat.h"
 #include "fake_database.h"
 
 namespace irsig {
@@ -59,6 +60,27 @@ TEST(PlotPolar, SeveralTimesHaveTheirOwnCurves) {
   auto svg = plot_polar(db, {.band = "lwir"}, 10);
   ASSERT_TRUE(svg.ok());
   EXPECT_THAT(*svg, AllOf(HasSubstr("winter 01:30Z"), HasSubstr("winter 05:00Z")));
+}
+
+// 12 hours of winter and 3 of summer: 8, 4 and 3 curves, each with a panel and a legend.
+TEST(PlotPolar, MoreThanEightCurvesHaveSeveralPanels) {
+  FakeSweep sweep;
+  sweep.season.clear();
+  for (int hour = 10; hour < 22; ++hour)
+    sweep.season.push_back({"winter", absl::StrCat("2025-12-21T", hour, ":00:00Z"), 1});
+  for (int hour = 10; hour < 13; ++hour)
+    sweep.season.push_back({"summer", absl::StrCat("2025-06-21T", hour, ":00:00Z"), 1.1});
+  FakeDatabase db = fake_database(sweep);
+  const auto svg = plot_polar(db, {.band = "lwir"}, 10);
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_EQ(count(*svg, "In-band intensity"), 3U);
+  EXPECT_EQ(count(*svg, "winter 10:00Z"), 1U);
+  EXPECT_EQ(count(*svg, "summer 12:00Z"), 1U);
+  const auto eight = plot_polar(db, {.season = "summer", .band = "lwir"}, 10);
+  EXPECT_EQ(count(*eight, "In-band intensity"), 1U);
+  const auto spectra = plot_spectrum(db, {.aspect = SignatureFilter::Direction{45, 10}});
+  EXPECT_THAT(std::string(spectra.status().message()),
+              HasSubstr("15 conditions match, and a spectrum plot shows at most 8"));
 }
 
 TEST(PlotSpectrum, NeedsOneViewpoint) {

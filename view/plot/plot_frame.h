@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 namespace irsig {
 
 // Shared parts of the plots: their curves and the names of curves.
+
+// One legend has at most so many curves: more cannot be told apart.
+inline constexpr std::size_t kMostCurves = 8;
 
 // "winter", or "winter 01:30Z" if a season has more than one time, or with the sweep's name in
 // front or the range behind it if there are several.

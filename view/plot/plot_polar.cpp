@@ -155,6 +155,80 @@ absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
   return out;
 }
 
+struct PanelOfBand {
+  const StoredSignature* first;
+  std::vector<PolarCurve> curve;  // place: among those of its group
+};
+
+// Curves that share a legend. A plot of more curves than one legend holds has a group for every
+// season, and more where a season has more hours than that.
+struct PolarGroup {
+  std::vector<LegendEntry> legend;
+  std::vector<PanelOfBand> panel;
+};
+
+std::vector<PolarGroup> groups_of(std::vector<CutOf>& cuts,
+                                  const std::vector<StoredSignature>& signatures) {
+  const CurveNames names(signatures);
+  const bool one = names.size() <= kMostCurves;
+  std::vector<PolarGroup> out;
+  std::vector<std::size_t> group(names.size()), place(names.size());
+  std::vector<bool> known(names.size(), false);
+  std::string season;
+  for (const StoredSignature& s : signatures) {
+    const std::size_t k = names.index(s);
+    if (known[k]) continue;
+    known[k] = true;
+    if (out.empty() || (!one && (s.season != season || out.back().legend.size() == kMostCurves)))
+      out.emplace_back();
+    season = s.season;
+    group[k] = out.size() - 1;
+    place[k] = out.back().legend.size();
+    out.back().legend.push_back({names.name(s), curve_stroke(place[k])});
+  }
+  for (CutOf& c : cuts) {
+    const std::size_t k = names.index(c.first);
+    std::vector<PanelOfBand>& panels = out[group[k]].panel;
+    auto panel = std::find_if(panels.begin(), panels.end(),
+                              [&](const PanelOfBand& p) { return p.first->band == c.first.band; });
+    if (panel == panels.end()) panel = panels.insert(panels.end(), {&c.first, {}});
+    panel->curve.push_back({place[k], std::move(c.cut)});
+  }
+  return out;
+}
+
+// Values between the centre and the rim: the centre is 0, or below everything where a value lies
+// below 0.
+struct PolarRange {
+  double least = 0, most = 0;
+  bool uncertain = false;  // some curve has an input uncertainty
+};
+PolarRange range_of(const PanelOfBand& panel) {
+  PolarRange out;
+  for (const PolarCurve& c : panel.curve)
+    for (const auto* points : {&c.cut.point, &c.cut.mark})
+      for (const PolarPoint& p : *points) {
+        const double reach = 2 * std::max(p.error, p.input);
+        out.most = std::max(out.most, p.value + reach);
+        if (p.value < 0) out.least = std::min(out.least, p.value - reach);
+        out.uncertain |= p.input > 0;
+      }
+  if (out.most <= out.least) out.most = out.least + 1;
+  return out;
+}
+
+void draw_curves(PolarPanel& panel, const std::vector<PolarCurve>& curves) {
+  panel.grid();
+  for (const PolarCurve& c : curves) {
+    if (c.cut.interpolated)
+      panel.band_of(c, curve_stroke(c.place));
+    else if (!c.cut.point.empty() && c.cut.point.front().input > 0)
+      panel.input_band_of(c, curve_stroke(c.place));
+  }
+  for (const PolarCurve& c : curves) panel.line_of(c, curve_stroke(c.place));
+  panel.radial_labels(curves);
+}
+
 }  // namespace
 
 absl::Status write_polar(StoreReader& reader, const Query& query,
@@ -194,73 +268,54 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   ASSIGN_OR_RETURN(auto cuts, polar_cuts(reader, query, asked_elevation_deg, extent_of));
   const std::vector<StoredSignature>& signatures = cuts.signature;
   const double elevation_deg = cuts.cut.front().cut.elevation_deg;
-  const CurveNames names(signatures);
   const QuantityColumns& quantity = columns_of(query.quantity);
-  struct Panel {
-    const StoredSignature* first;
-    std::vector<PolarCurve> curve;
-  };
-  std::vector<Panel> panels;
-  bool interpolated = false;
-  for (CutOf& c : cuts.cut) {
-    interpolated |= c.cut.interpolated;
-    auto panel = std::find_if(panels.begin(), panels.end(),
-                              [&](const Panel& p) { return p.first->band == c.first.band; });
-    if (panel == panels.end()) panel = panels.insert(panels.end(), {&c.first, {}});
-    panel->curve.push_back({names.index(c.first), std::move(c.cut)});
-  }
+  const bool interpolated = std::any_of(cuts.cut.begin(), cuts.cut.end(),
+                                        [](const CutOf& c) { return c.cut.interpolated; });
+  const std::vector<PolarGroup> groups = groups_of(cuts.cut, signatures);
 
-  const std::size_t columns = panels.size() == 1 ? 1 : 2;
+  std::size_t bands = 1;
+  for (const PolarGroup& g : groups) bands = std::max(bands, g.panel.size());
+  const std::size_t columns = bands == 1 ? 1 : 2;
   const double panel_width = 900.0 / static_cast<double>(columns);
   const double radius = columns == 1 ? 300 : 165;
   const double panel_height = 2 * radius + 100;
-  const auto legend_lines = static_cast<double>((names.size() + 4) / 5);
-  const double top = 74 + 22 * legend_lines;
-  const std::size_t lines = (panels.size() + columns - 1) / columns;
+  constexpr std::size_t kLegendColumns = 5;
+  const auto legend_height = [](const PolarGroup& g) {
+    return 22 * static_cast<double>((g.legend.size() + kLegendColumns - 1) / kLegendColumns);
+  };
+  const auto height_of = [&](const PolarGroup& g) {
+    return 12 + legend_height(g) +
+           panel_height * static_cast<double>((g.panel.size() + columns - 1) / columns);
+  };
+  double height = 62 + 34;
+  for (const PolarGroup& g : groups) height += height_of(g);
   const StoredSignature& any = signatures.front();
   const std::string title =
       fmt::format("{}, elevation {:g}\u00b0{}", any.sweep, elevation_deg, range_title(signatures));
-  Svg svg(900, top + panel_height * static_cast<double>(lines) + 34, title);
+  Svg svg(900, height, title);
   svg.text({450, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
 
-  std::vector<LegendEntry> legend(names.size());
-  for (const auto& s : signatures)
-    legend[names.index(s)] = {names.name(s), curve_stroke(names.index(s))};
-  draw_legend(svg, {450, 62}, legend, 5);
-
   bool both_sides_of_0 = false, uncertain = false;
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    const double left = panel_width * static_cast<double>(i % columns);
-    const double y = top + panel_height * static_cast<double>(i / columns);
-    // The centre is 0, or below everything where something lies below 0.
-    double most = 0, least = 0;
-    for (const PolarCurve& c : panels[i].curve) {
-      for (const auto* points : {&c.cut.point, &c.cut.mark}) {
-        for (const PolarPoint& p : *points) {
-          const double reach = 2 * std::max(p.error, p.input);
-          most = std::max(most, p.value + reach);
-          if (p.value < 0) least = std::min(least, p.value - reach);
-          uncertain |= p.input > 0;
-        }
-      }
+  double top = 62;
+  for (const PolarGroup& g : groups) {
+    draw_legend(svg, {450, top}, g.legend, kLegendColumns);
+    for (std::size_t i = 0; i < g.panel.size(); ++i) {
+      const double left = panel_width * static_cast<double>(i % columns);
+      const double y =
+          top + 12 + legend_height(g) + panel_height * static_cast<double>(i / columns);
+      const PolarRange range = range_of(g.panel[i]);
+      uncertain |= range.uncertain;
+      const DisplayUnit unit = display_unit(std::max(range.most, -range.least), quantity.unit);
+      const Axis axis = round_axis(range.least, range.most, 5, unit.factor);
+      both_sides_of_0 |= axis.low < 0 && axis.high > 0;
+      PolarPanel panel(svg, {left + panel_width / 2, y + radius + 62}, radius, axis);
+      svg.text(
+          {left + panel_width / 2, y + 8},
+          fmt::format("{}, {}, in {}", quantity.title, band_title(*g.panel[i].first), unit.name),
+          {.size = 15, .anchor = Anchor::kMiddle});
+      draw_curves(panel, g.panel[i].curve);
     }
-    if (most <= least) most = least + 1;
-    const DisplayUnit unit = display_unit(std::max(most, -least), quantity.unit);
-    const Axis axis = round_axis(least, most, 5, unit.factor);
-    both_sides_of_0 |= axis.low < 0 && axis.high > 0;
-    PolarPanel panel(svg, {left + panel_width / 2, y + radius + 62}, radius, axis);
-    svg.text({left + panel_width / 2, y + 8},
-             fmt::format("{}, {}, in {}", quantity.title, band_title(*panels[i].first), unit.name),
-             {.size = 15, .anchor = Anchor::kMiddle});
-    panel.grid();
-    for (const PolarCurve& c : panels[i].curve) {
-      if (c.cut.interpolated)
-        panel.band_of(c, curve_stroke(c.place));
-      else if (!c.cut.point.empty() && c.cut.point.front().input > 0)
-        panel.input_band_of(c, curve_stroke(c.place));
-    }
-    for (const PolarCurve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
-    panel.radial_labels(panels[i].curve);
+    top += height_of(g);
   }
   std::string caption =
       interpolated ? fmt::format(

@@ -137,6 +137,11 @@ absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
   for (const QueryRow& r : rows) signatures.push_back(r.signature);
   RETURN_IF_ERROR(check_computed(signatures, quantity.quantity));
   const CurveNames names(signatures);
+  if (names.size() > kMostCurves)
+    return absl::InvalidArgumentError(fmt::format(
+        "{} conditions match, and a spectrum plot shows at most {}: choose some with --season and "
+        "--time, or draw all hours with --kind hours",
+        names.size(), kMostCurves));
   std::vector<SpectralCurve> curves;
   double low_um = signatures.front().lambda_min_um, high_um = signatures.front().lambda_max_um;
   double least = 0, most = 0;
