@@ -101,7 +101,7 @@ class PlumeField {
     put_voxel(block, x, y, z, out);
     return out;
   }
-  // The same, written to where it is kept: marching calls it for every cell.
+  // Writes the gas of that voxel to `out`; marching does so for every cell.
   void put_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z, GasSums& out) const;
 
  private:
