@@ -17,10 +17,11 @@ double GreyAbsorption::optical_depth(const GasSegment& segment) const {
   return out;
 }
 
+namespace {
+
 // Mean, change and variance of T(s) on a unit interval of amount, of which a is the first share fa.
 // Change is 12 times the covariance with s: of a line, its rise.
-GasSegment merged(const GasSegment& a, const GasSegment& b) {
-  GasSegment out;
+void merge(const GasSegment& a, const GasSegment& b, GasSegment& out) {
   out.start_m = a.start_m;
   out.end_m = b.end_m;
   out.weight = a.weight + b.weight;
@@ -38,6 +39,13 @@ GasSegment merged(const GasSegment& a, const GasSegment& b) {
   out.temperature_skew_k3 =
       fa * a.temperature_skew_k3 + fb * b.temperature_skew_k3 +
       fa * fb * step_k * (3 * (variance_b - variance_a) + (fa - fb) * step_k * step_k);
+}
+
+}  // namespace
+
+GasSegment merged(const GasSegment& a, const GasSegment& b) {
+  GasSegment out;
+  merge(a, b, out);
   return out;
 }
 
@@ -48,12 +56,12 @@ bool SegmentSteps::allow(double temperature_range, double optical_depth,
          range * composition_change <= temperature_step * composition_step;
 }
 
-void GasPiece::widen(const GasPiece& by) {
-  least_k = std::min(least_k, by.least_k);
-  most_k = std::max(most_k, by.most_k);
+void GasPiece::widen(const GasPiece& a, const GasPiece& b) {
+  least_k = std::min(a.least_k, b.least_k);
+  most_k = std::max(a.most_k, b.most_k);
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
-    least_fraction[s] = std::min(least_fraction[s], by.least_fraction[s]);
-    most_fraction[s] = std::max(most_fraction[s], by.most_fraction[s]);
+    least_fraction[s] = std::min(a.least_fraction[s], b.least_fraction[s]);
+    most_fraction[s] = std::max(a.most_fraction[s], b.most_fraction[s]);
   }
 }
 
@@ -71,8 +79,8 @@ TemperatureCourse course_of(const GasSegment& s) {
     return out;
   }
   // A jump far from the middle, or a course that rises and falls: that is less skewed.
-  const double off = std::sqrt(0.25 - straight / 3),
-               skew = straight / 3 * 2 * off * std::abs(std::pow(6 * variance / change, 3));
+  const double off = std::sqrt(0.25 - straight / 3), full_step_k = 6 * variance / change,
+               skew = straight / 3 * 2 * off * std::abs(full_step_k * full_step_k * full_step_k);
   if (std::abs(change) > kFlat * s.temperature_k && std::abs(s.temperature_skew_k3) > 0.5 * skew) {
     out.first += s.temperature_skew_k3 * change > 0 ? off : -off;
     out.half_step_k = 3 * variance / change;
@@ -97,28 +105,29 @@ void SegmentBuilder::add(const GasPiece& piece) {
   const GasSegment& next = piece.segment;
   if (!(next.weight > 0)) return;
   if (is_open_) {
-    const GasSegment& last = open_.segment;
+    const GasSegment& last = piece_[open_].segment;
     const bool touches = next.start_m - last.end_m <= 1e-6 * (next.end_m - last.start_m);
     const bool same_pressure = std::abs(next.pressure_pa - first_pressure_pa_) <=
                                steps_.pressure_step * first_pressure_pa_;
     if (touches && same_pressure) {
-      GasPiece both = open_;
-      both.segment = merged(last, next);
-      both.widen(piece);
+      // Made beside the open piece, which it replaces if it is fine: pieces are not copied.
+      GasPiece& both = piece_[1 - open_];
+      merge(last, next, both.segment);
+      both.widen(piece_[open_], piece);
       if (both.is_fine(steps_)) {
-        open_ = both;
+        open_ = 1 - open_;
         return;
       }
     }
     out_.push_back(last);
   }
-  open_ = piece;
+  piece_[open_] = piece;
   first_pressure_pa_ = next.pressure_pa;
   is_open_ = true;
 }
 
 std::vector<GasSegment> SegmentBuilder::take() {
-  if (is_open_) out_.push_back(open_.segment);
+  if (is_open_) out_.push_back(piece_[open_].segment);
   is_open_ = false;
   return std::move(out_);
 }

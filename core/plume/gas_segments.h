@@ -64,7 +64,8 @@ struct GasPiece {
   double least_k = 0, most_k = 0;
   std::array<double, kPlumeSpecies> least_fraction{}, most_fraction{};
 
-  void widen(const GasPiece& by);
+  // Takes the extremes of both pieces.
+  void widen(const GasPiece& a, const GasPiece& b);
   [[nodiscard]] bool is_fine(const SegmentSteps& steps) const;
 };
 
@@ -78,7 +79,8 @@ class SegmentBuilder {
  private:
   const SegmentSteps& steps_;
   std::vector<GasSegment> out_;
-  GasPiece open_;
+  std::array<GasPiece, 2> piece_;  // the open one, and place for what it becomes
+  std::size_t open_ = 0;
   double first_pressure_pa_ = 0;
   bool is_open_ = false;
 };

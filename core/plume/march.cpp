@@ -184,8 +184,7 @@ class Marcher {
       end_m_ = -kInfinity;  // the next cell has values of its own
       return;
     }
-    for (unsigned n = 0; n < 8; ++n)
-      corner_[n] = field_.at_voxel(block, x + (n >> 2), y + (n >> 1 & 1), z + (n & 1));
+    find_corners(block, cell, x, y, z);
     const auto gas = [&](double t) { return between_corners(cell, t); };
     const GasSums at_start = a == end_m_ ? at_end_ : gas(a);
     at_end_ = gas(b);
@@ -193,6 +192,30 @@ class Marcher {
     IntervalMarcher marcher(gas, steps_, builder_);
     marcher.add(a, at_start, b, at_end_);
     counts_.pieces += marcher.pieces();
+  }
+
+  // The gas at the corners of a cell, whose place in its block is (x, y, z). Of a cell beside the
+  // last one, four corners are known: they only change their numbers.
+  void find_corners(const PlumeField::CellBlock& block, const Cell& cell, unsigned x, unsigned y,
+                    unsigned z) {
+    unsigned shared = 0, high = 0;
+    int steps = has_corners_ ? 0 : 2;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int32_t step = cell[a] - corner_cell_[a];
+      if (step == 0) continue;
+      steps += step == 1 || step == -1 ? 1 : 2;
+      shared = 4u >> a;
+      high = step == 1 ? shared : 0;
+    }
+    // The common face is the low one of this cell after a step up, the high one after a step down.
+    if (steps == 1)
+      for (unsigned n = 0; n < 8; ++n)
+        if ((n & shared) != high) corner_[n] = corner_[n ^ shared];
+    for (unsigned n = 0; n < 8; ++n)
+      if (steps != 1 || (n & shared) == high)
+        field_.put_voxel(block, x + (n >> 2), y + (n >> 1 & 1), z + (n & 1), corner_[n]);
+    corner_cell_ = cell;
+    has_corners_ = true;
   }
 
   GasSums between_corners(const Cell& cell, double t) const {
@@ -221,6 +244,8 @@ class Marcher {
   Span span_{};
   MarchCounts counts_;
   std::array<GasSums, 8> corner_;
+  Cell corner_cell_{};  // whose corners they are
+  bool has_corners_ = false;
   GasSums at_end_;  // of the cell before, at end_m_
   double end_m_ = -kInfinity;
 };

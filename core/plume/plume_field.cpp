@@ -56,14 +56,20 @@ std::size_t PlumeField::bytes() const {
          value_blocks_.capacity() * sizeof(ValueBlock) + values_.capacity() * sizeof(float);
 }
 
-GasSums PlumeField::at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const {
-  GasSums out;
+void PlumeField::put_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z,
+                           GasSums& out) const {
   const std::int32_t i = block.values[(x >> 3) << 2 | (y >> 3) << 1 | z >> 3];
-  if (i < 0) return out;
+  if (i < 0) {
+    out = {};
+    return;
+  }
   const ValueBlock& values = value_blocks_[static_cast<std::size_t>(i)];
   const unsigned offset = (x & 7) << 6 | (y & 7) << 3 | (z & 7);
   const std::uint64_t word = values.gas[offset >> 6], bit = std::uint64_t{1} << (offset & 63);
-  if ((word & bit) == 0) return out;
+  if ((word & bit) == 0) {
+    out = {};
+    return;
+  }
   std::uint64_t voxel = values.first;
   if (values.form == VoxelBlock::Form::kDense) voxel += offset;
   if (values.form == VoxelBlock::Form::kPacked)
@@ -74,19 +80,22 @@ GasSums PlumeField::at_voxel(const CellBlock& block, unsigned x, unsigned y, uns
     return q.channel < 0 ? q.constant : static_cast<double>(v[q.channel]);
   };
   const double temperature_k = value(temperature_), pressure_pa = value(pressure_);
+  double weight = 0;
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
     const PlumeQuantity& q = species_[s];
+    double amount = 0;
     if (q.channel >= 0) {
-      out.amount[s] = static_cast<double>(v[q.channel]);
+      amount = static_cast<double>(v[q.channel]);
     } else if (q.constant > 0) {
       const double all_mol_m3 = pressure_pa / (kGasConstantJMolK * temperature_k);
-      out.amount[s] = q.constant * (s == kSoot ? 1 : all_mol_m3);
+      amount = q.constant * (s == kSoot ? 1 : all_mol_m3);
     }
-    out.weight += out.amount[s] * (s == kSoot ? kSootMolPerM3 : 1);
+    out.amount[s] = amount;
+    weight += amount * (s == kSoot ? kSootMolPerM3 : 1);
   }
-  out.weight_temperature = out.weight * temperature_k;
-  out.weight_pressure = out.weight * pressure_pa;
-  return out;
+  out.weight = weight;
+  out.weight_temperature = weight * temperature_k;
+  out.weight_pressure = weight * pressure_pa;
 }
 
 absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeField::make(VoxelVolume volume,

@@ -96,7 +96,13 @@ class PlumeField {
     return cell_blocks_[static_cast<std::size_t>(i)];
   }
   // Returns the gas of the voxel (x, y, z), each 0 to 8, counted from a cell block's first.
-  [[nodiscard]] GasSums at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const;
+  [[nodiscard]] GasSums at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const {
+    GasSums out;
+    put_voxel(block, x, y, z, out);
+    return out;
+  }
+  // Writes the gas of that voxel to `out`; marching does so for every cell.
+  void put_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z, GasSums& out) const;
 
  private:
   struct ValueBlock {

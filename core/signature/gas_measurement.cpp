@@ -443,14 +443,18 @@ std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr)
     }
     return most;
   };
-  const double first = scatter(run(gas_, *aimed_, pilots_.first, 1, reflections(true)).weights),
-               second = scatter(weights_);
   // Of what the hull reflects no more than of all else that it does.
   const std::uint64_t most = on_hull_ ? std::max(pilots_.second, plan_.samples_per_replicate)
                                       : accuracy.max_samples_per_replicate;
-  const double goal = kShareOfGoal * accuracy.relative_error;
+  const double goal = kShareOfGoal * accuracy.relative_error, second = scatter(weights_);
   const std::uint64_t limit = std::min(most, accuracy.max_samples_per_replicate);
-  std::uint64_t out = samples_needed(pilots_.first, first, pilots_.second, second, goal, limit);
+  // How fast the scatter falls with the samples is not asked where that changes nothing.
+  std::uint64_t out = std::min(pilots_.second, limit);
+  if (limit > pilots_.second &&
+      samples_needed(pilots_.first, second, pilots_.second, second, goal, limit) > pilots_.second)
+    out = samples_needed(pilots_.first,
+                         scatter(run(gas_, *aimed_, pilots_.first, 1, reflections(true)).weights),
+                         pilots_.second, second, goal, limit);
   for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
     const double also = also_sent_w_sr.empty() ? 0 : also_sent_w_sr[b];
     while (out < limit && missed(b, out) * sent[b] > goal * (sent[b] + also))
