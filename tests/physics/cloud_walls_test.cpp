@@ -191,12 +191,12 @@ TEST(CloudSky, OfUnknownTypeIsAsWarmAsOvercastSkiesOfChampaign) {
     double air_k, percent, pressure_pa, sky_w_m2;
   };
   constexpr HalfHour kMeasured[] = {
-      {285.25, 94.0, 99200, 368.8},  {266.05, 76.9, 99900, 293.3},  {272.75, 104.1, 99100, 321.2},
-      {273.75, 72.9, 99100, 324.5},  {271.25, 91.4, 98600, 312.8},  {267.25, 100.2, 99400, 292.0},
-      {274.35, 99.2, 99000, 320.2},  {274.25, 99.7, 98800, 324.7},  {281.25, 75.7, 99100, 341.2},
-      {281.45, 94.7, 97200, 354.3},  {274.25, 93.1, 99100, 324.5},  {296.27, 100.0, 99200, 428.7},
-      {296.41, 100.0, 98900, 422.0}, {281.75, 99.8, 98600, 362.7},  {275.85, 94.4, 99100, 315.2},
-      {276.15, 93.4, 99300, 332.9},  {278.35, 94.9, 99400, 346.2},  {287.75, 96.2, 98100, 388.7}};
+      {285.25, 94.0, 99200, 368.8},  {266.05, 76.9, 99900, 293.3}, {272.75, 104.1, 99100, 321.2},
+      {273.75, 72.9, 99100, 324.5},  {271.25, 91.4, 98600, 312.8}, {267.25, 100.2, 99400, 292.0},
+      {274.35, 99.2, 99000, 320.2},  {274.25, 99.7, 98800, 324.7}, {281.25, 75.7, 99100, 341.2},
+      {281.45, 94.7, 97200, 354.3},  {274.25, 93.1, 99100, 324.5}, {296.27, 100.0, 99200, 428.7},
+      {296.41, 100.0, 98900, 422.0}, {281.75, 99.8, 98600, 362.7}, {275.85, 94.4, 99100, 315.2},
+      {276.15, 93.4, 99300, 332.9},  {278.35, 94.9, 99400, 346.2}, {287.75, 96.2, 98100, 388.7}};
   double sum = 0, squares = 0;
   for (const HalfHour& of : kMeasured) {
     WeatherRecord now;
@@ -209,9 +209,9 @@ TEST(CloudSky, OfUnknownTypeIsAsWarmAsOvercastSkiesOfChampaign) {
     above.height_m = {0, 5000};
     above.air_k = {of.air_k, of.air_k - 30};
     const double emissivity = sky_emissivity_prata(of.air_k, vapour_pa);
-    const double sky = kStefanBoltzmannWM2K4 *
-                       (emissivity * std::pow(of.air_k, 4) +
-                        (1 - emissivity) * std::pow(base_temperature_k(above, now), 4));
+    const double sky =
+        kStefanBoltzmannWM2K4 * (emissivity * std::pow(of.air_k, 4) +
+                                 (1 - emissivity) * std::pow(base_temperature_k(above, now), 4));
     sum += sky - of.sky_w_m2;
     squares += std::pow(sky - of.sky_w_m2, 2);
   }

@@ -208,17 +208,14 @@ TEST(Condensation, CeilingsOfOvercastSkiesAreTwiceAsHigh) {
     int hours;
     double level_m, ceiling_m;  // medians
   };
-  const std::vector<std::vector<Class>> stations = {{{340, 76, 183},
-                                                     {311, 211, 366},
-                                                     {168, 406, 762},
-                                                     {130, 620, 1676},
-                                                     {104, 949, 2286},
-                                                     {185, 1863, 3048}},
-                                                    {{311, 80, 488},
-                                                     {406, 224, 457},
-                                                     {354, 398, 518},
-                                                     {120, 566, 914},
-                                                     {42, 957, 2743}}};
+  const std::vector<std::vector<Class>> stations = {
+      {{340, 76, 183},
+       {311, 211, 366},
+       {168, 406, 762},
+       {130, 620, 1676},
+       {104, 949, 2286},
+       {185, 1863, 3048}},
+      {{311, 80, 488}, {406, 224, 457}, {354, 398, 518}, {120, 566, 914}, {42, 957, 2743}}};
   const auto within = [](double height_m) {
     return std::clamp(height_m, kLowestCondensationM, kHighestCondensationM);
   };
