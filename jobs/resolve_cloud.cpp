@@ -229,8 +229,8 @@ void resolve_cloud(const schema::Season& season, int season_index, bool always,
   if (layer.base_from_weather()) {
     condition.add_warning(findings.odd(
         key,
-        absl::StrFormat("%s: a cloud of unknown type is taken as %s, %.0f m thick, based at the "
-                        "level of condensation (%.0f to %.0f m); set cloud_type or "
+        absl::StrFormat("%s: a cloud of unknown type is taken as %s, %.0f m thick, based at twice "
+                        "the level of condensation (%.0f to %.0f m); set cloud_type or "
                         "[[season.cloud]]",
                         key, layer.type(), layer.top_m() - layer.base_m(), kLowestCondensationM,
                         kHighestCondensationM)));

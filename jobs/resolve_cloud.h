@@ -21,8 +21,8 @@ void check_cloud_of_season(const schema::Season& season, int season_index, Findi
 // Returns the cover that a season states itself; nullopt: a weather file's, or none.
 [[nodiscard]] std::optional<double> stated_cloud_cover(const schema::Season& season);
 
-// Returns the layer of a season in some weather, whatever its cover: the level of condensation is
-// that of the weather.
+// Returns the layer of a season in some weather, whatever its cover: the base of a cloud of
+// unknown type is that of the weather.
 [[nodiscard]] schema::CloudLayer cloud_layer(const schema::Season& season,
                                              const schema::Weather& weather);
 

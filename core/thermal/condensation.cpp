@@ -38,8 +38,8 @@ double condensation_level_m(double air_k, double relative_humidity_percent) {
 }
 
 double condensed_base_m(double air_k, double relative_humidity_percent) {
-  return std::clamp(condensation_level_m(air_k, relative_humidity_percent), kLowestCondensationM,
-                    kHighestCondensationM);
+  return std::clamp(kBaseOverCondensation * condensation_level_m(air_k, relative_humidity_percent),
+                    kLowestCondensationM, kHighestCondensationM);
 }
 
 double risen_air_k(double air_k, double relative_humidity_percent, double pressure_pa,

@@ -2,11 +2,21 @@
 
 namespace irsig {
 
-// Bases of clouds that are taken to condense where rising air does: lower ones would be fog.  [m]
+// Bases of clouds of which nothing is known but the air at the surface. Lower clouds would be fog.
+// Bases between both limits had 49 % (Denver) and 69 % (San Francisco) of the ceilings below.  [m]
 inline constexpr double kLowestCondensationM = 300, kHighestCondensationM = 2500;
 
-// Returns the base of a cloud of which nothing is known but the air at the surface: the level of
-// condensation within these limits. [m]
+// Such a base over the level of condensation of the air at the surface. Rising air condenses there
+// if it is mixed from the surface up; over an inversion and in stable air, which are colder or
+// moister at the surface than above, clouds are higher.
+//
+// Source: ceilings observed in the 2493 overcast hours (10 tenths opaque) of Denver's and San
+// Francisco's typical years [wilcox2008]. Both stations' median ratio is 2, within 0.01, where the
+// limits above hold for the ceiling and for twice the level (tests/unit/thermal_test.cpp).
+inline constexpr double kBaseOverCondensation = 2;
+
+// Returns the base of such a cloud: kBaseOverCondensation times the level of condensation, within
+// these limits. [m]
 [[nodiscard]] double condensed_base_m(double air_k, double relative_humidity_percent);
 
 // Returns the height above the surface at which rising air condenses: the temperature of

@@ -75,10 +75,10 @@ struct WeatherPlace {
 // no weather states.
 struct CloudAbove {
   // Temperature of the air by height above the surface, in some weather: that of another weather is
-  // shifted by the difference at the surface, less and less up to 2 km. A base at the level of
-  // condensation has the temperature of air that has risen from the surface (risen_air_k).
+  // shifted by the difference at the surface, less and less up to 2 km. An absent base
+  // has the temperature of air that has risen from the surface (risen_air_k).
   std::vector<double> height_m, air_k;  // heights increase from 0
-  std::optional<double> base_m;         // absent: the level of condensation, 300 to 2500 m
+  std::optional<double> base_m;         // absent: condensed_base_m
   double emissivity = 1;                // of the layer, long-wave
   std::optional<double> solar_depth;    // optical, straight up; absent: [kasten1980]
   bool base_of_risen_air = false;       // of a stated base; else it has the air's temperature

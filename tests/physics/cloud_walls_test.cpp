@@ -115,7 +115,8 @@ TEST(FogSky, IsNoneWithoutFogAndBlackInDeepFog) {
 
 // Rationale: measured at Alamosa, 1 January 2016, 02:56 UTC: 239.4 W/m2 under an overcast sky whose
 // base was not measured. Expected: the walls' sky lies between those of the bases that a cloud of
-// unknown type may have, 300 and 2500 m, and so does the measurement. Rows have the same base, and
+// unknown type may have, 300 and 2500 m, and so does the measurement. With the default base, twice
+// the level of condensation, it is within 12 W/m2 of the measurement. Rows have the same base, and
 // their hemisphere the same irradiance within 3 %. Source: the measured irradiance, air temperature
 // and humidity; 770 hPa is taken for 2300 m.
 TEST(CloudSky, BasesOfRisenAirHaveTheSkyOfAlamosaBetweenThem) {
@@ -135,7 +136,8 @@ TEST(CloudSky, BasesOfRisenAirHaveTheSkyOfAlamosaBetweenThem) {
     above.air_k.push_back(level.temperature_k);
   }
   const double base_m = base_height_m(above, now), base_k = base_temperature_k(above, now);
-  EXPECT_NEAR(base_k, condensation_temperature_k(kAirK, kPercent), 0.3);
+  EXPECT_NEAR(base_m, 1162, 1);
+  EXPECT_LT(base_k, condensation_temperature_k(kAirK, kPercent) - 4);
   const double emissivity = sky_emissivity_prata(kAirK, vapour_pressure_pa(now.dew_point_k));
   const auto sky_w_m2 = [&](double kelvin) {
     return kStefanBoltzmannWM2K4 *
@@ -147,7 +149,8 @@ TEST(CloudSky, BasesOfRisenAirHaveTheSkyOfAlamosaBetweenThem) {
   EXPECT_LT(low, kMeasuredWM2 + 0.5);
   EXPECT_GT(high, own);
   EXPECT_LT(own - kMeasuredWM2, 2 * (own - low) / std::sqrt(3));
-  EXPECT_NEAR(own, 256.6, 0.1);
+  EXPECT_NEAR(own, 251.2, 0.1);
+  EXPECT_LT(own - kMeasuredWM2, 12);
   struct Base {
     double base_m, risen_w_m2, profile_w_m2;
   };
@@ -173,6 +176,50 @@ TEST(CloudSky, BasesOfRisenAirHaveTheSkyOfAlamosaBetweenThem) {
   const double of_rows = hemisphere_w_m2(rows);
   RecordProperty("rows_w_m2", std::to_string(of_rows));
   EXPECT_NEAR(of_rows, own, 0.03 * own);
+}
+
+// Rationale: the default cloud is no fit to one night. Expected: the walls' sky under a cloud of
+// unknown type against the sky that was measured in overcast hours of another place and climate:
+// in the mean within 5 W/m2, rms within 12 W/m2.
+// Source: every twelfth of the 216 half hours in which Champaign (40.01 N, 88.37 W, 1998) had less
+// than a quarter of a clear day's sunlight (three half hours in a row, sun 11.5 deg or higher):
+// long-wave radiation = net radiation - 0.82 x sunlight + sigma x (surface temperature)^4, Noah
+// land-surface model 2.7.1's forcing and validation data (NOAA/ARL, T. Meyers). Two streams of net
+// radiation make it uncertain by some 10 W/m2.
+TEST(CloudSky, OfUnknownTypeIsAsWarmAsOvercastSkiesOfChampaign) {
+  struct HalfHour {
+    double air_k, percent, pressure_pa, sky_w_m2;
+  };
+  constexpr HalfHour kMeasured[] = {
+      {285.25, 94.0, 99200, 368.8},  {266.05, 76.9, 99900, 293.3}, {272.75, 104.1, 99100, 321.2},
+      {273.75, 72.9, 99100, 324.5},  {271.25, 91.4, 98600, 312.8}, {267.25, 100.2, 99400, 292.0},
+      {274.35, 99.2, 99000, 320.2},  {274.25, 99.7, 98800, 324.7}, {281.25, 75.7, 99100, 341.2},
+      {281.45, 94.7, 97200, 354.3},  {274.25, 93.1, 99100, 324.5}, {296.27, 100.0, 99200, 428.7},
+      {296.41, 100.0, 98900, 422.0}, {281.75, 99.8, 98600, 362.7}, {275.85, 94.4, 99100, 315.2},
+      {276.15, 93.4, 99300, 332.9},  {278.35, 94.9, 99400, 346.2}, {287.75, 96.2, 98100, 388.7}};
+  double sum = 0, squares = 0;
+  for (const HalfHour& of : kMeasured) {
+    WeatherRecord now;
+    now.air_k = of.air_k;
+    const double vapour_pa = std::min(1.0, of.percent / 100) * vapour_pressure_pa(of.air_k);
+    now.dew_point_k = dew_point_k(vapour_pa);
+    now.pressure_pa = of.pressure_pa;
+    now.cloud_cover = 1;
+    CloudAbove above;
+    above.height_m = {0, 5000};
+    above.air_k = {of.air_k, of.air_k - 30};
+    const double emissivity = sky_emissivity_prata(of.air_k, vapour_pa);
+    const double sky =
+        kStefanBoltzmannWM2K4 * (emissivity * std::pow(of.air_k, 4) +
+                                 (1 - emissivity) * std::pow(base_temperature_k(above, now), 4));
+    sum += sky - of.sky_w_m2;
+    squares += std::pow(sky - of.sky_w_m2, 2);
+  }
+  const double count = std::size(kMeasured), mean = sum / count, rms = std::sqrt(squares / count);
+  RecordProperty("mean_w_m2", std::to_string(mean));
+  RecordProperty("rms_w_m2", std::to_string(rms));
+  EXPECT_LT(std::abs(mean), 5);
+  EXPECT_LT(rms, 12);
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ std::string cloud_line(const schema::Weather& weather) {
       "an "
       "effective radius of {:g} um\n",
       layer.type().empty() ? "" : layer.type() + " ", weather.cloud_cover(), layer.base_m(),
-      layer.top_m(), layer.base_from_weather() ? " (base at the level of condensation)" : "",
+      layer.top_m(), layer.base_from_weather() ? " (base at twice the level of condensation)" : "",
       layer.water_path_g_m2(), layer.phase(), layer.effective_radius_um());
 }
 
