@@ -12,8 +12,8 @@
 
 namespace irsig {
 
-// Requests of a job to the core: its scene, air and view, made of converted messages (messages/) and
-// of the sweep's files. Errors name the key's path in the sweep.
+// Requests of a job to the core: its scene, air and view, made of converted messages (messages/)
+// and of the sweep's files. Errors name the key's path in the sweep.
 
 // Geometry, parts, materials, bands, the temperatures of facets, and the land around the target.
 struct SweepScene : SceneSpec {
@@ -24,6 +24,11 @@ struct SweepScene : SceneSpec {
 [[nodiscard]] absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& sweep,
                                                           const Assets& assets,
                                                           const HeatOutputs& heat);
+
+// Copies the materials of the sweep's land from scene.material to scene.land_material, in the order
+// of [land]. Numbers of materials remain: one that no part has becomes a blackbody, so that paths
+// need not carry its spectrum.
+[[nodiscard]] absl::Status take_land_materials(const schema::Sweep& sweep, SceneSpec& scene);
 
 // INVALID_ARGUMENT for each material that creates energy in the sweep's bands and is not declared
 // with allow_energy_gain = true. `materials`: of the scene above, prepared.

@@ -7,8 +7,10 @@ namespace irsig {
 // Returns true if the job of a run computes temperatures of parts, or what inputs change of them.
 [[nodiscard]] bool computes_parts(const schema::HeatRun& run);
 
-// Returns true if the job of a run computes temperatures of land. Runs of changes compute none:
-// uncertain inputs leave land as it is.
+// Returns true if the job of a run computes temperatures of land. Runs of changes compute none.
 [[nodiscard]] bool computes_land(const schema::HeatRun& run);
+
+// Returns true if the job of a run of changes computes those of the temperatures of land.
+[[nodiscard]] bool changes_land(const schema::HeatRun& run);
 
 }  // namespace irsig

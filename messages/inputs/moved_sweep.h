@@ -32,6 +32,8 @@ struct UncertainInput {
 //   wind_speed_*         of the course; and of conditions where a rough sea or the Navy's aerosol
 //   asks emissivity           of the materials of parts: in the bands, and thermal_emissivity if
 //   stated part_temperature_k   those that are stated or read from files
+//   land_*               materials and layers of land that no part has; land_temperature_k: those
+//                        that are stated. Emissivities that follow from optical constants stay.
 //
 // Values stay within the range that they can have (emissivity up to 1, wind from 0): `share` is how
 // much of the move they could make, on average; 0: none.
@@ -49,6 +51,13 @@ struct MovedSweep {
 // values can make better, 1 if both are the same.
 [[nodiscard]] std::vector<double> moves_of(const schema::ResolvedSweep& sweep,
                                            const UncertainInput& input);
+
+// Returns true if the temperatures of the target's parts, or those of land, in a heat run depend on
+// a move. run: an index in both sweeps.
+[[nodiscard]] bool moves_parts(const schema::ResolvedSweep& sweep,
+                               const schema::ResolvedSweep& moved, int run);
+[[nodiscard]] bool moves_land(const schema::ResolvedSweep& sweep,
+                              const schema::ResolvedSweep& moved, int run);
 
 // The first index in ResolvedSweep.heat of changes to the temperatures of a run, -1: none.
 [[nodiscard]] int changes_of_run(const schema::ResolvedSweep& sweep, int run);

@@ -137,6 +137,72 @@ material = "brick"
         self.irsig("plot", "file.db", "--kind", "land", "--out", "objects.svg", text=by_file)
         self.assertIn("brick", (self.path / "objects.svg").read_text())
 
+    STATED = '[[land.material]]\nmaterial = "grass"\ntemperature_k = %g\n'
+    EMISSIVITY = '[[material]]\nname = "turf"\nkind = "lambert"\nemissivity = %g\n'
+    TURF = '[[land.material]]\nmaterial = "turf"\ntemperature_k = 310\n'
+    COMPUTED = '[[land.material]]\nmaterial = "grass"\n[heat]\n'
+
+    def row(self, name, text):
+        """Contrast and apparent intensity of the first row, their errors, and what inputs contribute to them."""
+        self.irsig("run", "s.toml", "--db", f"{name}.db", "--workers", "1", text=text)
+        done = subprocess.run([IRSIG, "explain", f"{name}.db", "--row", "1", "--format", "json"], cwd=self.path,
+                              capture_output=True, text=True, check=True)
+        with sqlite3.connect(self.path / f"{name}.db") as database:
+            database.row_factory = sqlite3.Row
+            row = dict(database.execute("SELECT * FROM signature").fetchone())
+        return row, {i["input"]: i for i in json.loads(done.stdout).get("inputs") or []}
+
+    def assert_contributes(self, contribution, nominal, moved):
+        """The contributions of an input to a row are the differences to the row that states it as moved."""
+        for of in ("apparent_", "contrast_"):
+            difference = moved[f"{of}intensity_w_sr"] - nominal[f"{of}intensity_w_sr"]
+            error = sum(row[f"{of}intensity_stderr_w_sr"] for row in (nominal, moved))
+            self.assertAlmostEqual(contribution[f"{of}contribution_w_sr"], difference,
+                                   delta=3 * error + 0.02 * abs(difference), msg=of)
+        return moved["contrast_intensity_w_sr"] - nominal["contrast_intensity_w_sr"]
+
+    def test_uncertain_inputs_of_stated_land_reach_the_contrast(self):
+        sweep = SWEEP.replace("land_temperature_k = { asphalt = 310 }\n", "").replace("= 0.1\n", "= 0.01\n")
+        nominal, inputs = self.row("stated", sweep + self.STATED % 295 + "[uncertainty]\nland_temperature_k = 2\n")
+        moved, _ = self.row("warmer", sweep + self.STATED % 297)
+        change = self.assert_contributes(inputs["land_temperature_k"], nominal, moved)
+        # Warmer land behind the target takes contrast away: 3 % of a background as bright as the target.
+        self.assertLess(change, -0.02 * nominal["apparent_intensity_w_sr"])
+        self.assertGreaterEqual(nominal["contrast_input_uncertainty_w_sr"], 0.99 * abs(
+            inputs["land_temperature_k"]["contrast_contribution_w_sr"]))
+
+        text = sweep + self.EMISSIVITY % 0.85 + self.TURF
+        nominal, inputs = self.row("turf", text + "[uncertainty]\nland_emissivity = 0.1\n")
+        moved, _ = self.row("blacker", sweep + self.EMISSIVITY % 0.95 + self.TURF)
+        change = self.assert_contributes(inputs["land_emissivity"], nominal, moved)
+        self.assertLess(change, -0.02 * nominal["apparent_intensity_w_sr"])
+
+    def test_uncertain_inputs_of_computed_land_reach_the_contrast(self):
+        def sweep(soil=0.8, weather=298):
+            text = SWEEP.replace("land_temperature_k = { asphalt = 310 }", "day = { air_temperature_min_k = %g, "
+                                 "air_temperature_max_k = %g, dew_point_k = 280 }" % (weather - 10, weather))
+            text = text.replace("[transport]\n", "[weather]\npressure_pa = 101300\nwind_speed_m_s = 3\n"
+                                "wind_from_deg = 270\n[transport]\n").replace("= 0.1\n", "= 0.01\n")
+            text = text.replace("sun = false", "sun = true").replace("ground_emissivity", "solar_albedo = 0.2\n"
+                                                                     "ground_emissivity")
+            for name, share in (("grass", soil), ("generic_grey_paint", 0.5)):
+                text += f'[[material]]\nname = "{name}"\nkind = "library"\nsolar_absorptance = {share}\n'
+            return text + self.COMPUTED
+        uncertain = "model_error = true\n[uncertainty]\nland_solar_absorptance = 0.1\nair_temperature_k = 1\n"
+        nominal, inputs = self.row("computed", sweep() + uncertain)
+        for name, moved in (("land_solar_absorptance", sweep(soil=0.9)), ("air_temperature_k", sweep(weather=299))):
+            change = self.assert_contributes(inputs[name], nominal, self.row(name, moved)[0])
+            self.assertLess(change, -0.005 * nominal["apparent_intensity_w_sr"], name)
+        # 30 % of convection moves sunlit grass by about a kelvin; the box has a stated temperature.
+        error = nominal["contrast_heat_model_error_w_sr"]
+        self.assertTrue(0.005 < error / nominal["apparent_intensity_w_sr"] < 0.1, error)
+        self.assertLess(nominal["heat_model_error_w_sr"], 0.2 * error)
+
+    def test_an_input_of_land_that_the_sweep_lacks_is_refused(self):
+        text = SWEEP.replace("land_temperature_k = { asphalt = 310 }\n", "") + self.STATED % 295
+        for key in ("land_solar_absorptance", "land_conductivity_relative"):
+            self.refused(text + f"[uncertainty]\n{key} = 0.1\n", f"uncertainty.{key} changes nothing", "[heat]")
+
     def test_what_is_wrong_with_objects_is_said_at_its_key(self):
         (self.path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\no leaf\nf 1 2 3\n")
         (self.path / "wrong.csv").write_text("east_m,north_m\n1,2\n1,x\n")
