@@ -1,5 +1,6 @@
 #include "jobs/resolve_uncertainty.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,14 @@ std::string expected_for(const std::string& input) {
     return "air.model \"atmosphere\" and a cloud: cloud_cover, [[season.cloud]] or a "
            "weather_file's";
   if (input == "solar_absorptance" || input == "conductivity_relative")
-    return "computed temperatures ([heat])";
+    return "computed temperatures ([heat]) of a part";
+  if (input == "land_solar_absorptance" || input == "land_conductivity_relative")
+    return "computed temperatures ([heat]) of land whose material and build_up no part has";
+  if (input == "land_temperature_k")
+    return "[land] with a stated temperature: temperature_k of a [[land.material]] or "
+           "land_temperature_k";
+  if (input == "land_emissivity")
+    return "[land] with a material that states its emissivity and that no part has";
   if (input == "convection_relative") return "computed temperatures ([heat])";
   if (input == "sky_emissivity_relative")
     return "computed temperatures ([heat]) under a sky whose long-wave radiation the weather does "
@@ -44,16 +52,6 @@ std::string expected_for(const std::string& input) {
     return "a part whose temperature is stated or read from a temperature_field";
   if (input == "emissivity") return "a part whose material states one";
   return absl::StrCat("surroundings with ", input);
-}
-
-// Whether the temperatures of a run depend on what has been moved.
-bool changes(const schema::ResolvedSweep& sweep, const MovedSweep& moved,
-             const UncertainInput& input, int run) {
-  for (const char* of_walls :
-       {"solar_absorptance", "emissivity", "conductivity_relative", "inside_temperature_k",
-        "surface_moisture", "stomatal_resistance_relative"})
-    if (input.name == of_walls) return moved.values > 0;
-  return sweep.heat(run).SerializeAsString() != moved.sweep.heat(run).SerializeAsString();
 }
 
 void check_input(const schema::ResolvedSweep& resolved, const UncertainInput& input,
@@ -127,11 +125,15 @@ void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
 
   const schema::ResolvedSweep nominal = resolved;
   std::vector<schema::HeatRun> runs(nominal.heat().begin(), nominal.heat().end());
+  std::set<int> of_land;  // whose changes some input has
   for (const UncertainInput& input : inputs)
     for (const double move : moves_of(nominal, input)) {
       const MovedSweep moved = moved_sweep(nominal, input, move);
       for (int r = 0; r < nominal.heat_size(); ++r) {
-        if (!computes_parts(nominal.heat(r)) || !changes(nominal, moved, input, r)) continue;
+        const schema::HeatRun& run = nominal.heat(r);
+        const bool land = computes_land(run) && moves_land(nominal, moved.sweep, r);
+        if (!land && !(computes_parts(run) && moves_parts(nominal, moved.sweep, r))) continue;
+        if (land) of_land.insert(r);
         schema::InputMove& asked = *runs[static_cast<std::size_t>(r)].add_input();
         asked.set_name(input.name);
         asked.set_sigma(input.sigma);
@@ -141,7 +143,7 @@ void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
   for (std::size_t r = 0; r < runs.size(); ++r) {
     if (runs[r].input_size() == 0) continue;
     runs[r].set_base(static_cast<std::uint32_t>(r));
-    runs[r].clear_land_temperature_k();
+    if (!of_land.contains(static_cast<int>(r))) runs[r].clear_land_temperature_k();
     *resolved.add_heat() = std::move(runs[r]);
   }
 }

@@ -203,22 +203,39 @@ absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
   *alone.mutable_sweep() = resolved.sweep();
   *alone.add_heat() = heat;
   std::vector<SceneHeatRequest> moved;
-  for (const schema::InputMove& input : heat.input()) {
+  std::vector<int> input_of;  // of `moved`
+  for (int i = 0; i < heat.input_size(); ++i) {
+    const schema::InputMove& input = heat.input(i);
     const MovedSweep sweep = moved_sweep(alone, {input.name(), input.sigma()}, input.move());
+    if (!computes_parts(heat) || !moves_parts(alone, sweep.sweep, 0)) continue;
     auto request = asked_of(sweep.sweep.sweep(), sweep.sweep.heat(0), target);
     if (!request.ok()) return at_key(absl::StrCat("uncertainty.", input.name()), request.status());
     request->request.of_model = is_of_heat_model(input.name());
     moved.push_back(std::move(request->request));
+    input_of.push_back(i);
   }
+  const std::vector<std::vector<float>> none(asked.output_of_time.size(),
+                                             std::vector<float>(target.facet.size(), 0));
+  for (int i = 0; i < heat.input_size(); ++i) field.add_change_k(bytes_of(none));
+  if (moved.empty()) return absl::OkStatus();
   auto changes = solve_scene_heat_changes(target, asked.request, moved);
   if (!changes.ok()) return at_key("heat", changes.status());
-  for (TemperatureChange& change : *changes) {
+  for (std::size_t i = 0; i < changes->size(); ++i) {
+    TemperatureChange& change = (*changes)[i];
     for (std::vector<float>& row : change) fill_degenerate(target, asked.request.part, row);
     std::vector<std::vector<float>> by_time;
     for (const std::size_t k : asked.output_of_time) by_time.push_back(change[k]);
-    field.add_change_k(bytes_of(by_time));
+    field.set_change_k(input_of[i], bytes_of(by_time));
   }
   return absl::OkStatus();
+}
+
+// The land that a caller has read, else the sweep's own.
+absl::StatusOr<std::shared_ptr<const LandScene>> land_of(const schema::ResolvedSweep& sweep,
+                                                         const Assets& assets,
+                                                         const LandScene* land) {
+  if (land == nullptr) return land_from_sweep(sweep, assets);
+  return std::shared_ptr<const LandScene>(std::shared_ptr<void>(), land);
 }
 
 }  // namespace
@@ -245,6 +262,11 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
   field.set_facets(static_cast<std::uint32_t>(target.facet.size()));
   if (heat.input_size() > 0) {  // the run whose temperatures change has said what is odd
     RETURN_IF_ERROR(add_changes(resolved, run, target, asked, field));
+    if (changes_land(heat)) {
+      ASSIGN_OR_RETURN(const auto scene, land_of(resolved, assets, land));
+      ASSIGN_OR_RETURN(auto changes, compute_land_changes(resolved, heat, *scene));
+      for (std::string& change : changes) field.add_land_change_k(std::move(change));
+    }
     out.set_field(field.SerializeAsString());
     return out;
   }
@@ -254,12 +276,8 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
   field.set_error_k(bytes_of(by_time.error_k));
   add_effects(asked.request, by_time, field);
   if (computes_land(heat)) {
-    std::shared_ptr<const LandScene> read;
-    if (land == nullptr) {
-      ASSIGN_OR_RETURN(read, land_from_sweep(resolved, assets));
-      land = read.get();
-    }
-    ASSIGN_OR_RETURN(*field.mutable_land(), compute_land_heat(sweep, heat, *land, asked.warning));
+    ASSIGN_OR_RETURN(const auto scene, land_of(resolved, assets, land));
+    ASSIGN_OR_RETURN(*field.mutable_land(), compute_land_heat(sweep, heat, *scene, asked.warning));
   }
   out.set_field(field.SerializeAsString());
   out.mutable_warning()->Assign(asked.warning.begin(), asked.warning.end());

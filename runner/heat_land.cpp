@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/quantities.h"
 #include "core/base/hottest.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/land/kinds/make_land_kinds.h"
 #include "core/thermal/land/land_heat.h"
+#include "messages/inputs/moved_sweep.h"
 #include "messages/scene/land_heat_messages.h"
 #include "messages/scene/scene_from_message.h"
 #include "runner/heat_walls.h"
@@ -62,26 +64,18 @@ absl::Status check_land_kelvin(const schema::Sweep& sweep, const schema::HeatRun
   return absl::OkStatus();
 }
 
-}  // namespace
-
-std::size_t most_land_kinds(const schema::Sweep& sweep) {
-  LandKinds kinds;
-  kinds.materials = static_cast<std::uint32_t>(sweep.land().material_size());
-  kinds.computed = land_computed(sweep);
-  kinds.on_objects = land_on_objects(sweep);
-  kinds.horizon.resize(kMostLandHorizons);
-  kinds.index_kinds();
-  return kinds.kind.size();
-}
-
-absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
-                                                   const schema::HeatRun& heat,
-                                                   const LandScene& land,
-                                                   std::vector<std::string>& warning) {
+// What is asked of one run, and at which of its outputs each time wanted stands.
+struct AskedOfLand {
+  LandHeatRequest request;
+  std::vector<std::size_t> output_of_time;
+};
+absl::StatusOr<AskedOfLand> asked_of_land(const schema::Sweep& sweep, const schema::HeatRun& heat,
+                                          std::vector<std::string>& warning) {
+  AskedOfLand out;
+  LandHeatRequest& request = out.request;
   ASSIGN_OR_RETURN(auto weather, weather_of_land(sweep, heat));
   ASSIGN_OR_RETURN(const auto walls, walls_at_knots(sweep, weather.knot_s));
   ASSIGN_OR_RETURN(const auto numbers, land_materials_from_sweep(sweep));
-  LandHeatRequest request;
   std::vector<std::string> odd;
   for (int m = 0; m < sweep.land().material_size(); ++m) {
     const double stated_k = heat.land_temperature_k(m);
@@ -100,19 +94,82 @@ absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
   request.output_knot = weather.output_knot;
   request.heading_deg = sweep.place().heading_deg();
   request.tolerance_k = sweep.heat().tolerance_k();
+  if (heat.has_sky_factor())
+    for (HeatWeather& at : request.weather)
+      for (HeatRadiation* radiation : {&at.before, &at.after})
+        radiation->sky_w_m2 *= heat.sky_factor();
+  if (heat.has_convection_factor()) request.convection_factor = heat.convection_factor();
+  out.output_of_time = std::move(weather.output_of_time);
+  return out;
+}
+
+}  // namespace
+
+std::size_t most_land_kinds(const schema::Sweep& sweep) {
+  LandKinds kinds;
+  kinds.materials = static_cast<std::uint32_t>(sweep.land().material_size());
+  kinds.computed = land_computed(sweep);
+  kinds.on_objects = land_on_objects(sweep);
+  kinds.horizon.resize(kMostLandHorizons);
+  kinds.index_kinds();
+  return kinds.kind.size();
+}
+
+absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
+                                                   const schema::HeatRun& heat,
+                                                   const LandScene& land,
+                                                   std::vector<std::string>& warning) {
+  ASSIGN_OR_RETURN(const AskedOfLand asked, asked_of_land(sweep, heat, warning));
   const LandKinds kinds =
       make_land_kinds(land, land_computed(sweep), land_on_objects(sweep), kHeldOutPlaces);
-  auto solved = solve_land_heat(kinds, request);
+  auto solved = solve_land_heat(kinds, asked.request);
   if (!solved.ok()) return at_key("land", solved.status());
   // Times of several days may share a knot of the one that repeats.
   LandHeatResult by_time;
-  for (const std::size_t k : weather.output_of_time) {
+  for (const std::size_t k : asked.output_of_time) {
     by_time.kelvin.push_back(solved->kelvin[k]);
     by_time.error_k.push_back(solved->error_k[k]);
     by_time.interpolation_k.push_back(solved->interpolation_k[k]);
   }
   RETURN_IF_ERROR(check_land_kelvin(sweep, heat, kinds, by_time));
   return land_heat_to_message(kinds, by_time);
+}
+
+absl::StatusOr<std::vector<std::string>> compute_land_changes(const schema::ResolvedSweep& resolved,
+                                                              const schema::HeatRun& heat,
+                                                              const LandScene& land) {
+  const schema::Sweep& sweep = resolved.sweep();
+  std::vector<std::string> said;  // by the run whose temperatures change
+  ASSIGN_OR_RETURN(const AskedOfLand asked, asked_of_land(sweep, heat, said));
+  schema::ResolvedSweep alone;  // what land depends on
+  *alone.mutable_sweep() = sweep;
+  *alone.add_heat() = heat;
+  std::vector<LandHeatRequest> moved;
+  std::vector<int> input_of;  // of `moved`
+  for (int i = 0; i < heat.input_size(); ++i) {
+    const schema::InputMove& input = heat.input(i);
+    const MovedSweep other = moved_sweep(alone, {input.name(), input.sigma()}, input.move());
+    if (!moves_land(alone, other.sweep, 0)) continue;
+    auto request = asked_of_land(other.sweep.sweep(), other.sweep.heat(0), said);
+    if (!request.ok()) return at_key(absl::StrCat("uncertainty.", input.name()), request.status());
+    request->request.of_model = is_of_heat_model(input.name());
+    moved.push_back(std::move(request->request));
+    input_of.push_back(i);
+  }
+  const LandKinds kinds = make_land_kinds(land, land_computed(sweep), land_on_objects(sweep), 0);
+  auto changes = solve_land_heat_changes(kinds, asked.request, moved);
+  if (!changes.ok()) return at_key("land", changes.status());
+  const std::string none(sizeof(float) * kinds.kind.size() * asked.output_of_time.size(), '\0');
+  std::vector<std::string> out(static_cast<std::size_t>(heat.input_size()), none);
+  for (std::size_t i = 0; i < changes->size(); ++i) {
+    std::string& to = out[static_cast<std::size_t>(input_of[i])];
+    to.clear();
+    for (const std::size_t k : asked.output_of_time) {
+      const std::vector<float>& row = (*changes)[i][k];
+      to.append(reinterpret_cast<const char*>(row.data()), sizeof(float) * row.size());
+    }
+  }
+  return out;
 }
 
 }  // namespace irsig

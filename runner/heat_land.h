@@ -22,4 +22,10 @@ namespace irsig {
                                                                  const LandScene& land,
                                                                  std::vector<std::string>& warning);
 
+// Computes by how much each input of a run that changes land changes the temperatures of its kinds.
+// [input] As HeatField::land_change_k. resolved: with the run; INVALID_ARGUMENT: as above, by the
+// input's path.
+[[nodiscard]] absl::StatusOr<std::vector<std::string>> compute_land_changes(
+    const schema::ResolvedSweep& resolved, const schema::HeatRun& heat, const LandScene& land);
+
 }  // namespace irsig

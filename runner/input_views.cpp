@@ -27,6 +27,15 @@ bool same_air(const schema::ResolvedSweep& a, const schema::ResolvedSweep& b) {
   return true;
 }
 
+// Stated temperatures of land; those that are computed have changes of their own.
+bool same_stated_land(const schema::ResolvedSweep& a, const schema::ResolvedSweep& b) {
+  for (int c = 0; c < a.condition_size(); ++c)
+    if (!std::ranges::equal(a.condition(c).land_temperature_k(),
+                            b.condition(c).land_temperature_k()))
+      return false;
+  return true;
+}
+
 bool same_materials(const schema::Sweep& a, const schema::Sweep& b) {
   return std::equal(a.material().begin(), a.material().end(), b.material().begin(),
                     b.material().end(), [](const schema::Material& x, const schema::Material& y) {
@@ -40,9 +49,10 @@ bool same_materials(const schema::Sweep& a, const schema::Sweep& b) {
 }
 
 // A material decides how much is reflected of all there is; sky, sea and air what comes of them; a
-// temperature what parts send to each other.
-void add_moved_effects(bool materials, bool air, std::vector<Effect>& out) {
+// temperature what parts send to each other, and what land sends to them.
+void add_moved_effects(bool materials, bool air, bool land, std::vector<Effect>& out) {
   std::vector<Effect> moved{Effect::kInterReflection, Effect::kHotPartsReflected};
+  if (land) moved.push_back(Effect::kLowerReflected);
   if (materials || air)
     moved.insert(moved.end(), {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun,
                                Effect::kSkyReflected, Effect::kLowerReflected});
@@ -171,13 +181,18 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
       auto moved = moved_temperatures(temperatures, m.sweep, changes, input.name, move);
       if (!moved.ok()) return input_error(input, moved.status());
       m.temperatures = *std::move(moved);
+      auto other_k = moved_land_temperatures(temperatures.land, m.sweep, heat, input.name, move);
+      if (!other_k.ok()) return input_error(input, other_k.status());
+      const bool other_land =
+          other_k->kelvin != temperatures.land.kelvin || !same_stated_land(sweep, m.sweep);
+      m.temperatures.land = *std::move(other_k);
       if (!same_air(sweep, m.sweep)) {
         auto air = environment_from_sweep(m.sweep, simulator.band_grids());
         if (!air.ok()) return input_error(input, air.status());
         m.environment = *std::move(air);
       }
       const bool materials = !same_materials(sweep.sweep(), m.sweep.sweep());
-      add_moved_effects(materials, !same_air(sweep, m.sweep), out.moved_effects_);
+      add_moved_effects(materials, !same_air(sweep, m.sweep), other_land, out.moved_effects_);
       if (!materials) continue;
       SceneSpec other = scene;
       for (int k = 0; k < m.sweep.sweep().material_size(); ++k) {
@@ -185,6 +200,9 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
         if (!material.ok()) return input_error(input, material.status());
         other.material[static_cast<std::size_t>(k)] = *std::move(material);
       }
+      other.land_material.clear();
+      if (const absl::Status taken = take_land_materials(m.sweep.sweep(), other); !taken.ok())
+        return input_error(input, taken);
       auto prepared = PreparedScene::make(other);
       if (!prepared.ok()) return input_error(input, prepared.status());
       m.scene = std::make_shared<const PreparedScene>(*std::move(prepared));

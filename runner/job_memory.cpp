@@ -55,7 +55,7 @@ double heat_bytes(const schema::ResolvedSweep& sweep, std::size_t facets) {
         kBytesPerFace + kBytesPerFaceAndKnot * static_cast<double>(weather->knot_s.size());
     // One after the other.
     if (computes_parts(run)) most = std::max(most, faces * each);
-    if (computes_land(run))
+    if (computes_land(run) || changes_land(run))
       most = std::max(most, static_cast<double>(most_land_kinds(sweep.sweep())) * each);
   }
   return most;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -22,5 +23,12 @@ struct LandTemperatures {
 // kinds.
 [[nodiscard]] absl::StatusOr<LandTemperatures> land_temperatures_from_sweep(
     const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
+
+// Returns the temperatures with an input moved.
+//   moved  the sweep with the move; its conditions have the stated temperatures as moved
+// INVALID_ARGUMENT: changes that are damaged, or of other kinds.
+[[nodiscard]] absl::StatusOr<LandTemperatures> moved_land_temperatures(
+    const LandTemperatures& nominal, const schema::ResolvedSweep& moved, const HeatOutputs& heat,
+    const std::string& input, double move);
 
 }  // namespace irsig

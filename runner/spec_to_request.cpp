@@ -21,10 +21,6 @@
 
 namespace irsig {
 
-namespace {
-
-// Takes the materials of the land out of those of the parts. Numbers of materials remain: one that
-// no part has is a blackbody, so that paths need not carry its spectrum.
 absl::Status take_land_materials(const schema::Sweep& sweep, SceneSpec& scene) {
   ASSIGN_OR_RETURN(const auto numbers, land_materials_from_sweep(sweep));
   for (const std::uint32_t m : numbers) scene.land_material.push_back(scene.material[m]);
@@ -34,8 +30,6 @@ absl::Status take_land_materials(const schema::Sweep& sweep, SceneSpec& scene) {
       scene.material[m].model = Lambert{{{0, 1}}};
   return absl::OkStatus();
 }
-
-}  // namespace
 
 absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolved,
                                             const Assets& assets, const HeatOutputs& heat) {

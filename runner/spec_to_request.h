@@ -26,6 +26,11 @@ struct SweepScene : SceneSpec {
                                                           const Assets& assets,
                                                           const HeatOutputs& heat);
 
+// Copies the materials of the sweep's land from scene.material to scene.land_material, in the order
+// of [land]. Numbers of materials remain: one that no part has becomes a blackbody, so that paths
+// need not carry its spectrum.
+[[nodiscard]] absl::Status take_land_materials(const schema::Sweep& sweep, SceneSpec& scene);
+
 // Checks that each material conserves energy in the sweep's bands, unless it declares
 // allow_energy_gain = true. materials: those of the scene above, prepared. INVALID_ARGUMENT: lists
 // each material that creates energy.

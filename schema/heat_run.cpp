@@ -17,4 +17,8 @@ bool computes_land(const schema::HeatRun& run) {
   return run.input_size() == 0 && any_zero(run.land_temperature_k());
 }
 
+bool changes_land(const schema::HeatRun& run) {
+  return run.input_size() > 0 && any_zero(run.land_temperature_k());
+}
+
 }  // namespace irsig

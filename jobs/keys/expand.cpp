@@ -233,7 +233,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   *sweep.add_heat() = only;
   sweep.mutable_heat(0)->clear_season();  // a name
   sweep.mutable_heat(0)->clear_base();    // a place
-  if (computes_land(only)) clear_file_names(*sweep.mutable_land());
+  if (computes_land(only) || changes_land(only)) clear_file_names(*sweep.mutable_land());
   if (only.has_weather()) clear_file_names(*sweep.mutable_heat(0)->mutable_weather());
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.clear_band();

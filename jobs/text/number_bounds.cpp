@@ -183,6 +183,10 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Uncertainty.sea_temperature_k", 1e-3, 50, kSigma},
     {"Uncertainty.ground_temperature_k", 1e-3, 50, kSigma},
     {"Uncertainty.sky_temperature_k", 1e-3, 100, kSigma},
+    {"Uncertainty.land_temperature_k", 1e-3, 50, kSigma},
+    {"Uncertainty.land_emissivity", 1e-4, 0.5, kSigma},
+    {"Uncertainty.land_solar_absorptance", 1e-4, 0.5, kSigma},
+    {"Uncertainty.land_conductivity_relative", 1e-4, 1, kSigma},
 
     {"Band.lambda_min_um", kShortestUm, kLongestUm, kWavelength},
     {"Band.lambda_max_um", kShortestUm, kLongestUm, kWavelength},

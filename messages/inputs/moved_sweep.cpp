@@ -139,6 +139,12 @@ class SweepMover {
       });
     } else if (input == "part_temperature_k") {
       move_parts();
+    } else if (input == "land_temperature_k") {
+      for (schema::Condition& c : *sweep_.mutable_condition())
+        for (double& k : *c.mutable_land_temperature_k())
+          if (k > 0) k = mover_.moved(k, kColdestSurfaceK, kHottestK);
+    } else if (absl::StartsWith(input, "land_")) {
+      move_land(input.substr(5));
     } else if (input == "sea_temperature_k" || input == "ground_temperature_k" ||
                input == "sky_temperature_k") {
       of_surroundings([&](schema::Surroundings& s) { move_surface(input, s); });
@@ -152,9 +158,9 @@ class SweepMover {
           {});
     } else if (input == "conductivity_relative" || input == "inside_temperature_k" ||
                input == "surface_moisture" || input == "stomatal_resistance_relative") {
-      move_build_ups(input);
+      move_build_ups(input, input == "conductivity_relative" ? of_parts() : of_parts_and_land());
     } else {
-      move_materials(input);
+      move_materials(input, of_parts());
     }
     return {std::move(sweep_), mover_.values(), mover_.share(), std::move(without_)};
   }
@@ -204,13 +210,50 @@ class SweepMover {
     for (schema::HeatRun& run : *sweep_.mutable_heat()) move(*run.mutable_part_temperature_k());
   }
 
-  // Of parts: land is not moved.
-  void move_build_ups(const std::string& input) {
+  // Names of materials and build-ups.
+  struct Used {
+    std::set<std::string> material, build_up;
+  };
+  [[nodiscard]] Used of_parts() const {
+    Used out;
+    for (const schema::Part& part : sweep_.sweep().part()) {
+      out.material.insert(part.material());
+      out.build_up.insert(part.build_up());
+    }
+    return out;
+  }
+  [[nodiscard]] Used of_land() const {
+    Used out;
+    for (const schema::LandMaterial& material : sweep_.sweep().land().material()) {
+      out.material.insert(material.material());
+      if (material.has_build_up()) out.build_up.insert(material.build_up());
+    }
+    return out;
+  }
+  [[nodiscard]] Used of_parts_and_land() const {
+    Used out = of_parts(), land = of_land();
+    out.material.merge(land.material);
+    out.build_up.merge(land.build_up);
+    return out;
+  }
+
+  // One that a part has, too, is moved as that of the part.
+  void move_land(const std::string& input) {
+    Used used = of_land();
+    const Used parts = of_parts();
+    for (const std::string& name : parts.material) used.material.erase(name);
+    for (const std::string& name : parts.build_up) used.build_up.erase(name);
+    if (input == "conductivity_relative")
+      move_build_ups(input, used);
+    else
+      move_materials(input, used);
+    without_.clear();
+  }
+
+  void move_build_ups(const std::string& input, const Used& used) {
     if (sweep_.heat_size() == 0) return;
-    std::set<std::string> used;
-    for (const schema::Part& part : sweep_.sweep().part()) used.insert(part.build_up());
     for (schema::BuildUp& b : *sweep_.mutable_sweep()->mutable_build_up()) {
-      if (!used.contains(b.name())) continue;
+      if (!used.build_up.contains(b.name())) continue;
       if (input == "inside_temperature_k") {
         if (b.has_inside_temperature_k())
           b.set_inside_temperature_k(mover_.moved(b.inside_temperature_k(), kColdestK, kHottestK));
@@ -229,12 +272,9 @@ class SweepMover {
     }
   }
 
-  // Of parts; others are never looked at.
-  void move_materials(const std::string& input) {
-    std::set<std::string> used;
-    for (const schema::Part& part : sweep_.sweep().part()) used.insert(part.material());
+  void move_materials(const std::string& input, const Used& used) {
     for (schema::Material& m : *sweep_.mutable_sweep()->mutable_material()) {
-      if (!used.contains(m.name())) continue;
+      if (!used.material.contains(m.name())) continue;
       if (input == "emissivity") {
         if (!move_emissivity(mover_, m)) without_.push_back(m.name());
       } else if (input == "solar_absorptance" && sweep_.heat_size() > 0 &&
@@ -248,6 +288,19 @@ class SweepMover {
   Mover mover_;
   std::vector<std::string> without_;
 };
+
+bool same(const google::protobuf::Message& a, const google::protobuf::Message& b) {
+  return a.SerializeAsString() == b.SerializeAsString();
+}
+
+// Returns true if the element of a name has been moved.
+template <typename T>
+bool differs(const google::protobuf::RepeatedPtrField<T>& a,
+             const google::protobuf::RepeatedPtrField<T>& b, const std::string& name) {
+  for (int i = 0; i < a.size(); ++i)
+    if (a[i].name() == name && !same(a[i], b[i])) return true;
+  return false;
+}
 
 }  // namespace
 
@@ -273,6 +326,29 @@ std::vector<double> moves_of(const schema::ResolvedSweep& sweep, const Uncertain
   constexpr double kRounding = 1e-9;
   if (up >= 1 - kRounding) return {1};
   return {moved_sweep(sweep, input, -1).share > up ? -1.0 : 1.0};
+}
+
+bool moves_parts(const schema::ResolvedSweep& sweep, const schema::ResolvedSweep& moved, int run) {
+  const schema::Sweep &a = sweep.sweep(), &b = moved.sweep();
+  for (const schema::Part& part : a.part())
+    if (differs(a.material(), b.material(), part.material()) ||
+        differs(a.build_up(), b.build_up(), part.build_up()))
+      return true;
+  return !same(sweep.heat(run), moved.heat(run));
+}
+
+bool moves_land(const schema::ResolvedSweep& sweep, const schema::ResolvedSweep& moved, int run) {
+  const schema::Sweep &a = sweep.sweep(), &b = moved.sweep();
+  for (const schema::LandMaterial& material : a.land().material())
+    if (material.has_build_up() && (differs(a.material(), b.material(), material.material()) ||
+                                    differs(a.build_up(), b.build_up(), material.build_up())))
+      return true;
+  schema::HeatRun before = sweep.heat(run), after = moved.heat(run);
+  for (schema::HeatRun* of : {&before, &after}) {  // land does not depend on these
+    of->clear_part_temperature_k();
+    of->clear_surroundings();
+  }
+  return !same(before, after);
 }
 
 int changes_of_run(const schema::ResolvedSweep& sweep, int run) {

@@ -32,6 +32,8 @@ struct UncertainInput {
 //   wind_speed_*         of the course; and of conditions with a rough sea or the Navy's aerosol
 //   emissivity           of the materials of parts: in the bands, and thermal_emissivity if stated
 //   part_temperature_k   temperatures that are stated or read from files
+//   land_*               materials and layers of land that no part has; land_temperature_k: stated
+//                        temperatures. Emissivities that follow from optical constants stay
 //
 // Values stay within their possible range (emissivity up to 1, wind from 0). `share` is the mean
 // fraction of the move that the values could make; 0: none.
@@ -49,6 +51,13 @@ struct MovedSweep {
 // that its values can make better, and 1 if both are equal.
 [[nodiscard]] std::vector<double> moves_of(const schema::ResolvedSweep& sweep,
                                            const UncertainInput& input);
+
+// Returns true if the temperatures of the target's parts, or those of land, in a heat run depend on
+// a move. run: an index in both sweeps.
+[[nodiscard]] bool moves_parts(const schema::ResolvedSweep& sweep,
+                               const schema::ResolvedSweep& moved, int run);
+[[nodiscard]] bool moves_land(const schema::ResolvedSweep& sweep,
+                              const schema::ResolvedSweep& moved, int run);
 
 // Returns the first index in ResolvedSweep.heat of the changes to the temperatures of a run. -1:
 // there is none.

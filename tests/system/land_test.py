@@ -2,7 +2,7 @@
 
 usage: land_test.py <irsig>
 """
-import json, pathlib, re, sqlite3, subprocess, sys, tempfile, unittest
+import json, pathlib, re, sqlite3, struct, subprocess, sys, tempfile, unittest
 
 IRSIG = pathlib.Path(sys.argv[1]).resolve()
 LAYERS = {"asphalt": "asphalt", "bare_soil": "bare_soil_dry", "grass": "grass", "water": "sea_water", "wheat": "wheat"}
@@ -50,6 +50,33 @@ thumbnail_px = 0
 [land]
 heights = "maps/heights.asc"
 """
+
+
+def asc(rows, west, south, step):
+    """An ESRI ASCII grid of samples [row from the north][column] whose southwest one is at (west, south)."""
+    return (f"ncols {len(rows[0])}\nnrows {len(rows)}\nxllcenter {west!r}\nyllcenter {south!r}\ncellsize {step!r}\n"
+            "nodata_value -99999\n" + "".join(" ".join(map(repr, row)) + "\n" for row in rows))
+
+
+def geotiff(rows, west, south, step):
+    """The same as a GeoTIFF in degrees (EPSG 4326), of float32 in one strip, whose samples are points."""
+    width, height = len(rows[0]), len(rows)
+    pixels = b"".join(struct.pack(f"<{width}f", *row) for row in rows)
+    north = south + step * (height - 1)
+    keys = (1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 2, 2048, 0, 1, 4326)
+    tags = [(256, "I", (width,)), (257, "I", (height,)), (258, "H", (32,)), (259, "H", (1,)), (262, "H", (1,)),
+            (273, "I", (8,)), (277, "H", (1,)), (278, "I", (height,)), (279, "I", (len(pixels),)), (339, "H", (3,)),
+            (33550, "d", (step, step, 0)), (33922, "d", (0, 0, 0, west, north, 0)), (34735, "H", keys)]
+    directory = 8 + len(pixels)
+    behind = directory + 2 + 12 * len(tags) + 4
+    entries = extra = b""
+    for tag, kind, values in tags:
+        data = struct.pack(f"<{len(values)}{kind}", *values)
+        if len(data) > 4:
+            data, extra = struct.pack("<I", behind + len(extra)), extra + data
+        entries += struct.pack("<HHI", tag, {"H": 3, "I": 4, "d": 12}[kind], len(values)) + data.ljust(4, b"\0")
+    return (struct.pack("<2sHI", b"II", 42, directory) + pixels + struct.pack("<H", len(tags)) + entries +
+            struct.pack("<I", 0) + extra)
 
 
 def materials(*without_file):
@@ -136,6 +163,101 @@ material = "brick"
         self.assertGreater(rows["file"][0][0], rows["bare"][0][0])
         self.irsig("plot", "file.db", "--kind", "land", "--out", "objects.svg", text=by_file)
         self.assertIn("brick", (self.path / "objects.svg").read_text())
+
+    def test_a_geotiff_is_the_map_that_it_holds(self):
+        count, step = 41, 1 / 2048
+        place = (11 - 20 * step, 48 - 20 * step, step)
+        heights = [[0.25 * ((3 * i * i + 5 * j) % 16) for i in range(count)] for j in range(count)]
+        grass = [[(0.0, 0.25, 1.0)[(i // 3 + j // 5) % 3] for i in range(count)] for j in range(count)]
+        sweep = SWEEP.replace("land_temperature_k = { asphalt = 310 }\n", "")
+        rows, said = {}, {}
+        for ending, epsg, write in (("asc", "4326", lambda *m: asc(*m).encode()), ("tif", None, geotiff)):
+            for name, samples in (("heights", heights), ("turf", grass)):
+                (self.path / f"maps/degrees_{name}.{ending}").write_bytes(write(samples, *place))
+            text = sweep.replace("maps/heights.asc", f"maps/degrees_heights.{ending}")
+            text += f"epsg = {epsg}\n" if epsg else ""
+            text += f'[[land.material]]\nmaterial = "grass"\ntemperature_k = 290\nfraction_file = "maps/degrees_turf.{ending}"\n'
+            text += f"fraction_epsg = {epsg}\n" if epsg else ""
+            text += '[[land.material]]\nmaterial = "wheat"\ntemperature_k = 305\n'
+            said[ending] = self.irsig("run", "s.toml", "--db", f"{ending}.db", "--workers", "1", text=text)
+            with sqlite3.connect(self.path / f"{ending}.db") as database:
+                rows[ending] = database.execute("SELECT intensity_w_sr, contrast_intensity_w_sr, clutter_sigma_w_m2_sr"
+                                                " FROM signature").fetchall()
+        # Files are part of the seed: the same land seen with other random numbers.
+        for a, b in zip(rows["asc"][0], rows["tif"][0]):
+            self.assertAlmostEqual(a, b, delta=0.05 * abs(a))
+        self.assertGreater(rows["tif"][0][2], 0)
+        broken = geotiff(heights, *place)[:-40]
+        (self.path / "maps/degrees_heights.tif").write_bytes(broken)
+        errors = self.irsig("plan", "s.toml", text=text, exit_code=2)
+        self.assertIn("s.toml:", errors)
+        self.assertIn("degrees_heights.tif", errors)
+
+    STATED = '[[land.material]]\nmaterial = "grass"\ntemperature_k = %g\n'
+    EMISSIVITY = '[[material]]\nname = "turf"\nkind = "lambert"\nemissivity = %g\n'
+    TURF = '[[land.material]]\nmaterial = "turf"\ntemperature_k = 310\n'
+    COMPUTED = '[[land.material]]\nmaterial = "grass"\n[heat]\n'
+
+    def row(self, name, text):
+        """Contrast and apparent intensity of the first row, their errors, and what inputs contribute to them."""
+        self.irsig("run", "s.toml", "--db", f"{name}.db", "--workers", "1", text=text)
+        done = subprocess.run([IRSIG, "explain", f"{name}.db", "--row", "1", "--format", "json"], cwd=self.path,
+                              capture_output=True, text=True, check=True)
+        with sqlite3.connect(self.path / f"{name}.db") as database:
+            database.row_factory = sqlite3.Row
+            row = dict(database.execute("SELECT * FROM signature").fetchone())
+        return row, {i["input"]: i for i in json.loads(done.stdout).get("inputs") or []}
+
+    def assert_contributes(self, contribution, nominal, moved):
+        """The contributions of an input to a row are the differences to the row that states it as moved."""
+        for of in ("apparent_", "contrast_"):
+            difference = moved[f"{of}intensity_w_sr"] - nominal[f"{of}intensity_w_sr"]
+            error = sum(row[f"{of}intensity_stderr_w_sr"] for row in (nominal, moved))
+            self.assertAlmostEqual(contribution[f"{of}contribution_w_sr"], difference,
+                                   delta=3 * error + 0.02 * abs(difference), msg=of)
+        return moved["contrast_intensity_w_sr"] - nominal["contrast_intensity_w_sr"]
+
+    def test_uncertain_inputs_of_stated_land_reach_the_contrast(self):
+        sweep = SWEEP.replace("land_temperature_k = { asphalt = 310 }\n", "").replace("= 0.1\n", "= 0.01\n")
+        nominal, inputs = self.row("stated", sweep + self.STATED % 295 + "[uncertainty]\nland_temperature_k = 2\n")
+        moved, _ = self.row("warmer", sweep + self.STATED % 297)
+        change = self.assert_contributes(inputs["land_temperature_k"], nominal, moved)
+        # Warmer land behind the target takes contrast away: 3 % of a background as bright as the target.
+        self.assertLess(change, -0.02 * nominal["apparent_intensity_w_sr"])
+        self.assertGreaterEqual(nominal["contrast_input_uncertainty_w_sr"], 0.99 * abs(
+            inputs["land_temperature_k"]["contrast_contribution_w_sr"]))
+
+        text = sweep + self.EMISSIVITY % 0.85 + self.TURF
+        nominal, inputs = self.row("turf", text + "[uncertainty]\nland_emissivity = 0.1\n")
+        moved, _ = self.row("blacker", sweep + self.EMISSIVITY % 0.95 + self.TURF)
+        change = self.assert_contributes(inputs["land_emissivity"], nominal, moved)
+        self.assertLess(change, -0.02 * nominal["apparent_intensity_w_sr"])
+
+    def test_uncertain_inputs_of_computed_land_reach_the_contrast(self):
+        def sweep(soil=0.8, weather=298):
+            text = SWEEP.replace("land_temperature_k = { asphalt = 310 }", "day = { air_temperature_min_k = %g, "
+                                 "air_temperature_max_k = %g, dew_point_k = 280 }" % (weather - 10, weather))
+            text = text.replace("[transport]\n", "[weather]\npressure_pa = 101300\nwind_speed_m_s = 3\n"
+                                "wind_from_deg = 270\n[transport]\n").replace("= 0.1\n", "= 0.01\n")
+            text = text.replace("sun = false", "sun = true").replace("ground_emissivity", "solar_albedo = 0.2\n"
+                                                                     "ground_emissivity")
+            for name, share in (("grass", soil), ("generic_grey_paint", 0.5)):
+                text += f'[[material]]\nname = "{name}"\nkind = "library"\nsolar_absorptance = {share}\n'
+            return text + self.COMPUTED
+        uncertain = "model_error = true\n[uncertainty]\nland_solar_absorptance = 0.1\nair_temperature_k = 1\n"
+        nominal, inputs = self.row("computed", sweep() + uncertain)
+        for name, moved in (("land_solar_absorptance", sweep(soil=0.9)), ("air_temperature_k", sweep(weather=299))):
+            change = self.assert_contributes(inputs[name], nominal, self.row(name, moved)[0])
+            self.assertLess(change, -0.005 * nominal["apparent_intensity_w_sr"], name)
+        # 30 % of convection moves sunlit grass by about a kelvin; the box has a stated temperature.
+        error = nominal["contrast_heat_model_error_w_sr"]
+        self.assertTrue(0.005 < error / nominal["apparent_intensity_w_sr"] < 0.1, error)
+        self.assertLess(nominal["heat_model_error_w_sr"], 0.2 * error)
+
+    def test_an_input_of_land_that_the_sweep_lacks_is_refused(self):
+        text = SWEEP.replace("land_temperature_k = { asphalt = 310 }\n", "") + self.STATED % 295
+        for key in ("land_solar_absorptance", "land_conductivity_relative"):
+            self.refused(text + f"[uncertainty]\n{key} = 0.1\n", f"uncertainty.{key} changes nothing", "[heat]")
 
     def test_what_is_wrong_with_objects_is_said_at_its_key(self):
         (self.path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\no leaf\nf 1 2 3\n")

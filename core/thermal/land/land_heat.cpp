@@ -403,6 +403,57 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
   return out;
 }
 
+// The places of a material's kinds, and the index of each of these kinds.
+struct KindPlaces {
+  std::vector<Place> place;
+  std::vector<std::size_t> kind;
+};
+KindPlaces places_of(const LandKinds& kinds, std::uint32_t material) {
+  KindPlaces out;
+  for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
+    if (kinds.kind[k].material != material) continue;
+    out.place.push_back({kinds.kind[k].normal, &kinds.horizon[kinds.kind[k].horizon]});
+    out.kind.push_back(k);
+  }
+  return out;
+}
+
+// [second knot x places + place] From every second knot alone, with a finer tolerance: what is left
+// is to be small against what one input changes.
+absl::StatusOr<PlaceTemperatures> coarse_temperatures(LandHeatRequest request,
+                                                      const LandHeatMaterial& material,
+                                                      const std::vector<Place>& place) {
+  constexpr double kFiner = 0.2;
+  request.tolerance_k *= kFiner;
+  static const LandHorizon kFree{};
+  const Place level{{0, 0, 1}, &kFree};
+  ASSIGN_OR_RETURN(const PlaceTemperatures around,
+                   solve(request, material, std::span(&level, 1), 2, {}));
+  return solve(request, material, place, 2, at_all_knots(request, around.kelvin));
+}
+
+// Root mean square of the difference of two temperatures of a place over the 24 h around a time;
+// at the ends of the course over the first or the last 24 h.
+double day_rms_k(const LandHeatRequest& request, const PlaceTemperatures& a,
+                 const PlaceTemperatures& b, std::size_t time, std::size_t place) {
+  constexpr double kHalfDayS = 43200;
+  const double first_s = request.knot_s.front() + kHalfDayS,
+               last_s = std::max(request.knot_s.back() - kHalfDayS, first_s),
+               middle_s = std::clamp(request.knot_s[2 * time], first_s, last_s);
+  double square = 0, count = 0;
+  for (std::size_t t = 0; 2 * t < request.knot_s.size(); ++t) {
+    if (std::abs(request.knot_s[2 * t] - middle_s) > kHalfDayS) continue;
+    const double d = a.kelvin[t * a.places + place] - b.kelvin[t * b.places + place];
+    square += d * d;
+    count += 1;
+  }
+  return std::sqrt(square / count);
+}
+
+absl::Status of_build_up(const LandHeatMaterial& material, const absl::Status& status) {
+  return {status.code(), absl::StrCat("build_up \"", material.wall.name, "\": ", status.message())};
+}
+
 // Temperature of a mixture in a band where radiance goes with a power of it.
 double mixed_k(const PlaceTemperatures& of, std::size_t time, std::span<const KindShare> mix,
                std::span<const std::size_t> place_of_kind, double power) {
@@ -479,10 +530,7 @@ absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
       place.push_back({at.normal, &at.horizon});
     }
     auto solved = place_temperatures(request, *request.material[m], place);
-    if (!solved.ok())
-      return absl::Status(solved.status().code(),
-                          absl::StrCat("build_up \"", request.material[m]->wall.name,
-                                       "\": ", solved.status().message()));
+    if (!solved.ok()) return of_build_up(*request.material[m], solved.status());
     for (std::size_t o = 0; o < outputs; ++o) {
       const std::size_t time = request.output_knot[o] / 2;
       // Radiance in 3-5 and 8-12 um goes with about these powers of the temperature.
@@ -508,6 +556,47 @@ absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
         const std::size_t at = time * solved->places + place_of_kind[k];
         out.kelvin[o][k] = static_cast<float>(solved->kelvin[at]);
         out.error_k[o][k] = static_cast<float>(solved->error_k[at] + rms_k(kinds.kind[k].object));
+      }
+    }
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<LandTemperatureChange>> solve_land_heat_changes(
+    const LandKinds& kinds, const LandHeatRequest& request,
+    std::span<const LandHeatRequest> moved) {
+  RETURN_IF_ERROR(check(kinds, request));
+  for (const LandHeatRequest& each : moved) {
+    RETURN_IF_ERROR(check(kinds, each));
+    if (each.knot_s != request.knot_s || each.output_knot != request.output_knot)
+      return absl::InvalidArgumentError("a moved input has other knots than the temperatures");
+    for (std::size_t m = 0; m < kinds.materials; ++m)
+      if (each.material[m].has_value() != request.material[m].has_value())
+        return absl::InvalidArgumentError("a moved input has other computed land");
+  }
+  std::vector<LandTemperatureChange> out(
+      moved.size(),
+      LandTemperatureChange(request.output_knot.size(), std::vector<float>(kinds.kind.size(), 0)));
+  for (std::uint32_t m = 0; m < kinds.materials; ++m) {
+    if (!request.material[m]) continue;
+    const KindPlaces of = places_of(kinds, m);
+    auto base = coarse_temperatures(request, *request.material[m], of.place);
+    if (!base.ok()) return of_build_up(*request.material[m], base.status());
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const LandHeatMaterial& material = *moved[i].material[m];
+      auto changed = coarse_temperatures(moved[i], material, of.place);
+      if (!changed.ok()) return of_build_up(material, changed.status());
+      for (std::size_t o = 0; o < request.output_knot.size(); ++o) {
+        const std::size_t time = request.output_knot[o] / 2;
+        for (std::size_t p = 0; p < of.place.size(); ++p) {
+          const std::size_t at = time * of.place.size() + p;
+          double change_k = changed->kelvin[at] - base->kelvin[at];
+          if (moved[i].of_model)
+            change_k = std::copysign(
+                std::max(std::abs(change_k), day_rms_k(request, *changed, *base, time, p)),
+                change_k);
+          out[i][o][of.kind[p]] = static_cast<float>(change_k);
+        }
       }
     }
   }

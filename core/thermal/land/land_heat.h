@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -31,6 +32,8 @@ struct LandHeatRequest {
   double heading_deg = 0;                // of the frame of HeatWeather
   double convection_factor = 1;
   double tolerance_k = 0.01;
+  // True in a moved request if the move is of the model (solve_land_heat_changes).
+  bool of_model = false;
 };
 
 struct LandHeatResult {
@@ -46,5 +49,15 @@ struct LandHeatResult {
 // as warm as a level place of the material. INVALID_ARGUMENT names the fault of a build-up.
 [[nodiscard]] absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
                                                              const LandHeatRequest& request);
+
+// Changes of temperatures under another request.  [output][kind]; 0: stated. [K]
+using LandTemperatureChange = std::vector<std::vector<float>>;
+
+// Computes the changes under moved requests (of the same knots and outputs: another weather, other
+// walls) from every second knot, for the kinds alone: both sides of each difference have the errors
+// of these knots. A change by the model is at least as large as its root mean square over the 24 h
+// around, as that of a target's facet is (solve_scene_heat_changes).
+[[nodiscard]] absl::StatusOr<std::vector<LandTemperatureChange>> solve_land_heat_changes(
+    const LandKinds& kinds, const LandHeatRequest& request, std::span<const LandHeatRequest> moved);
 
 }  // namespace irsig

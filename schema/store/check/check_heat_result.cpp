@@ -119,6 +119,26 @@ absl::Status check_land(const schema::HeatField& field, const schema::HeatRun& r
   return absl::OkStatus();
 }
 
+// Changes of the land's temperatures: how many kinds they are of is found where they are read.
+absl::Status check_land_changes(const schema::HeatField& field, const schema::HeatRun& run) {
+  const int wanted = changes_land(run) ? run.input_size() : 0;
+  if (field.land_change_k_size() != wanted)
+    return wrong_heat("field.land_change_k", absl::StrCat("has ", field.land_change_k_size(),
+                                                          " changes for ", wanted, " inputs"));
+  const std::size_t each = sizeof(float) * static_cast<std::size_t>(field.unix_s_size());
+  for (int i = 0; i < field.land_change_k_size(); ++i) {
+    const std::string name = absl::StrCat("field.land_change_k[", i, "]");
+    const std::string& bytes = field.land_change_k(i);
+    if (bytes.empty() || bytes.size() % each != 0 || bytes.size() != field.land_change_k(0).size())
+      return wrong_heat(
+          name, absl::StrCat("has ", bytes.size(), " bytes for ", field.unix_s_size(), " times"));
+    for (std::size_t k = 0; k < bytes.size() / sizeof(float); ++k)
+      if (const float kelvin = number_at(bytes, k); !std::isfinite(kelvin))
+        return wrong_heat(absl::StrCat(name, "[", k, "]"), absl::StrCat("is ", kelvin));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_changes(const schema::HeatField& field, const schema::HeatRun& run) {
   if (field.change_k_size() != run.input_size() || !field.kelvin().empty() ||
       !field.error_k().empty())
@@ -136,7 +156,7 @@ absl::Status check_changes(const schema::HeatField& field, const schema::HeatRun
       if (const float kelvin = number_at(field.change_k(i), k); std::isinf(kelvin))
         return wrong_heat(absl::StrCat(name, "[", k, "]"), absl::StrCat("is ", kelvin));
   }
-  return absl::OkStatus();
+  return check_land_changes(field, run);
 }
 
 absl::Status check_parts(const schema::HeatJobResult& result, const schema::HeatRun& run) {

@@ -184,7 +184,7 @@ absl::Status check_heat(const schema::ResolvedSweep& sweep) {
       return wrong_sweep(
           sweep, absl::StrCat(name, "has ", run.land_temperature_k_size(), " temperatures for ",
                               sweep.sweep().land().material_size(), " materials of the land"));
-    if (!computes_parts(run) && !computes_land(run))
+    if (!computes_parts(run) && !computes_land(run) && !changes_land(run))
       return wrong_sweep(sweep, name + "has nothing to compute");
   }
   for (const schema::Condition& c : sweep.condition()) {
