@@ -15,7 +15,7 @@
 namespace irsig {
 namespace {
 
-// What values can be.
+// Limits of moved values.
 constexpr double kColdestK = 1;
 constexpr double kColdestAirK = 180, kHottestAirK = 340;  // outdoors
 constexpr double kDriestK = 120;                          // dew point
@@ -204,7 +204,7 @@ class SweepMover {
     for (schema::HeatRun& run : *sweep_.mutable_heat()) move(*run.mutable_part_temperature_k());
   }
 
-  // Of parts: land is not moved.
+  // Moves the build-ups of parts. Land is not moved.
   void move_build_ups(const std::string& input) {
     if (sweep_.heat_size() == 0) return;
     std::set<std::string> used;
@@ -229,7 +229,7 @@ class SweepMover {
     }
   }
 
-  // Of parts; others are never looked at.
+  // Moves the materials of parts. Other materials are not considered.
   void move_materials(const std::string& input) {
     std::set<std::string> used;
     for (const schema::Part& part : sweep_.sweep().part()) used.insert(part.material());
@@ -269,7 +269,7 @@ MovedSweep moved_sweep(const schema::ResolvedSweep& sweep, const UncertainInput&
 std::vector<double> moves_of(const schema::ResolvedSweep& sweep, const UncertainInput& input) {
   if (sweep.sweep().uncertainty().sides() == "both") return {1, -1};
   const double up = moved_sweep(sweep, input, 1).share;
-  // What rounding takes is no limit.
+  // A change of the size of rounding does not count as a limit.
   constexpr double kRounding = 1e-9;
   if (up >= 1 - kRounding) return {1};
   return {moved_sweep(sweep, input, -1).share > up ? -1.0 : 1.0};
