@@ -60,7 +60,8 @@ struct BandsCommand {
     return out;
   }
 
-  // Of one database, at its own ranges or at those that are asked for.
+  // Returns the matching rows of one database, at their stored ranges or at the ranges of
+  // --range-m.
   [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> rows_of(StoreReader& reader,
                                                               Query query) const {
     for (const double range : range_m)
@@ -104,7 +105,8 @@ struct BandsCommand {
     return out;
   }
 
-  // What the user asks for, to be compared with each other alone: each, or all two of them.
+  // Returns the windows and filters that the user names, compared with one another alone: each by
+  // itself, or each pair of them.
   [[nodiscard]] absl::StatusOr<BandSearch::Found> asked(const BandSearch& search,
                                                         const MeritOf& of) const {
     std::vector<Passband> part;

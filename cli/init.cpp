@@ -84,7 +84,7 @@ struct InitCommand {
       return absl::OkStatus();
     }
     RETURN_IF_ERROR(replace_file(file.string(), text));
-    // What is odd about the model is said at once.
+    // Warnings about the model are printed before the summary.
     for (const std::string& line : loaded->warnings) print_note("{}\n", line);
     LintOptions sheets;
     sheets.open_surfaces = true;  // two sides are proposed for them

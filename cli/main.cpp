@@ -67,7 +67,7 @@ std::string in_words(const std::string& what) {
          (near ? "; did you mean " + *near + "?" : "");
 }
 
-// What is wrong, and the nearest name of each that nobody knows.
+// Returns the error message, with the nearest known name for each unknown argument.
 std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> extras = app->remaining(true);
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();

@@ -66,7 +66,8 @@ void add_model(CLI::App& app, int& exit_code) {
       command->add_option("--triangles", options->what.triangles, "About how many triangles")
           ->type_name("N"),
       options->output.out_option()};
-  // What is not given is the generator's default, so that a 0 must not pass for it.
+  // A dimension that is not given keeps the generator's default, so that 0 must be refused: it
+  // would stand for "not given".
   const auto positive = [](const std::string& text) -> std::string {
     double value = 0;
     return CLI::detail::lexical_cast(text, value) && value > 0

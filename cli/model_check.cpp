@@ -25,7 +25,7 @@
 namespace irsig {
 namespace {
 
-// What is said of a model beside its faults.
+// Facts about a model that are printed beside its faults.
 struct ModelFacts {
   MeshMeasure measure;
   std::vector<std::string> group;

@@ -22,7 +22,7 @@ struct Ending {
   std::string_view ending, format;
 };
 
-// What the end of a file's name promises; no format of irsig: a picture that it does not make.
+// The output format of each file name ending; empty: irsig does not write this format.
 constexpr Ending kEndings[] = {
     {".txt", "text"}, {".csv", "csv"}, {".json", "json"}, {".svg", "svg"}, {".nc", "netcdf"},
     {".sli", "envi"}, {".tsf", "tsf"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},   {".pdf", ""},
@@ -38,8 +38,8 @@ const Ending* ending_of(const std::string& name) {
   return nullptr;
 }
 
-// Whether a name has an ending of letters: "a.h5" has, "a", ".hidden", "/dev/stdout" and "2.5" have
-// none.
+// Returns true if the name has an ending that contains a letter. "a.h5" has one; "a", ".hidden",
+// "/dev/stdout" and "2.5" have none.
 bool has_ending(const std::string& name) {
   const std::string base = name.substr(name.find_last_of('/') + 1);
   const std::size_t dot = base.find_last_of('.');

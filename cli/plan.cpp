@@ -170,7 +170,8 @@ void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& 
   if (!limits.empty()) fmt::print(out, "\n{}\n", fmt::join(limits, "\n"));
 }
 
-// What decides the errors of most of the rows that miss the error; an empty cell: none misses it.
+// Returns the most frequent limit among the rows that miss the accuracy. An empty cell means that
+// no row misses it.
 Cell most_frequent(const SweepCost& cost) {
   const auto& limits = cost.limited_fraction;
   const auto most =

@@ -35,7 +35,7 @@ struct QueryCommand {
   std::vector<double> window_um;  // two, or none
   std::string response;           // a file
 
-  // Of --window or --response; nullopt: of neither.
+  // Returns the response of --window or --response; nullopt if neither option is given.
   [[nodiscard]] absl::StatusOr<std::optional<ResponseTable>> asked_response() const {
     if (!response.empty()) {
       ASSIGN_OR_RETURN(auto table, read_response(response));
@@ -49,7 +49,7 @@ struct QueryCommand {
     return window(window_um[0], window_um[1]);
   }
 
-  // What is not known of windows' errors, where a row does not say.
+  // Prints how many rows lack the correlation of errors between wavelengths.
   static void note_on_errors(const std::vector<InBand>& sums) {
     const auto lacking =
         std::count_if(sums.begin(), sums.end(), [](const InBand& s) { return !s.modes; });

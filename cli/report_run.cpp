@@ -40,7 +40,7 @@ void print_line(std::ostream& out, const char* what, const std::optional<double>
 
 std::string whole(double count) { return fmt::format("{:.0f}", count); }
 
-// What the done jobs of a sweep took together.
+// Totals over the finished jobs of a sweep.
 struct JobSums {
   std::vector<double> cpu_s;  // [job]
   double total_s = 0, wall_s = NAN, rays = 0;
@@ -127,14 +127,15 @@ void print_errors(std::ostream& out, const std::vector<StoredSignature>& rows,
                accuracy.absolute_error_k());
 }
 
-// What samples and bounds bring to the square of the numerical error of the source intensity:
-// together 1.
+// A part of the squared numerical error of the source intensity. The parts (sampling, undersampling
+// and each bound) sum to 1.
 struct ErrorShare {
   std::string what;
   double mean = 0, largest = 0;
 };
 
-// Empty: no row has an error.
+// Returns the parts of the error, mean and largest over the rows. The list is empty if no row has
+// an error.
 std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
   std::vector<ErrorShare> shares{{"sampling"}, {"undersampling, estimate"}};
   for (std::size_t i = 0; i < kBounds; ++i)
@@ -270,7 +271,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
     fmt::print(out, "warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
 }
 
-// The same for programs: one line a sweep, each number in a column.
+// Returns the report for programs: one line a sweep, each number in a column.
 std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::uint64_t bytes) {
   std::vector<std::pair<std::string, Cell>> out;
   const auto add = [&](std::string name, Cell cell) {

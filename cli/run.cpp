@@ -59,8 +59,9 @@ absl::StatusOr<bool> has_its_files(const RunAsked& asked, const std::string& swe
   return false;
 }
 
-// What an existing database means for this sweep: OK to go on, or what the user has to decide. A
-// sweep that a time budget once became is taken over with its samples.
+// Compares the sweep with an existing database. Returns true if the database is complete, false if
+// jobs are left, or an error that the user has to resolve. A sweep that was created from a time
+// budget is taken over with its samples.
 absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& asked,
                                          LoadedSweep& loaded) {
   ASSIGN_OR_RETURN(const auto known, farm_status(farm.address()));
@@ -150,8 +151,8 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
   }
 }
 
-// Of what was asked of a sweep that which it did not get, in brackets, and a warning where part of
-// its target was seen from behind.
+// Returns in brackets the requested accuracy that the sweep did not reach. Prints a warning if a
+// part of the target was seen from behind.
 absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sweep) {
   ASSIGN_OR_RETURN(const auto outcome, reader.outcome(sweep));
   ASSIGN_OR_RETURN(const auto stored, reader.sweep(sweep, SweepFiles::kNone));
@@ -161,7 +162,8 @@ absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sw
   return text.empty() ? "" : " (" + text + ")";
 }
 
-// What of the accuracy was not reached. Rows are read only where some of them did not.
+// Returns the limits that kept rows from the requested accuracy. Rows are read only if some of them
+// did not reach it.
 absl::StatusOr<std::vector<std::string>> limits_of(StoreReader& reader, const std::string& sweep) {
   ASSIGN_OR_RETURN(const auto outcome, reader.outcome(sweep));
   ASSIGN_OR_RETURN(const auto stored, reader.sweep(sweep, SweepFiles::kNone));
@@ -295,7 +297,8 @@ absl::Status run_sweep(RunAsked asked) {
   if (asked.workers == 0) asked.workers = asked.on_cluster() ? asked.slurm.nodes : usable_cores();
   print_note("irsig: {}\n", size_text(loaded.size));
   const std::uint64_t conditions = loaded.size.conditions;
-  // Of a cluster's nodes Slurm knows the memory: --slurm-option --mem-per-cpu=... asks for it.
+  // A shortage of memory is no error on a cluster: Slurm knows the memory of its nodes, and
+  // --slurm-option --mem-per-cpu=... requests it.
   if (auto fits = check_memory(loaded.memory, conditions, asked.on_cluster() ? 1 : asked.workers,
                                usable_memory_bytes());
       !fits.ok() && !asked.on_cluster())

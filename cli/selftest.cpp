@@ -27,10 +27,11 @@ struct SelftestOptions {
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
 };
 
-// What a change has to pass, and what is run once in a while.
+// Scenes of the short search, which each change has to pass, and of the full search, which is run
+// now and then.
 constexpr std::uint64_t kShortSearch = 60, kFullSearch = 2000;
 
-// "7" or "1..60".
+// Reads seeds in the form "7" or "1..60".
 bool read_seeds(const std::string& text, SearchOptions& out) {
   const char* end = text.data() + text.size();
   auto [after, error] = std::from_chars(text.data(), end, out.first);

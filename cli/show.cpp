@@ -124,7 +124,7 @@ absl::StatusOr<Columns> planck(const PlanckOptions& given) {
 
 // ---- show precompute
 
-// What a [precompute] table says, all of it required.
+// Reads the values of a [precompute] table, all of which are required.
 class PrecomputeTable {
  public:
   explicit PrecomputeTable(const SweepFile& file) : file_(file), table_(file.sweep.precompute()) {}

@@ -253,7 +253,7 @@ struct AtmosphereCommand {
     return look_between(profile, observer_height_m, *target_height_m, range_m, refraction);
   }
 
-  // What the other code has for this line of sight.
+  // Returns the imported path of the other radiative transfer code for this line of sight.
   [[nodiscard]] absl::StatusOr<std::optional<ImportedPath>> imported() const {
     if (modtran_file.empty()) return std::optional<ImportedPath>();
     const auto text = read_user_file(modtran_file, kMostTableBytes);
@@ -437,7 +437,7 @@ struct SunCommand {
   }
 
  private:
-  // What the options say, and where they are silent what the sweep says.
+  // Returns the place and time of the options; values that no option gives are those of the sweep.
   [[nodiscard]] absl::StatusOr<ChosenAir::Place> place(
       const std::optional<ChosenAir>& chosen) const {
     const bool sweep = chosen && chosen->place;

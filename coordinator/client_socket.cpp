@@ -144,7 +144,7 @@ absl::StatusOr<std::unique_ptr<ClientSockets>> tls_sockets(const TlsIdentity& tl
   Context context(SSL_CTX_new(TLS_server_method()));
   if (!context) return absl::InternalError("OpenSSL has no memory");
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
-  // Of TLS 1.2 those alone that are no black list's (RFC 9113, appendix A).
+  // For TLS 1.2, only ciphers that HTTP/2 does not prohibit (RFC 9113, appendix A).
   SSL_CTX_set_cipher_list(context.get(), "ECDHE+AESGCM:ECDHE+CHACHA20");
   SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_COMPRESSION |
                                          SSL_OP_NO_TICKET | SSL_OP_IGNORE_UNEXPECTED_EOF);

@@ -33,7 +33,8 @@ absl::Status run_safely(CommitLoop::Work& work, Farm& farm) {
   }
 }
 
-// Of one request, in a transaction of several: anything but a refusal is undone.
+// Runs one request in a transaction of several. A request that fails is undone, unless it fails by
+// a refusal.
 absl::Status run_subprocess(CommitLoop::Work& work, Farm& farm, StoreWriter& store,
                             absl::Status& broken) {
   if (broken = store.begin_request(); !broken.ok()) return broken;
@@ -144,7 +145,7 @@ absl::Status CommitLoop::serve(Farm& farm, StoreWriter& store, std::vector<Reque
     RETURN_IF_ERROR(most == Kind::kLeases ? store.begin_unsynced() : store.begin());
   }
   absl::Status broken;
-  // What has arrived is heard before anybody is called silent.
+  // Requests that have arrived are handled before workers are declared silent.
   for (auto& request : requests) {
     request.status =
         writes ? run_subprocess(request.work, farm, store, broken) : run_safely(request.work, farm);

@@ -18,11 +18,11 @@ constexpr std::size_t kMostCallers = 10000;
 constexpr double kListIsLookedAtEvery_s = 1;
 constexpr double kWarningsAreLookedForEvery_s = 60;
 constexpr double kDay_s = 86400, kHour_s = 3600;
-// Of refusals as many lines as somebody reads; the rest is counted.
+// At most so many lines of refusals are logged per period; further refusals are counted.
 constexpr std::uint64_t kMostRefusalLines = 20;
 constexpr double kRefusalLinesIn_s = 60;
 
-// What tells whether a file was replaced or written to.
+// Returns a stamp that changes when the file is replaced or written to.
 std::string stamp_of(const std::string& path) {
   struct stat info {};
   if (stat(path.c_str(), &info) != 0) return "";

@@ -176,7 +176,8 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::audit_for(const Session& session)
   return std::nullopt;
 }
 
-// Of the jobs that take long, the one that takes longest: once, and not to whom it failed on.
+// Returns the longest-running slow job for a duplicate attempt. A job is duplicated once, and never
+// on a worker on which it failed.
 absl::StatusOr<std::optional<QueuedJob>> Farm::straggling_job_for(const Session& session) {
   std::vector<const Session*> slow;
   for (const auto& [id, other] : sessions_) {
@@ -381,8 +382,8 @@ absl::Status Farm::end_lease(Session& session, const std::string& reason, bool b
 
 bool Farm::somebody_is_silent() {
   const double now_s = clock_();
-  // If this process itself was stopped or starved, the heartbeats of that time are still on their
-  // way. Of a clock that went back, too, what was heard before says nothing.
+  // If this process itself was stopped or starved, heartbeats of that time are still under way. If
+  // the clock went back, earlier heartbeats say nothing either.
   if (std::abs(now_s - checked_at_s_) > rules_.lost_after_s / 2) {
     for (auto& [id, session] : sessions_) session.heard_at_s = now_s;
   }
@@ -394,7 +395,8 @@ bool Farm::somebody_is_silent() {
 
 absl::Status Farm::drop_silent_workers() {
   const double now_s = clock_();
-  // What takes several at once is a machine's or a network's doing, and none of their jobs'.
+  // If several workers fall silent at once, the machine or the network is the cause, and none of
+  // their jobs is blamed.
   const auto silent = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& session) {
     return now_s - session.second.heard_at_s > rules_.lost_after_s;
   });

@@ -1,4 +1,4 @@
-// What workers return: results, which are taken by what they are, and failures.
+// Handling of worker replies: results, which are accepted by their content, and failures.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -21,7 +21,7 @@ constexpr std::size_t kMostDifferingTold = 20, kMostRecentFailures = 20, kMostRa
 
 std::string short_key(const std::string& key) { return key.substr(0, 12); }
 
-// Of a worker's own words, as much as anybody reads.
+// Returns the worker's message, cut off at a readable length.
 std::string short_message(const std::string& message) {
   constexpr std::size_t kMost = 4000;
   if (message.size() <= kMost) return message;
@@ -89,8 +89,8 @@ absl::StatusOr<schema::CompleteReply> Farm::complete(const Returned& returned) {
   return reply;
 }
 
-// What the store does not know: who computed it, and how long spectra and how large pictures of
-// this sweep are.
+// Checks the facts about a result that the store does not know: the worker that computed it, the
+// length of its spectra and the size of its pictures.
 absl::Status Farm::check_against_session(const Session& session, const std::string& sweep_sha256,
                                          const schema::JobResult& result) {
   if (result.determinism_class() != session.determinism_class)
@@ -167,7 +167,8 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
   const std::string content = content_of(returned);
   const std::string of_job = absl::StrCat("its result of job ", short_key(job.job_key));
   if (known.content_sha256.empty() || content == known.content_sha256) {
-    // Of an older version there is nothing to compare; the same worker's again says nothing.
+    // A result of an older version cannot be compared; a repeated result of the same worker proves
+    // nothing.
     if (!known.content_sha256.empty() && known.worker_name != session.worker_name)
       if (const auto verdict = double_check_.agrees(job, content))
         RETURN_IF_ERROR(contradicted(
@@ -231,7 +232,8 @@ bool Farm::somebody_besides(const std::set<std::string>& workers) const {
   });
 }
 
-// What it computed of other jobs is as doubtful: others compute that again.
+// Sets the worker aside and reopens all jobs that it computed: their results are as doubtful, so
+// that other workers compute them again.
 absl::Status Farm::contradicted(const std::string& worker_name, const std::string& reason) {
   if (aside_.contains(worker_name)) return absl::OkStatus();
   ASSIGN_OR_RETURN(const auto again, store_.reopen_all_of(worker_name));

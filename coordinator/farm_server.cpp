@@ -29,7 +29,8 @@ namespace {
 
 // From the connection to the first words of HTTP/2. Clients give up after kConnectTimeoutMs.
 constexpr int kHandshakeMs = 2 * kConnectTimeoutMs;
-// Of one connection, as its client is told; the gate closes it at a few more (FrameLimits).
+// Streams per connection, as announced to its client. The gate closes a connection at a few more
+// (FrameLimits).
 constexpr int kMostStreams = 16;
 constexpr auto kLastCalls = std::chrono::seconds(2);  // for calls under way when the server stops
 

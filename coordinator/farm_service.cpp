@@ -82,7 +82,8 @@ class ChunkReader : public grpc::ServerReadReactor<Chunk>, private OpenCalls::Ca
   void OnDone() override { delete this; }
 
  protected:
-  // What the call holds is free when its answer is there, and not only when gRPC is done with it.
+  // Releases the call's resources as soon as its answer is there, and not only when gRPC has
+  // finished with the call.
   void end(const absl::Status& status) {
     let_go();
     this->Finish(to_grpc(status));
@@ -105,8 +106,8 @@ absl::Status busy(absl::StatusCode code, const char* what) {
   return {code, absl::StrCat("the coordinator has too many ", what, " under way: try again")};
 }
 
-// What results may take in memory when they are read: eight times their bytes, as rows with short
-// spectra do, and what the smallest ones need.
+// Returns the memory that results may take when they are read: eight times their bytes, as for rows
+// with short spectra, and an allowance for the smallest results.
 std::uint64_t most_memory(std::size_t bytes) { return 8 * bytes + (16 << 20); }
 
 class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
@@ -148,7 +149,7 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
     return absl::OkStatus();
   }
 
-  // What can be found in the result by itself is found here, on gRPC's thread.
+  // Checks of the result alone are made here, on gRPC's thread.
   absl::Status finish_reading() override {
     if (!begun_) return absl::InvalidArgumentError("an empty result");
     auto result = std::make_unique<schema::JobResult>();

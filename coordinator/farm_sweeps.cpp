@@ -30,7 +30,7 @@ StoredPrediction as_stored(const schema::Prediction& message, const std::string&
           .database_bytes = message.database_bytes()};
 }
 
-// What no pilot says.
+// Returns an error if the prediction has values that no pilot can produce.
 absl::Status check_prediction(const schema::Prediction& p) {
   const auto wrong = [](const char* field, const char* expected) {
     return absl::InvalidArgumentError(

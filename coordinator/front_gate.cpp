@@ -32,9 +32,10 @@
 namespace irsig {
 namespace {
 
-// Of 40 kB each while their handshake lasts (tests/system/half_open_test.py).
+// Limit of open files. A connection takes 40 kB during its handshake
+// (tests/system/half_open_test.py).
 constexpr rlim_t kMostOpenFiles = 16384;
-// For the database, its journals, submitted files, lists of certificates.
+// Files kept free for the database, its journals, submitted files and lists of certificates.
 constexpr int kKeptFree = 64;
 constexpr int kBacklog = 1024;
 constexpr auto kPause = std::chrono::milliseconds(100);

@@ -51,8 +51,8 @@ void keep_memory_flat() {
 
 int main(int argc, char** argv) {
   keep_memory_flat();
-  // Of texts that are no UTF-8 it writes a line each to standard error: whoever sends many floods
-  // it.
+  // protobuf writes a line to standard error for each text that is not UTF-8: a client that sends
+  // many of them would flood it.
   google::protobuf::SetLogHandler(nullptr);
   CLI::App app{"hands out the jobs of a signature database to workers and stores their results"};
   std::string db_path, listen, tls_crl;
@@ -89,7 +89,8 @@ int main(int argc, char** argv) {
     const absl::Status printed = irsig::end_standard_output();
     return printed.ok() ? 0 : report(printed);
   }
-  // Of what is no number every comparison is false, and every range takes it.
+  // NaN passes the range checks of the options, because every comparison with NaN is false. The
+  // comparisons below are negated so that NaN is refused.
   if (!(rules.lost_after_s >= 2 * rules.heartbeat_s))
     return report(
         absl::InvalidArgumentError("--lost-after-s must be at least twice --heartbeat-s"));

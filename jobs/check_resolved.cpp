@@ -114,8 +114,8 @@ void check_field(const schema::ResolvedSweep& resolved, const schema::ConditionF
   (void)field.one_of("match", {"index", "centroid"});
 }
 
-// What is said of the air and of what lies below it can be made into an environment. Equal ones,
-// as those of all hours of a season are, are tried once.
+// Checks that the weather and the surroundings of a condition can be made into an environment.
+// Equal ones, such as those of all hours of a season, are checked once.
 class AirCheck {
  public:
   explicit AirCheck(Findings& findings) : findings_(findings) {}
@@ -193,8 +193,8 @@ void check_heat_run(const schema::ResolvedSweep& resolved, int i, AirCheck& air,
   }
 }
 
-// What [uncertainty] asks for, and the runs of changes that follow from it: made once more. Pilots
-// may go without these runs.
+// Checks [uncertainty] and its runs of changed inputs by making these runs again. A pilot's sweep
+// may lack these runs.
 void check_uncertainty(const schema::ResolvedSweep& as_sent, Findings& findings) {
   const auto of_changes = [](const schema::HeatRun& run) { return run.input_size() > 0; };
   const bool any = std::any_of(as_sent.heat().begin(), as_sent.heat().end(), of_changes);

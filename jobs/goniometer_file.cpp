@@ -16,8 +16,8 @@ namespace {
 constexpr double kGaussianReach = 1.5;
 constexpr int kGaussianPoints = 60;  // of its table: linear between them within 3e-4 of the peak
 
-// What a sweep would need and a goniometer does not: the parts' temperature, and a model where
-// grains stand for it. Neither is used.
+// A sweep requires a temperature of the parts, and a model where grains stand for it. A goniometer
+// uses neither.
 constexpr double kUnusedTemperatureK = 300;
 
 void copy_scene(GoniometerFile& file) {

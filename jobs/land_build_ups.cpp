@@ -29,7 +29,7 @@ struct LandBuildUp {
   // The entry's own emissivity from 0.3 to 2.5 um, weighted with the sun's spectrum [astm_e490].
   double solar_absorptance;
   std::vector<GroundLayer> layer;  // from the surface down
-  // Of the surface between plants; absent: it neither evaporates nor takes dew.
+  // Moisture of the surface between plants; absent: it neither evaporates nor takes dew.
   std::optional<double> surface_moisture = {};
   std::optional<Plants> canopy = {};
 };

@@ -64,7 +64,8 @@ void check_atmosphere(const schema::Sweep& sweep, const SectionCheck& check) {
                   "expected the meteorological range in metres, here or in every season");
 }
 
-// Of air at `temperature_k`; bisection, since it is for a message.
+// Returns the dew point of air at `temperature_k`. Bisection is fast enough: the result is for a
+// message.
 double dew_point_at(double temperature_k, double humidity_percent) {
   const double vapour_pa = humidity_percent / 100 * saturation_pressure_pa(temperature_k);
   double low_k = 150, high_k = 400;
@@ -153,7 +154,7 @@ void check_wind(const schema::Air& air, const schema::Surroundings& surroundings
                 "does not apply, expected only with air.aerosol = \"navy_maritime\"");
 }
 
-// Of a season whose weather bends a funnel's plume.
+// Requires the wind of a season whose weather bends a funnel's plume.
 void require_wind(const SectionCheck& check, const Findings& findings) {
   if (!findings.any_at(check.path("wind_speed_m_s")))
     check.require({"wind_speed_m_s"}, "expected the wind: it bends the funnel's plume (0: calm)");
@@ -162,7 +163,7 @@ void require_wind(const SectionCheck& check, const Findings& findings) {
                 "plume");
 }
 
-// Whether the season's profile follows from place and date.
+// Returns true if the season's profile follows from place and date.
 bool by_place(const schema::Sweep& sweep, const schema::Season& season) {
   if (season.has_profile()) return false;
   return season.has_profile_file() || !sweep.air().has_profile();
@@ -315,7 +316,8 @@ schema::Weather resolve_weather(const SweepFile& file, int season_index,
     }
   }
   if (!findings.empty() || weather.surface_stated()) return weather;
-  // What the profile has there, so that nobody has to ask again.
+  // The profile's surface values are written out, so that later readers of the sweep need no
+  // profile.
   const auto profile = profile_from_message(weather);
   if (!profile.ok()) {
     const std::string path = absl::StrCat("season[", season_index, "]");

@@ -194,7 +194,7 @@ const schema::BuildUp* build_up_of(const schema::Sweep& sweep, const std::string
   return nullptr;
 }
 
-// What sunlight does to a part or a material of the land.
+// Checks that the solar absorptance of a part or of a land material is known.
 template <typename Section>
 void check_absorptance(const schema::Sweep& sweep, const Section& section,
                        const SectionCheck& check) {

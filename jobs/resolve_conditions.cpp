@@ -63,7 +63,7 @@ std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep
                                                              Findings& findings) {
   std::vector<std::vector<std::optional<UtcTime>>> instants(
       static_cast<std::size_t>(sweep.season_size()));
-  // Of a table's conditions, which may share a name.
+  // The first season with this name at this instant: conditions of a table may share a name.
   std::map<std::pair<std::string, std::string>, int> seen;
   if (sweep.time_size() == 0) {
     findings.add("time",

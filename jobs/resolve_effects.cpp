@@ -11,10 +11,10 @@
 namespace irsig {
 namespace {
 
-// Of the effects that `without` lists, all others being listed by `only`.
+// Returns true for the effects that `without` lists. `only` lists all others.
 bool is_of_without(Effect effect) { return is_of_heat(effect) || is_of_plume(effect); }
 
-// Those of `without`, or those of `only`.
+// Returns the names of the effects of `without`, or of those of `only`.
 std::vector<std::string> switchable_names(bool of_without) {
   std::vector<std::string> names;
   const auto add = [&](const auto& table) {
@@ -106,7 +106,8 @@ void check_effect_names(const schema::Effects& effects, Findings& findings) {
 void write_effect_defaults(schema::Sweep& sweep) {
   schema::Effects& effects = *sweep.mutable_effects();
   if (!effects.has_mode()) effects.set_mode("auto");
-  // The same effects are the same sweep, in whatever order they were written.
+  // The lists are sorted, so that the same effects give the same sweep in whatever order they were
+  // written.
   sort_by_table(*effects.mutable_only());
   sort_by_table(*effects.mutable_without());
 }

@@ -40,7 +40,7 @@ std::string bytes_of(schema::HeatRun run) {
   return run.SerializeAsString();
 }
 
-// Of parts in a run that computes land alone.
+// Temperature of parts in a run that computes only land; it is not used.
 constexpr double kUnusedK = 290;
 
 // The parts whose temperatures are computed in a season.

@@ -142,14 +142,14 @@ void write_image_defaults(schema::Sweep& sweep) {
   if (image.kind() == "framed" && !image.has_margin()) image.set_margin(0.05);
   if ((image.has_pixel_error_percent() || image.has_pixel_error_k()) && !image.has_max_samples())
     image.set_max_samples(4096);
-  // In the order of the list of layers.
+  // The layers are stored in the order of kImageLayers.
   std::vector<std::string> layers;
   for (const ImageLayerInfo& layer : kImageLayers)
     if (std::find(image.layers().begin(), image.layers().end(), layer.name) != image.layers().end())
       layers.emplace_back(layer.name);
   image.mutable_layers()->Assign(layers.begin(), layers.end());
   if (!image.whole_parts()) image.clear_whole_parts();
-  // What databases and coordinators know of a sweep's images.
+  // Databases and coordinators read the size of a sweep's images here.
   sweep.mutable_output()->set_thumbnail_px(std::max(image.pixels(0), image.pixels(1)));
 }
 

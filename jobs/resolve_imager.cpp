@@ -31,7 +31,8 @@ void check_imager_bands(const schema::Sweep& sweep, const Imager& imager, Findin
   }
 }
 
-// Of frames around the target the pixel depends on the viewpoint; an export checks it.
+// Checks the detector's pixels against a camera's. Frames around the target are checked by an
+// export, because their pixel depends on the viewpoint.
 void check_imager_pixels(const schema::Image& image, const Imager& imager, Findings& findings) {
   if (image.kind() != "camera" || image.pixels_size() != 2) return;
   const double width = 2 * std::tan(0.5 * image.field_of_view_deg() * std::numbers::pi / 180);

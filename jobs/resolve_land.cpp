@@ -99,7 +99,7 @@ void check_other_tables(const schema::Sweep& sweep, Findings& findings) {
                               "sky above the land is the atmosphere's"));
 }
 
-// What else makes a temperature of a material whose temperature is stated nowhere.
+// Returns the other ways to a temperature of a material whose temperature is stated nowhere.
 std::string remedy_without_temperature(const schema::Sweep& sweep, const std::string& entry) {
   if (entry == "sea_water")
     return "; the temperature of water is not computed: water flows and mixes";

@@ -14,7 +14,7 @@
 namespace irsig {
 namespace {
 
-// Of every kind, for computed temperatures.
+// Keys of every kind of material, for computed temperatures.
 constexpr SectionCheck::Names::value_type kAbsorptance = "solar_absorptance",
                                           kEmissivity = "thermal_emissivity";
 
@@ -28,7 +28,7 @@ bool is_built_in(const std::string& name) {
          built_in_names().end();
 }
 
-// What a table over wavelength leaves uncovered, as errors at `path`.
+// Adds an error at `path` for each band that a table over wavelength does not cover.
 void check_covers(double first_um, double last_um, const std::string& path,
                   const std::string& subject, const schema::Sweep& sweep, Findings& findings) {
   for (const schema::Band& band : sweep.band()) {

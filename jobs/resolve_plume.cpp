@@ -111,7 +111,8 @@ void check_body(const schema::Plume& plume, const SectionCheck& check) {
                                      "\" without any of co2, h2o, co and soot, expected one"));
 }
 
-// What a file's grids mean, as the reader checks it; and constants against the gas's tables.
+// Checks the meaning of a file's grids as its reader does, and constants against the tables of hot
+// gas.
 void check_file(const schema::Plume& plume, const SectionCheck& check, Findings& findings) {
   if (!absl::EndsWithIgnoreCase(plume.file(), ".vdb"))
     check.error("file",
@@ -181,7 +182,7 @@ double turned_deg(double deg) {
   return turn < 0 ? turn + 360 : turn;
 }
 
-// What of the air the gas of a condition cannot be in; empty: nothing.
+// Returns the reason why the gas cannot be in the condition's air; empty if it can.
 std::string wrong_air(const schema::ConditionPlume& p) {
   if (!(p.air_temperature_k() >= kGasTemperatureMinK))
     return absl::StrCat("rises in air of ", p.air_temperature_k(),

@@ -10,7 +10,7 @@ namespace {
 
 using schema::Surroundings;
 
-// What the keys of a table mean: the kind that it takes part in, and the air above it.
+// Context that decides which keys of a table apply: its kind, and the air above it.
 struct Role {
   std::string kind;
   bool atmosphere;
@@ -83,7 +83,7 @@ Missing missing_under_atmosphere(const Surroundings& complete, bool heat) {
   return missing;
 }
 
-// What the complete surroundings of one season lack, as "key, expected what".
+// Returns the keys that the complete surroundings of one season lack, as "key, expected value".
 Missing missing_from(const Surroundings& complete, bool atmosphere, bool heat) {
   if (atmosphere) return missing_under_atmosphere(complete, heat);
   Missing missing;
@@ -145,7 +145,7 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
     }
     if (atmosphere && complete.back().kind() == "sea" && !complete.back().has_sea_model())
       complete.back().set_sea_model("cox_munk");
-    // Of a sea under a high sun; the sky's light included [payne1972].
+    // Albedo of a sea under a high sun, the sky's light included [payne1972].
     if (atmosphere && sweep.has_heat() && complete.back().kind() == "sea" &&
         !complete.back().has_solar_albedo())
       complete.back().set_solar_albedo(0.06);
@@ -174,7 +174,7 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
                               "\", expected one kind in all seasons of a sweep"));
   }
 
-  // What no season has is missing from the sweep's own table: said once.
+  // A key that no season has is missing from the sweep's own table; the error is reported once.
   Surroundings any = base;
   for (const Surroundings& s : complete) any.MergeFrom(s);
   std::vector<std::string> said;

@@ -116,7 +116,7 @@ void mark_hot_parts(schema::ResolvedSweep& resolved) {
     for (const schema::Condition& condition : resolved.condition()) {
       const auto& temperatures_k = condition.part_temperature_k();
       double coldest_k = *std::min_element(temperatures_k.begin(), temperatures_k.end());
-      // What is computed from the weather is near the air.
+      // Temperatures that are computed from the weather lie near the air's.
       if (condition.has_temperature_field()) {
         coldest_k = condition.air_temperature_k();
         for (const double k : temperatures_k)

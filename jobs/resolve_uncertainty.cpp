@@ -14,7 +14,7 @@
 namespace irsig {
 namespace {
 
-// What a sweep must have for an input to matter.
+// Returns the properties that a sweep needs for an input to matter.
 std::string expected_for(const std::string& input) {
   if (input == "air_temperature_k")
     return "weather at the surface (air_temperature_k, relative_humidity_percent and pressure_pa, "
@@ -114,8 +114,8 @@ void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
   for (const UncertainInput& input : inputs) check_input(resolved, input, findings);
   if (!findings.empty()) return;
   if (!stated.has_sides()) stated.set_sides("one");
-  // What is not known of a cloud is one error: of the inputs where [uncertainty] states it, else of
-  // the model.
+  // The uncertainty of a cloud is one error: an input's where [uncertainty] states it, else the
+  // model's.
   for (schema::Condition& c : *resolved.mutable_condition()) {
     if (!c.weather().has_cloud()) continue;
     schema::CloudLayer& layer = *c.mutable_weather()->mutable_cloud();

@@ -106,7 +106,7 @@ std::vector<Viewpoint> expanded(const schema::Viewpoints& set) {
   return all;
 }
 
-// Whether some season has surroundings of this kind.
+// Returns true if at least one season has surroundings of this kind.
 bool anywhere(const schema::Sweep& sweep, const char* kind) {
   if (sweep.surroundings().kind() == kind) return true;
   for (const schema::Season& season : sweep.season()) {

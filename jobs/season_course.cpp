@@ -25,7 +25,7 @@ constexpr double kDayS = 86400;
 constexpr double kHistoryDays = 3;  // of history = "days"; docs/reference/keys/season.md
 constexpr double kWarmestHour = 15;
 
-// What two seasons have in common, as bytes: equal for seasons of one group.
+// Returns the properties that the seasons of one group have in common, as bytes.
 std::string alike(schema::Season season) {
   season.clear_name();
   season.clear_time();
@@ -108,7 +108,7 @@ class CourseReader {
     return &read_.emplace(name, *std::move(parsed)).first->second;
   }
 
-  // Of a file that the key names.
+  // Adds the problems of a file that the key names.
   void add_problems(const std::string& path, const absl::Status& status) {
     for (const Problem& problem : problems_of(status)) {
       const std::string what = absl::StrCat(path, ": ", problem.text);
@@ -119,7 +119,7 @@ class CourseReader {
     }
   }
 
-  // Of a day that repeats.
+  // Warns of times outside of a day that repeats.
   static void warn_of_other_days(const std::string& path, const schema::Season& season,
                                  double from_unix_s, SeasonGroup& group) {
     for (const double t : group.unix_s)

@@ -43,7 +43,7 @@ def measure(irsig, name, changes, workers):
             sys.exit(f"{name}.toml has no `{old}` any more: change JOBS")
         text = text.replace(old, new)
     with tempfile.TemporaryDirectory() as folder:
-        # What the job names lies beside the examples, or in the folder beside theirs.
+        # Files that the job names lie beside the examples, or in the folder next to the examples' folder.
         examples = pathlib.Path(folder, "examples")
         examples.mkdir()
         pathlib.Path(folder, "models").symlink_to(ROOT / "jobs/models")

@@ -57,7 +57,8 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
   EffectsCurves out;
   for (const auto& [name, mode] : {std::pair{kAutomatic, EffectChoice::Mode::kAuto},
                                    std::pair{kAllEffects, EffectChoice::Mode::kAll}}) {
-    // Each its own: what one has remembered of air and sky does not help the other.
+    // Each has its own environment: a simulation must not profit from the air and sky that another
+    // one has already computed.
     ASSIGN_OR_RETURN(const auto environment, environment_from_sweep(row, simulator->band_grids()));
     ASSIGN_OR_RETURN(auto request,
                      request_from_job(row, {}, environment, scene.temperatures, scene.land, {}));
@@ -66,7 +67,7 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
     request.effects = {mode, {}};
     request.accuracy.target_paths = 0;
     request.accuracy.samples_per_replicate = 0;
-    // What is asked for shall be the relative error, of whatever value.
+    // Only the relative error is requested, whatever the value.
     request.accuracy.absolute_error_k = 0;
     const bool automatic = mode == EffectChoice::Mode::kAuto;
     const auto simulate = [&](double asked, std::uint64_t seed) -> absl::StatusOr<EstimateRun> {

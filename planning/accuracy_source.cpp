@@ -13,7 +13,7 @@ namespace {
 
 bool is_database(const std::string& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  // What cannot be read is for whoever reads it as a sweep to say.
+  // An unreadable file counts as a sweep: reading it as a sweep reports the error.
   const absl::StatusOr<std::string> front = front_of_user_file(path, kMagic.size());
   return front.ok() && *front == kMagic;
 }

@@ -67,12 +67,12 @@ absl::StatusOr<std::unique_ptr<BuiltScene>> build(const LoadedSweep& loaded, con
   out->simulator = std::move(simulator);
   ASSIGN_OR_RETURN(auto environment,
                    environment_from_sweep(resolved, out->simulator->band_grids()));
-  // Of the target's own light: hot gas has samples of its own.
+  // The study covers the target's own light: hot gas has samples of its own.
   ASSIGN_OR_RETURN(auto request, request_from_job(resolved, {}, std::move(environment),
                                                   scene.temperatures, scene.land, {}));
   out->request = std::move(request);
   out->request.viewpoint = place.viewpoint;
-  // The first view of a sweep also makes what all views share: air and sky remember it.
+  // The first view of a sweep also computes the air and sky that all its views share.
   ASSIGN_OR_RETURN(const auto first,
                    ViewEstimator::create(*out->simulator, out->request, place.condition));
   const double shared_s = process_cpu_s();
@@ -208,7 +208,7 @@ class RowStudy {
     return absl::OkStatus();
   }
 
-  // The same paths at every step: what differs is the quadrature.
+  // Compares spectral steps on the same paths, so that only the quadrature differs.
   absl::Status steps() {
     const schema::Band& band = loaded_.resolved.sweep().band(static_cast<int>(row_.band));
     const double width_um = band.lambda_max_um() - band.lambda_min_um();

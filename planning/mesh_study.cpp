@@ -128,7 +128,7 @@ Assets assets_with(const AskedMesh& mesh, const schema::ResolvedSweep& sweep, As
   return of_sweep;
 }
 
-// What can be said of a mesh before anything is traced. `sweep` is that of the mesh.
+// Returns the facts of a mesh that are known before any ray is traced. `sweep` is that of the mesh.
 absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
                                        const Assets& of_sweep) {
   ASSIGN_OR_RETURN(const auto scene,
@@ -162,7 +162,7 @@ absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
     seen.samples = static_cast<double>(result.samples());
     seen.cpu_s = result.seconds();
     for (const schema::SignatureRow& row : result.view().row()) {
-      // Of a silhouette, which is the same in all bands.
+      // The silhouette's area is the same in all bands.
       seen.projected_area_m2 = area_of(row.projected_area_m2(), result.target_paths());
       seen.intensity_w_sr.push_back({row.intensity_w_sr().value(), row.numerical_error_w_sr()});
     }

@@ -24,14 +24,15 @@ namespace {
 
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-// Of more than one and a half times so many conditions the pilot does these; and others once more
-// with its fewest samples, from which follows what a condition costs: a few of these, or more than
-// these where many are left out. Errors of the difference count once for each that is left out: of
-// 288 conditions, 12 against 3 were off by a factor of six on a busy machine.
+// From 1.5 kConditions on, the pilot computes kConditions conditions only. With the fewest samples
+// it then computes kFewConditions of them once more, or kMoreConditions of a sweep with more than
+// kMany: the difference gives the cost of one condition. The error of this difference counts once
+// for each condition left out: with 288 conditions, 12 against 3 were off by a factor of six on a
+// busy machine.
 constexpr int kConditions = 12, kFewConditions = 3, kMoreConditions = 36, kMany = 60;
 constexpr std::size_t kOtherViews = 2;
-// A condition with the sun above the horizon takes about so many times the time of one at night:
-// its sky has azimuths, and paths look for its sun.
+// Cost of a condition with the sun above the horizon, relative to one at night: its sky varies with
+// azimuth, and paths sample its sun.
 constexpr double kSunny = 2.5;
 
 // Returns the sine of the sun's elevation; -1: the sweep has no sun.
@@ -251,11 +252,11 @@ class Planner {
     return absl::OkStatus();
   }
 
-  // What the conditions cost that were left out; and each of the jobs that a view is cut into
-  // traces all paths.
+  // Adds the cost of the conditions that were left out. Each job that a view is divided into traces
+  // all paths, so that the cost of the paths counts once for each job.
   void add_left_out() {
     if (other_views_ == 0) return;
-    // Of a condition at night.
+    // The cost of a condition at night.
     const double each = std::max(
         0.0, cost_more_s_ / static_cast<double>(other_views_) / (cost_other_ - cost_chosen_));
     for (ViewPilot& view : pilot_.view)
@@ -471,7 +472,8 @@ class Planner {
   std::vector<int> condition_;  // that the pilot does; empty: all
   int left_out_ = 0;            // conditions
   std::vector<int> other_;      // to be done once more
-  // Of all chosen conditions, of the others and of those left out, in the unit of relative_costs.
+  // Costs of the chosen conditions, of those computed once more, and of those left out, in the unit
+  // of relative_costs.
   double cost_chosen_ = 0, cost_other_ = 0, cost_left_out_ = 0;
   double cost_more_s_ = 0;         // of the others, over that of the chosen: all views together
   std::uint64_t other_views_ = 0;  // of that sum

@@ -159,7 +159,7 @@ std::string parts(const std::vector<Group>& groups, const Heat& heat) {
   return out;
 }
 
-// Of 1, 2, 5, 10 ...: the next at or above.
+// Returns the smallest of 1, 2, 5, 10, ... that is not below x.
 double round_up(double x) {
   const double decade = std::pow(10, std::floor(std::log10(x)));
   for (const double f : {1.0, 2.0, 5.0})

@@ -29,7 +29,7 @@ FORMAT = 27  # of the databases that this file reads
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
          "band": ("band", "lambda_min_um", "lambda_max_um")}
-# Of signature_view: what is no number of a row's own.
+# Columns of signature_view that are no number of the row itself.
 _NO_VALUE = {"signature_id", "row", "sweep", "superseded", *(n for axis in _AXES.values() for n in axis)}
 _UNITS = (("_w_m2_sr_um", "W m-2 sr-1 um-1"), ("_w_sr_um", "W sr-1 um-1"), ("_w_m2_sr", "W m-2 sr-1"), ("_w_sr", "W sr-1"),
           ("_w_m2", "W m-2"), ("_m2", "m2"), ("_deg", "degree"), ("_um", "um"), ("_k", "K"), ("_m", "m"), ("_s", "s"))

@@ -86,7 +86,7 @@ void see_aperture(const std::string& row, const SignatureResult& r, Reasons& rea
                   false);
 }
 
-// What was left out, and what no sample met. In a ledger NaN stands for "not known".
+// Checks the omitted bounds and the undersampling errors. In a ledger, NaN stands for "not known".
 void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reasons) {
   struct Error {
     const char* of;

@@ -75,7 +75,7 @@ std::string dark_warning(const schema::Sweep& sweep, const Target& target,
       "their part");
 }
 
-// What is asked of one run, and at which of its outputs each time wanted stands.
+// The request of one heat run, and for each requested time the index of its output.
 struct Asked {
   SceneHeatRequest request;
   std::vector<std::size_t> output_of_time;
@@ -132,7 +132,7 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
   return out;
 }
 
-// Of all effects of temperatures where one is off.
+// Adds the bounds of all effects on temperatures if at least one of them is off.
 void add_effects(const SceneHeatRequest& request, const SceneHeatResult& heat,
                  schema::HeatField& field) {
   if (request.exchange && request.diffuse_sun) return;
@@ -146,7 +146,7 @@ void add_effects(const SceneHeatRequest& request, const SceneHeatResult& heat,
   add(Effect::kHeatDiffuseSun, request.diffuse_sun, heat.diffuse_sun_bound_k);
 }
 
-// Walls whose numbers lead to temperatures that none has.
+// Checks that the walls lead to temperatures that are possible.
 absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRun& heat,
                                 const Target& target, const SceneHeatResult& by_time) {
   for (std::size_t o = 0; o < by_time.kelvin.size(); ++o)

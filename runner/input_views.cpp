@@ -148,7 +148,7 @@ void set_change(schema::Estimate* out, const Estimate& e) {
   out->set_stderr(e.stderr_);
 }
 
-// What a row gains by a sigma more of an input, from one side or from both.
+// The change of a row per sigma of an input, computed from one side or from both sides.
 struct Gain {
   Estimate up;
   double curvature = 0;
@@ -156,7 +156,7 @@ struct Gain {
 Gain gain(const Estimate* higher, const Estimate* lower) {
   if (lower == nullptr) return {*higher};
   if (higher == nullptr) return {{-lower->value, lower->stderr_}};
-  // Of paths that both share: not more than the mean of the two standard errors.
+  // Both sides share their paths, so that the standard error is at most the mean of both.
   return {{0.5 * (higher->value - lower->value), 0.5 * (higher->stderr_ + lower->stderr_)},
           0.5 * (higher->value + lower->value)};
 }
@@ -259,7 +259,7 @@ void InputViews::write(std::span<const std::vector<RowChange>> change,
         to.set_apparent_curvature_w_sr(a.curvature);
         to.set_contrast_curvature_w_sr(c.curvature);
       }
-      // Of a normal x, g x + h x^2 / 2 has the variance g^2 s^2 + h^2 s^4 / 2.
+      // For a normal x, g x + h x^2 / 2 has the variance g^2 s^2 + h^2 s^4 / 2.
       const auto square = [](const Gain& g) {
         return g.up.value * g.up.value + 2 * g.curvature * g.curvature;
       };

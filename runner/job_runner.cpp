@@ -67,8 +67,8 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Of what the heat jobs leave: a temperature and its error, of each facet and of each kind of land
-// at each time.
+// Returns the bytes of heat results: a temperature and its error for each facet and each kind of
+// land, at each time.
 std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t facets) {
   std::size_t numbers = 0;
   for (const schema::HeatRun& run : sweep.heat())

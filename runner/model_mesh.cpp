@@ -14,9 +14,11 @@
 namespace irsig {
 namespace {
 
-// Of facets that element_size_m makes: temperatures of a day take a second for a thousand of them.
+// Largest number of facets that element_size_m may create: a day of temperatures takes about a
+// second per thousand facets.
 constexpr std::uint64_t kMostElements = 1'000'000;
-// What lies as near to the surface as this part of the mesh's size touches it.
+// Distance to a surface, as a fraction of the mesh's size, within which a point touches the
+// surface.
 constexpr double kTouching = 1e-5;
 
 double size_m(const Mesh& mesh) {

@@ -188,7 +188,8 @@ FarOffset far_offset(const schema::Model& model, const Mesh& mesh) {
              : "leave offset_m out: viewpoints are where the sensor is, seen from the target"};
 }
 
-// Of the shortest range: what an offset changes of an intensity is at most twice that.
+// Limit of the offset as a fraction of the shortest range: an offset changes an intensity by at
+// most twice this fraction.
 constexpr double kOffsetOfRange = 0.01;
 
 std::string offset_text(const FarOffset& far) {
@@ -242,7 +243,7 @@ std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep, const Sc
                               200 * far.offset_m / shortest_range_m(sweep), far.remedy)));
   if (!model.has_file()) return out;
   if (!model.has_accepted_backface_fraction()) see_open_parts(scene, out);
-  // What floats in the air stands on nothing.
+  // A target in the air stands on no surface.
   const bool in_the_air =
       sweep.condition_size() > 0 && above_surface_m(sweep, sweep.condition(0)) > 0;
   Placement placement{.unit_m = model.unit_m(),

@@ -17,7 +17,8 @@ namespace {
 
 using Field = std::shared_ptr<const PlumeField>;
 
-// What the sweep's author can mend, at a key of the file.
+// Returns an error that the sweep's author can mend at a key of the file; other errors stay as they
+// are.
 absl::Status plume_error(const std::string& path, const absl::Status& status) {
   if (!absl::IsInvalidArgument(status) && !absl::IsOutOfRange(status)) return status;
   return problem_status(problems_of(at_key(path, status)));
@@ -67,7 +68,7 @@ absl::StatusOr<Field> field_of(const schema::ConditionPlume& p, const Assets& as
   return field.ok() ? std::move(field) : plume_error("plume", field.status());
 }
 
-// What the tables of hot gas have.
+// Checks that the gas lies within the tables of hot gas.
 absl::Status check_state(const PlumeReport& report, const std::string& path) {
   const auto outside = [](double least, double most, double low, double high) {
     return !(least >= low && most <= high);

@@ -41,7 +41,7 @@ absl::StatusOr<FieldImport> import_of(const schema::ConditionField& from) {
   return how;
 }
 
-// What is wrong in a file, at the key that named it.
+// Returns an error of a temperature file at the key that names the file.
 absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& condition,
                    const absl::Status& in_file) {
   const std::string& name = condition.temperature_field().field().name();
@@ -57,22 +57,23 @@ absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& 
   return wrong(sweep, condition, absl::InvalidArgumentError(what));
 }
 
-// Which parts of the sweep have theirs from the field.
+// Returns for each part of the sweep whether its temperatures come from the field.
 std::vector<bool> parts_of(const schema::ResolvedSweep& sweep, const schema::ConditionField& from) {
   std::vector<bool> out(static_cast<std::size_t>(sweep.sweep().part_size()), false);
   for (const std::uint32_t part : from.part()) out[part] = true;
   return out;
 }
 
-// Of a part none of whose facets has a temperature, where no air is stated.
+// Temperature of a part without any known facet, where no air temperature is stated.
 constexpr double kStandInK = 290;
 
-// What a computed temperature must be to be used: as of one from a file.
+// Returns true if a computed temperature and its error are usable; the limits are those of
+// temperatures from a file.
 bool says_something(double kelvin, double error_k) {
   return kelvin - error_k >= 1 && kelvin + error_k <= kMostEmitterK;
 }
 
-// Of one sweep's facets, one condition after the other.
+// Reads the facet temperatures of one sweep, one condition after the other.
 class FacetReader {
  public:
   FacetReader(const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
@@ -138,8 +139,8 @@ class FacetReader {
       hottest_k[part] = std::max(hottest_k[part], here_k + off_k);
     }
     const double air_k = c.air_temperature_k() > 0 ? c.air_temperature_k() : kStandInK;
-    // Of a facet inside other bodies a view may see a sliver: it is as warm as the rest of its
-    // part, within what that differs by.
+    // A view may see a sliver of a facet inside other bodies. The facet takes the mean temperature
+    // of its part, with an error that covers the part's range.
     std::erase_if(unknown, [&](const auto& of) {
       const auto& [f, text] = of;
       const std::uint32_t part = part_of_facet_[f];
@@ -181,7 +182,8 @@ class FacetReader {
         if (lacking++ == 0) first = f;
         continue;
       }
-      // What the corners of a facet differ by, or two times, may be more than it has.
+      // The differences between a facet's corners, or between two times, may exceed the facet's
+      // temperature.
       const double kelvin = static_cast<double>(all->kelvin[f]),
                    error_k = static_cast<double>(all->error_k[f]);
       if (!says_something(kelvin, error_k))

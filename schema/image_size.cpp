@@ -27,7 +27,7 @@ double image_bytes_of_row(const schema::Sweep& sweep) {
                         const auto layer = image_layer_of(name);
                         return layer && has_standard_error(*layer);
                       });
-  // Of whole parts: two entries of 6 bytes a pixel, packed.
+  // Whole parts take two entries of 6 bytes a pixel, packed.
   const double whole_parts = sweep.image().whole_parts() ? 4 : 0;
   return pixels_of(sweep) *
          (kBytesOfLayer * (1 + layers.size()) + kBytesOfError * static_cast<double>(errors) +

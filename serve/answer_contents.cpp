@@ -25,7 +25,8 @@ bool share_an_aspect(const PlacedSweep& a, const PlacedSweep& b) {
   return false;
 }
 
-// None: none is stored yet, or what there is cannot be read, which whoever asks for it is told.
+// Returns the aspects of a sweep. They are empty if no row is stored yet, or if the rows cannot be
+// read, which the next request for them reports.
 std::vector<AspectKey> aspects_of(StoreReader& reader, const SweepContents& sweep) {
   if (sweep.condition.empty() || sweep.band.empty() || sweep.range_m.empty()) return {};
   const auto& [season, time_utc] = sweep.condition.front();
@@ -34,7 +35,8 @@ std::vector<AspectKey> aspects_of(StoreReader& reader, const SweepContents& swee
   return values.ok() ? aspect_keys(*values) : std::vector<AspectKey>();
 }
 
-// Of all databases that can be read; their aspects only where there are several to share them.
+// Returns the sweeps of all readable databases. Aspects are read only if there are several sweeps
+// that could share them.
 std::vector<PlacedSweep> placed_sweeps(const PageSources& sources) {
   std::vector<PlacedSweep> out;
   for (std::size_t i = 0; i < sources.database.size(); ++i) {

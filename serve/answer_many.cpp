@@ -13,7 +13,7 @@
 namespace irsig {
 namespace {
 
-// Of which quantity the numbers are.
+// Writes the quantity of the numbers.
 void name_quantity(JsonObject& out, SignatureQuantity quantity) {
   const QuantityColumns& q = columns_of(quantity);
   out.text("quantity", q.name);

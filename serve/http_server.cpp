@@ -48,13 +48,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void read();
   void send(HttpReply reply);
-  // Ends it: handlers that come later do nothing.
+  // Closes the connection: handlers that are called later do nothing.
   void end() {
     ended_ = true;
     stream_.close();
   }
   [[nodiscard]] Stage stage() const { return stage_; }
-  // Whether it has had a reply after which it stays.
+  // Returns true if the connection has had a reply after which it stays open.
   [[nodiscard]] bool kept() const { return kept_; }
   [[nodiscard]] const asio::ip::address& peer() const { return peer_; }
 

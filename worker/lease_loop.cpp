@@ -77,7 +77,7 @@ class Heart {
       grpc::ClientContext context;
       set_deadline(context, patience_s);
       schema::HeartbeatReply reply;
-      // What a failed heartbeat means is learned by the next call of the main loop.
+      // The result is ignored: the next call of the main loop finds out why a heartbeat failed.
       (void)farm_.Heartbeat(&context, request, &reply);
       lock.lock();
     }
@@ -286,7 +286,7 @@ class LeaseLoop {
     });
   }
 
-  // Why it failed: in request.kind.
+  // Computes the leased job. After an error, request.kind holds the kind of failure.
   absl::StatusOr<schema::JobResult> attempt(const schema::LeaseReply& lease,
                                             schema::FailRequest& request) {
     request.set_kind(schema::FailRequest::KIND_OTHER);
@@ -297,7 +297,7 @@ class LeaseLoop {
       if (absl::IsInvalidArgument(result.status()))
         request.set_kind(schema::FailRequest::KIND_BAD_INPUT);
       if (absl::IsInternal(result.status())) request.set_kind(schema::FailRequest::KIND_GUARD);
-      // What the computation calls unavailable or not found is no matter of the connection.
+      // An unavailable or missing thing of the computation must not be taken for a lost connection.
       return absl::InternalError(result.status().message());
     } catch (const std::bad_alloc&) {
       request.set_kind(schema::FailRequest::KIND_OUT_OF_MEMORY);

@@ -136,7 +136,7 @@ absl::StatusOr<std::unique_ptr<Spool>> Spool::open(const std::string& folder,
   if (info.st_uid != geteuid() || (info.st_mode & 022U) != 0)
     return wrong("others may write to it, expected a folder of its owner alone (mode 0700)");
   std::unique_ptr<Spool> spool(new Spool(folder, most_bytes, std::move(at_step)));
-  // What somebody who died was writing.
+  // Removes drafts of processes that died while they were writing.
   for (const fs::path& file : files_in(folder)) {
     if (kind_of(file.filename().string()) != Ours::kDraft) continue;
     const int fd = lock_file(file);

@@ -275,7 +275,8 @@ absl::Status issue_certificate(const std::string& folder, const CertificateWish&
     return openssl_failed("a signature");
   const std::string pem = pem_of(made.get());
   ASSIGN_OR_RETURN(const auto facts, certificate_facts(pem));
-  // What is known to the authority first can always be revoked.
+  // The authority's copy is written first: a certificate that the authority knows can be revoked
+  // even if a later step fails.
   RETURN_IF_ERROR(
       write_file(authority.file(absl::StrCat("issued/", facts.serial_hex, ".pem")), pem, 0600));
   RETURN_IF_ERROR(write_file(key_path, pem_of(key.get()), 0600));

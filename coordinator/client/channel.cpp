@@ -27,8 +27,8 @@ std::shared_ptr<grpc::Channel> connect(const Address& address) {
   arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  // Of one attempt, its handshake included: not a pause. At 100 ms no attempt came through to a
-  // coordinator on a busy machine, for minutes.
+  // This time limits one attempt, its handshake included; it is not a pause. With 100 ms, no
+  // attempt reached a coordinator on a busy machine for minutes.
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectTimeoutMs);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   // A proxy of the environment must not see what is meant for this machine.

@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kLevels[] = {"debug", "info", "warning", "error", "off"};
 
-// Of the line that this thread is writing: loggers write at once, in the thread that calls them.
+// Context of the line that this thread is writing. Loggers write at once, in the calling thread.
 thread_local const LogAbout* about_now = nullptr;
 
 std::string line_of(const LogAbout& about, std::string_view text) {

@@ -75,8 +75,9 @@ void expect_host(const std::string& host, SSL* session) {
 
 enum class Outcome { kWorks, kUnknown, kHungUpOnUs };
 
-// Of TLS 1.3, the other side looks at our certificate when our handshake is done: gRPC hangs up
-// then if it does not like it, and sends its first bytes otherwise.
+// Reads the first byte after a handshake of TLS 1.3. The other side checks our certificate only
+// after our handshake is done: gRPC then closes the connection if it refuses the certificate, and
+// sends its first bytes otherwise.
 Outcome first_byte(SSL* session) {
   char byte = 0;
   const int got = SSL_read(session, &byte, 1);

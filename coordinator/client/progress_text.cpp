@@ -55,7 +55,7 @@ std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& 
   const std::uint64_t left = sweep.jobs() > settled ? sweep.jobs() - settled : 0;
   std::string text;
   if (sweep.heat_done() < sweep.heat_jobs()) {
-    // What they take says nothing of the views.
+    // No time is predicted here: the time of heat jobs does not tell the time of views.
     text = fmt::format("temperatures {} of {}, then {} views", sweep.heat_done(), sweep.heat_jobs(),
                        sweep.jobs() - sweep.heat_jobs());
   } else {

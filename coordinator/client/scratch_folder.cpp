@@ -38,7 +38,8 @@ int lock_folder(const std::string& folder, int further_flags) {
   return -1;
 }
 
-// What killed processes of this user left in the same place. Nothing here is worth a failure.
+// Removes folders that killed processes of this user left in the same place. Errors are ignored:
+// nothing here is worth a failure.
 void remove_abandoned(const fs::path& place) {
   std::error_code error;
   for (fs::directory_iterator at(place, error), end; !error && at != end; at.increment(error)) {

@@ -16,8 +16,8 @@
 namespace irsig {
 namespace {
 
-// Of a line of sight above a spherical sea or ground, as Environment::line has it: the sensor's
-// height, and its distance from the point that stands for the target. above_m: of the target's
+// Line of sight above a spherical sea or ground, as in Environment::line: the sensor's height, and
+// its distance from the point that stands for the target. above_m is the height of the target's
 // reference point, from which viewpoints count.
 struct Sight {
   double sensor_m, range_m;
@@ -63,7 +63,7 @@ void check_hidden(const schema::ResolvedSweep& resolved, int s, const WeatherSpe
     const Sight sight = sight_of(target_m, above_m, view);
     const auto path = look_between(weather.air.profile, sight.sensor_m, target_m, sight.range_m,
                                    weather.refraction);
-    // What the Earth hides of the target is found where its mesh is known.
+    // The part of the target that the Earth hides is found once its mesh is known.
     if (path.ok() || absl::IsOutOfRange(path.status())) continue;
     findings.add(viewpoint_path(resolved.sweep().viewpoints(), static_cast<std::size_t>(v),
                                 static_cast<std::size_t>(resolved.viewpoint_size())),
@@ -132,7 +132,7 @@ void check_import(schema::ResolvedSweep& resolved, int s, const WeatherSpec& wea
                                     absl::StrReplaceAll(found.status().message(), {{"\n", "; "}})));
     return;  // the others are most likely missing too
   }
-  // What find_path takes for equal is not worth a word.
+  // Heights that find_path accepts as equal cause no warning.
   if (off_m > std::max(1.0, 0.02 * target_m))
     warn_season(resolved, s, path,
                 absl::StrFormat("%s: a level path stands for lines of sight whose ends are up to "

@@ -25,7 +25,7 @@ std::string perhaps_celsius(double k) {
 // One season of a sweep with the embedded atmosphere.
 class SeasonGate {
  public:
-  // Of all conditions at once, or of one whose weather is its own.
+  // alone: false checks all conditions at once, true the one condition that has weather of its own.
   SeasonGate(schema::ResolvedSweep& resolved, int s, int time, bool alone, Findings& findings)
       : resolved_(resolved),
         sweep_(resolved.sweep()),
@@ -47,7 +47,7 @@ class SeasonGate {
   }
 
  private:
-  // A key, and what messages call it: of a file's hour more than the key.
+  // A key, and its name in messages: for an hour of a weather file, more than the key.
   struct Name {
     std::string key, text;
   };
@@ -71,7 +71,7 @@ class SeasonGate {
   [[nodiscard]] std::string of_season(const std::string& key) const {
     return absl::StrCat("season[", index_, "].", key);
   }
-  // The same of surface weather, which a weather file or a day may have instead.
+  // Returns where surface weather is stated, which a weather file or a day may state instead.
   [[nodiscard]] Name of_surface(const std::string& key, bool stated) const {
     if (!alone_ || stated) return {of_season(key), of_season(key)};
     const std::string source = of_season(season_.has_weather_file() ? "weather_file" : "day");
@@ -237,8 +237,8 @@ class SeasonGate {
     }
   }
 
-  // What cools by radiation ends at the sky's temperature; the broadband one of a clear sky is
-  // 0.0552 T^1.5 of the air's [swinbank1963], 20 K less where the air is driest.
+  // A surface that cools by radiation ends at the sky's temperature. The broadband temperature of a
+  // clear sky is 0.0552 T^1.5 of the air's [swinbank1963], 20 K less where the air is driest.
   void check_part(int p) {
     const schema::Part& part = sweep_.part(p);
     const auto& by_field = condition_.temperature_field().part();

@@ -42,7 +42,7 @@ std::map<std::string, std::string> below(const SweepFile& file, const std::strin
   return out;
 }
 
-// What `over` says in place of what `base` says.
+// Returns `base` with the values of `over` in place of its own.
 Written overlaid(Written base, const Written& over) {
   Season& season = base.season;
   if (over.season.has_profile() || over.season.has_profile_file()) {
@@ -62,7 +62,7 @@ Written overlaid(Written base, const Written& over) {
   const bool stated = season.has_surroundings() || over.season.has_surroundings();
   season.MergeFrom(over.season);
   if (stated) *season.mutable_surroundings() = around;
-  // What is wrong with the name of a condition is wrong with the condition.
+  // An error of a condition's name is reported at the condition.
   if (const auto own = over.where.find(""); own != over.where.end())
     base.where[".name"] = own->second;
   for (const auto& [path, place] : over.where) base.where[path] = place;
@@ -124,7 +124,7 @@ class CsvConditions {
     std::string text;
     std::size_t at;  // column of its first character, from 1
   };
-  // Of a number or a text of a season, of its surroundings, or a temperature by name.
+  // A column holds a number or a text of a season or of its surroundings, or a temperature by name.
   struct Column {
     const FieldDescriptor* field = nullptr;
     bool of_surroundings = false;
@@ -375,7 +375,7 @@ class Expansion {
     return out;
   }
 
-  // Of each list of [vary] its values one by one.
+  // Returns for each list of [vary] its values one by one.
   std::vector<std::vector<Variant>> lists() {
     std::vector<std::vector<Variant>> out;
     const schema::Vary& vary = sweep_.vary();

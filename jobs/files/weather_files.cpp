@@ -25,13 +25,13 @@ class Reader {
   void profile(const std::string& path, const std::string& name) {
     if (!take(path, name)) return;
     const std::string& text = file_.content[path];
-    // What is wrong in it does not depend on the air above its last level.
+    // Errors in the file do not depend on the air above its last level.
     const auto parsed =
         parse_profile_csv(text, one_line(name), afgl_profile(AfglProfile::kUsStandard1976));
     if (!parsed.ok()) wrong_.add(parsed.status());
   }
 
-  // Of hours or years of weather: read once, whoever names it.
+  // Reads a file of hours or years of weather once, however many seasons name it.
   void weather(const std::string& path, const std::string& name) {
     const std::string key = weather_file_key(name);
     if (!named_.insert(key).second || !take(path, name)) return;

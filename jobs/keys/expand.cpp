@@ -78,7 +78,7 @@ struct JobLimits {
   double shading, rows;
 };
 
-// Of a job, in units of the limit that it is nearest to.
+// Returns the size of a job, in units of the limit that it is nearest to.
 double size_of_job(const schema::ResolvedSweep& sweep, const Piece& piece, const JobLimits& most) {
   const double rows =
       static_cast<double>(size_of(piece.times)) * size_of(piece.seasons) * size_of(piece.bands);
@@ -144,12 +144,13 @@ std::vector<Piece> cut_job(const schema::ResolvedSweep& sweep) {
   return pieces;
 }
 
-// ".csv" of "x/A.CSV": how to read a file; its name and folder do not matter.
+// Returns the ending in lower case (".csv" of "x/A.CSV"), which decides how a file is read. Its
+// name and folder do not matter.
 std::string ending_of(const std::string& file) {
   return absl::AsciiStrToLower(file.substr(std::min(file.size(), file.rfind('.'))));
 }
 
-// Of whatever kind of job.
+// Clears the fields that no kind of job reads.
 void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   sweep.set_model_file_name(ending_of(sweep.model_file_name()));
   sweep.clear_shard();
@@ -181,13 +182,13 @@ void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   for (schema::Part& part : *asked.mutable_part()) part.clear_temperature_k();
 }
 
-// An .hgt's name states its place.
+// Clears a file's name except that of an .hgt file, which states the file's place.
 void clear_file_name(schema::LandFile& file) {
   if (const std::string ending = ending_of(file.file_name()); ending != ".hgt")
     file.set_file_name(ending);
 }
 
-// Their endings remain, and what the content follows from.
+// Clears the names of files. Kept are their endings, and names that determine the content.
 void clear_file_names(schema::LandFiles& files) {
   clear_file_name(*files.mutable_heights());
   if (files.has_inset()) clear_file_name(*files.mutable_inset());
@@ -203,7 +204,8 @@ void clear_file_names(schema::Weather& weather) {
   weather.clear_modtran_file_name();
 }
 
-// What all views of the sweep have in common and what determines their results.
+// Returns the common part of the keys of all views: the part of the sweep that determines their
+// results.
 std::string encoding_for_views(schema::ResolvedSweep sweep) {
   clear_what_no_job_reads(sweep);
   sweep.clear_viewpoint();
@@ -221,8 +223,8 @@ std::string encoding_for_views(schema::ResolvedSweep sweep) {
   return canonical_encoding(sweep);
 }
 
-// What determines the temperatures of one heat run: all of the sweep but how it is looked at. What
-// is not named here counts, and so does what is added to the messages.
+// Returns the part of the sweep that determines the temperatures of one heat run: all of it but the
+// fields cleared here. Fields that are added to the messages therefore count.
 std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   const schema::HeatRun only = sweep.heat(run);
   clear_what_no_job_reads(sweep);
@@ -257,7 +259,7 @@ std::string heat_job_key(const schema::ResolvedSweep& sweep, int physics_version
                                  sha256_hex(encoding_for_heat(sweep, run)), "\n"));
 }
 
-// Of a view.
+// Returns the key of a view job.
 std::string job_key(const std::string& sweep_digest, int physics_version,
                     const schema::Viewpoint& viewpoint, const schema::JobSpec& job) {
   schema::ResolvedSweep alone;  // the viewpoint in the same encoding as everything else

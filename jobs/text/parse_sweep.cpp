@@ -169,7 +169,7 @@ std::vector<std::string> parts_of(std::string_view key, const std::vector<std::s
   return out;
 }
 
-// What a mistake in the grammar of TOML, in this line, is mostly about.
+// Returns the most likely cause of a TOML syntax error in this line.
 std::string hint_of_toml(std::string_view what, std::string_view line) {
   const auto says = [&](std::string_view words) { return what.find(words) != what.npos; };
   const std::size_t equals = line.find('=');

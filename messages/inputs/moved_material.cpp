@@ -7,7 +7,8 @@ namespace {
 
 using Points = google::protobuf::RepeatedPtrField<schema::SpectralPoint>;
 
-// What a diffuse reflectance takes of the whole at a wavelength; linear between points.
+// Returns the value of a spectral table at a wavelength, linear between its points; the plain value
+// if there is no table.
 double value_at(double value, const Points& table, double lambda_um) {
   if (table.empty()) return value;
   if (lambda_um <= table[0].lambda_um()) return table[0].value();
@@ -20,7 +21,8 @@ double value_at(double value, const Points& table, double lambda_um) {
   return table[table.size() - 1].value();
 }
 
-// A reflectance falls by what the emissivity rises.
+// Raises the emissivity of a material that states its reflectance: the reflectance falls by the
+// same amount.
 void move_reflectance(Mover& mover, Points& table, double value, auto set) {
   for (schema::SpectralPoint& p : table) p.set_value(1 - mover.moved(1 - p.value(), 0, 1));
   if (table.empty()) set(1 - mover.moved(1 - value, 0, 1));
@@ -39,7 +41,7 @@ bool move_emissivity(Mover& mover, schema::Material& m) {
     return true;
   }
   if (kind == "lambert" || kind == "sandford_robertson") {
-    // What the diffuse reflectance takes cannot be emitted.
+    // The emissivity is at most 1 less the diffuse reflectance.
     const auto most = [&](double lambda_um) {
       return kind == "lambert"
                  ? 1.0

@@ -15,7 +15,7 @@
 namespace irsig {
 namespace {
 
-// What values can be.
+// Limits of moved values.
 constexpr double kColdestK = 1;
 constexpr double kColdestAirK = 180, kHottestAirK = 340;  // outdoors
 constexpr double kDriestK = 120;                          // dew point
@@ -322,7 +322,7 @@ MovedSweep moved_sweep(const schema::ResolvedSweep& sweep, const UncertainInput&
 std::vector<double> moves_of(const schema::ResolvedSweep& sweep, const UncertainInput& input) {
   if (sweep.sweep().uncertainty().sides() == "both") return {1, -1};
   const double up = moved_sweep(sweep, input, 1).share;
-  // What rounding takes is no limit.
+  // A change of the size of rounding does not count as a limit.
   constexpr double kRounding = 1e-9;
   if (up >= 1 - kRounding) return {1};
   return {moved_sweep(sweep, input, -1).share > up ? -1.0 : 1.0};

@@ -69,7 +69,7 @@ void set_ledger(schema::SignatureRow* row, const SignatureResult& r) {
     known(e.fraction_w_sr, [&](double v) { out->set_fraction_w_sr(v); });
     known(e.time_s, [&](double v) { out->set_time_s(v); });
   }
-  // Of nothing that could be seen there is no ledger of light.
+  // A row without anything to be seen has no ledger of light.
   if (std::isnan(r.energy.balance.value)) return;
   schema::EnergyLedger* energy = row->mutable_energy();
   set(energy->mutable_absorbed(), r.energy.absorbed);

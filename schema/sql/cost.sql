@@ -1,4 +1,4 @@
--- What computing cost, and what was predicted (schema/store/tables/cost.cpp).
+-- Costs of computing, and the predicted costs (schema/store/tables/cost.cpp).
 
 -- name: store_prediction
 INSERT OR REPLACE INTO prediction (
@@ -45,7 +45,7 @@ JOIN signature s USING (job_id)
 WHERE w.name = ?1
 GROUP BY j.job_id;
 
--- Of how many of its views part was seen from behind, and the largest part.
+-- Number of a sweep's viewpoints with facets seen from behind, and the largest fraction of a silhouette.
 -- name: back_faces_of_sweep
 SELECT count(DISTINCT s.viewpoint_id), coalesce(max(s.backface_fraction), 0.0)
 FROM sweep w

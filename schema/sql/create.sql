@@ -202,7 +202,7 @@ CREATE TABLE part_temperature (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX part_temperature_by_part ON part_temperature (part_id);
 
--- What the sweep file states under [[published]].
+-- Values of the sweep file's [[published]] tables.
 CREATE TABLE published (
   sweep_id INTEGER NOT NULL REFERENCES sweep ON DELETE CASCADE,
   published_index INTEGER NOT NULL CHECK (published_index >= 0),
@@ -370,7 +370,7 @@ CREATE TABLE signature (
   apparent_model_error_w_sr REAL NOT NULL CHECK (apparent_model_error_w_sr >= 0),
   contrast_model_error_w_sr REAL NOT NULL CHECK (contrast_model_error_w_sr >= 0),
 
-  -- What the numerical errors contain beside the standard errors.
+  -- Parts of the numerical errors beside the standard errors.
   truncation_bound_w_sr REAL NOT NULL CHECK (truncation_bound_w_sr >= 0),  -- of reflections after the last one
   quadrature_bound_w_sr REAL NOT NULL CHECK (quadrature_bound_w_sr >= 0),  -- over wavelength
   spectral_basis_bound_w_sr REAL NOT NULL CHECK (spectral_basis_bound_w_sr >= 0),  -- contained in quadrature_bound_w_sr
@@ -616,8 +616,8 @@ CREATE TABLE energy (
   balance_stderr REAL NOT NULL CHECK (balance_stderr >= 0)
 ) STRICT;
 
--- What a signature gains if an uncertain input is one sigma higher. stderr: of that difference, on paths that both
--- sides share. curvature: half the sum of the gains of both sides; NULL: one side only.
+-- Change of a signature if an uncertain input is one sigma higher. stderr: standard error of this difference, on paths
+-- that both sides share. curvature: half the sum of both sides' changes; NULL: one side only.
 CREATE TABLE input_contribution (
   signature_id INTEGER NOT NULL REFERENCES signature ON DELETE CASCADE,
   input_index INTEGER NOT NULL CHECK (input_index >= 0),  -- in the order of the grammar

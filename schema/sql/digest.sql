@@ -24,7 +24,8 @@ SELECT name, temperature FROM (
   FROM condition WHERE condition_id = ?1 AND temperature_field IS NOT NULL)
 ORDER BY place, name;
 
--- Of sweeps with done heat jobs only: the others have the digests that they had before there were any.
+-- Only sweeps with done heat jobs are hashed here: the digests of all others stay as they were before heat jobs
+-- existed.
 -- name: digest_heat_jobs
 SELECT j.job_id, h.heat_index, j.superseded, h.season, h.output_sha256, h.warning, p.seed_hex, p.physics_version
 FROM heat_job h JOIN job j USING (job_id) JOIN provenance p USING (job_id)
@@ -101,7 +102,7 @@ SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped
        cut_off, cut_off_stderr, balance, balance_stderr
 FROM energy WHERE signature_id = ?1;
 
--- Of signatures with hot gas only: the others have the digests that they had before there was any.
+-- Only signatures with hot gas are hashed here: the digests of all others stay as they were before hot gas existed.
 -- name: has_plume
 SELECT plume_w_sr IS NOT NULL FROM signature WHERE signature_id = ?1;
 
@@ -113,7 +114,7 @@ SELECT s.plume_w_sr, s.plume_stderr_w_sr, s.apparent_plume_w_sr, s.apparent_plum
        p.contrast_plume_stderr_w_sr_um
 FROM signature s JOIN spectrum p USING (signature_id) WHERE s.signature_id = ?1;
 
--- Of signatures that have them: older ones have the digests that they had.
+-- Only signatures with these columns are hashed here: the digests of older ones stay as they were.
 -- name: has_plume_details
 SELECT plume_area_m2 IS NOT NULL FROM signature WHERE signature_id = ?1;
 
@@ -122,7 +123,8 @@ SELECT plume_reflected_w_sr, plume_reflected_stderr_w_sr, apparent_plume_reflect
        plume_area_m2, plume_area_stderr_m2, plume_voxel_error_w_sr
 FROM signature WHERE signature_id = ?1;
 
--- Of signatures with a measured background only: the others have the digests that they had before there was any.
+-- Only signatures with a measured background are hashed here: the digests of all others stay as they were before it
+-- existed.
 -- name: has_clutter
 SELECT clutter_window_m IS NOT NULL FROM signature WHERE signature_id = ?1;
 
@@ -137,7 +139,8 @@ FROM signature s JOIN clutter c USING (signature_id) WHERE s.signature_id = ?1;
 -- name: digest_clutter_materials
 SELECT material_index, fraction FROM clutter_material WHERE signature_id = ?1 ORDER BY material_index;
 
--- Of signatures with uncertain inputs only: the others have the digests that they had before there were any.
+-- Only signatures with uncertain inputs are hashed here: the digests of all others stay as they were before they
+-- existed.
 -- name: has_input_contributions
 SELECT EXISTS (SELECT 1 FROM input_contribution WHERE signature_id = ?1);
 
@@ -162,7 +165,8 @@ SELECT p.name, x.left_px, x.top_px, x.width_px, x.height_px, x.samples
 FROM signature s JOIN part_pixels x USING (job_id) JOIN part p USING (part_id)
 WHERE s.signature_id = ?1 ORDER BY p.part_index, p.name;
 
--- Of rows whose images have whole parts: the others have the digests that they had before there were any.
+-- Only rows whose images have whole parts are hashed here: the digests of all others stay as they were before they
+-- existed.
 -- name: has_part_sets
 SELECT EXISTS (SELECT 1 FROM signature s JOIN part_set x USING (job_id) WHERE s.signature_id = ?1);
 

@@ -1,4 +1,4 @@
--- What is damaged, missing or old in a database (schema/store/whole/examine.cpp).
+-- Queries for damaged, missing or outdated content of a database (schema/store/whole/examine.cpp).
 
 -- name: integrity_check
 PRAGMA integrity_check(10);

@@ -33,7 +33,8 @@ WHERE EXISTS (SELECT 1 FROM job old WHERE old.job_id = t.job_id AND old.sweep_id
 DELETE FROM job
 WHERE sweep_id = ?1 AND superseded = 1 AND job_id IN (SELECT job_id FROM heat_job WHERE season = ?2);
 
--- Of changes alone, which have no temperatures of their own: those stay until their own successors are stored.
+-- Deletes superseded jobs of changed inputs only, which have no temperatures of their own. Other superseded jobs stay
+-- until their successors are stored.
 -- name: delete_superseded_changes_of_season
 DELETE FROM job
 WHERE sweep_id = ?1 AND superseded = 1 AND job_id IN (SELECT job_id FROM heat_job WHERE season = ?2)
@@ -62,7 +63,7 @@ WHERE twin.job_id <> ?1 AND twin.job_key = ?2 AND p.determinism_class = ?3 AND t
   AND h.output_sha256 IS NOT NULL AND (SELECT count(*) FROM computed_temperature t WHERE t.job_id = twin.job_id) = ?4
 ORDER BY twin.job_id LIMIT 1;
 
--- What ?2 left becomes what ?1 of sweep ?3 has left; it took no time there.
+-- Copies the output of job ?2 to job ?1 of sweep ?3, for which no time is counted.
 -- name: copy_heat_output
 UPDATE heat_job SET output_sha256 = twin.output_sha256, warning = twin.warning
 FROM heat_job twin WHERE heat_job.job_id = ?1 AND twin.job_id = ?2;
@@ -87,7 +88,7 @@ FROM provenance WHERE job_id = ?2;
 
 -- Reading.
 
--- What the done heat jobs of a sweep have left, in the order of its heat runs.
+-- Outputs of the done heat jobs of a sweep, in the order of its heat runs.
 -- name: heat_outputs_of_sweep
 SELECT h.output_sha256
 FROM sweep w

@@ -5,7 +5,7 @@
 -- name: merge_attach
 ATTACH ?1 AS merged;
 
--- What there is to be merged. Rows: of done jobs of the sweep as it is now, and all.
+-- Sweeps to be merged, with two counts of rows: rows of done jobs of the current sweep, and all rows.
 -- name: merge_sweeps
 SELECT w.sweep_id, w.name, w.sweep_sha256, w.resolved_sweep, coalesce(min(p.physics_version), 0),
        coalesce(max(p.physics_version), 0), coalesce(min(p.determinism_class), ''),
@@ -198,7 +198,7 @@ UPDATE merged.sweep SET determinism_class = ?2 WHERE sweep_id = ?1;
 -- name: merge_prediction
 INSERT INTO merged.prediction SELECT * FROM main.prediction WHERE sweep_sha256 = ?1 ON CONFLICT DO NOTHING;
 
--- Of the merged database: sweeps that are to be gone on with.
+-- Sweeps of the merged database that can be continued.
 -- name: merge_open_sweeps
 SELECT name, determinism_class FROM sweep w
 WHERE determinism_class IS NOT NULL

@@ -22,7 +22,7 @@ WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.
   AND (?8 IS NULL OR abs(v.range_m - ?8) <= 1e-9 * ?8)
 ORDER BY w.name, v.viewpoint_index, c.condition_index, b.band_index;
 
--- The same for one viewpoint, ?9.
+-- As find_signatures, for one viewpoint ?9.
 -- name: find_signatures_of_viewpoint
 SELECT s.signature_id
 FROM viewpoint v
@@ -65,7 +65,7 @@ CROSS JOIN viewpoint v ON v.viewpoint_id = s.viewpoint_id
 WHERE w.name = ?1 AND c.season = ?2 AND c.time_utc = ?3 AND b.name = ?4 AND abs(v.range_m - ?5) <= 1e-9 * ?5
 ORDER BY row, s.signature_id DESC;
 
--- What a database has to choose from (StoreReader::contents).
+-- Contents that a user can choose from (StoreReader::contents).
 -- name: contents_of_sweeps
 SELECT w.sweep_id, w.name, w.viewpoints, w.viewpoints * w.conditions * w.bands,
        (SELECT count(*) FROM condition c CROSS JOIN signature s ON s.condition_id = c.condition_id

@@ -1,6 +1,6 @@
 -- The queue (schema/store/queue.cpp). States and outcomes: tables job_state and attempt_outcome.
 
--- Of the first sweep, by priority, that has one.
+-- The next job comes from the first sweep, by priority, that has a waiting job.
 -- name: next_waiting_job
 SELECT job_id FROM job
 WHERE state = 0 AND unmet_needs = 0 AND sweep_id = (
@@ -68,7 +68,8 @@ SET unmet_needs = (SELECT count(*) FROM job_need n JOIN job needed ON needed.job
                    WHERE n.job_id = job.job_id AND needed.state <> 2)
 WHERE job_id IN (SELECT job_id FROM job_need WHERE needs_job_id = ?1);
 
--- What needs a job that was given up, directly or through others, cannot be computed either.
+-- Quarantines the waiting jobs that need a failed job ?1, directly or through other jobs: they cannot be computed
+-- either.
 -- name: quarantine_dependents
 UPDATE job SET state = 3
 WHERE state = 0 AND job_id IN (
@@ -88,7 +89,7 @@ WHERE j.sweep_id = ?1 AND j.job_key = ?2 AND j.superseded = 0;
 -- name: job_open_to_a_result
 SELECT job_id FROM job WHERE sweep_id = ?1 AND job_key = ?2 AND superseded = 0 AND state IN (0, 3);
 
--- What was given up because of ?1 alone, directly or through others, waits again.
+-- Returns to the queue the jobs that were quarantined because of ?1 alone, directly or through other jobs.
 -- name: revive_dependents
 UPDATE job SET state = 0
 WHERE state = 3 AND failures = 0 AND job_id IN (
@@ -105,7 +106,7 @@ UPDATE job SET state = 0
 WHERE state = 2 AND superseded = 0 AND job_key = ?2
   AND sweep_id = (SELECT sweep_id FROM sweep WHERE sweep_sha256 = ?1);
 
--- What the worker ?1 has computed, and what needs it.
+-- Reopens the jobs that worker ?1 computed, and the jobs that need them.
 -- name: reopen_jobs_of_worker
 UPDATE job SET state = 0
 WHERE state = 2 AND superseded = 0 AND job_id IN (
@@ -148,7 +149,7 @@ SELECT sweep_id FROM sweep WHERE sweep_sha256 = ?1;
 -- name: cancel_jobs
 UPDATE job SET state = 4 WHERE sweep_id = ?1 AND state IN (0, 1);
 
--- What sweep_view counts, of the sweep ?1 or (NULL) of all.
+-- Counts of sweep_view, for the sweep ?1 or (NULL) for all.
 -- name: progress
 SELECT w.name, w.sweep_sha256,
        count(j.job_id),

@@ -262,6 +262,6 @@ SELECT EXISTS (SELECT 1 FROM job WHERE sweep_id = ?1 AND superseded = 1);
 -- name: count_jobs_to_compute
 SELECT count(*) FROM job WHERE sweep_id = ?1 AND superseded = 0 AND state IN (0, 1);
 
--- What a database holds that somebody asked for; 0: it was made and never used.
+-- Number of sweeps and predictions; 0: the database was created and never used.
 -- name: content_count
 SELECT (SELECT count(*) FROM sweep) + (SELECT count(*) FROM prediction);

@@ -69,7 +69,7 @@ class SignatureReader {
   }
 
  private:
-  // Of signature_view, in the order in which read() takes them.
+  // Columns of signature_view, in the order in which read() takes them.
   static constexpr auto kOthers = std::to_array<std::string_view>({"signature_id",
                                                                    "row",
                                                                    "sweep",

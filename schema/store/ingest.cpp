@@ -278,7 +278,7 @@ absl::Status store_temperatures(Database& database, const LeasedJob& job,
   return savepoint->keep();
 }
 
-// Of a column of the sweep that separates them by commas.
+// Returns the names in a column of the sweep that separates them by commas.
 absl::StatusOr<std::vector<std::string>> listed_names(Database& database, const char* query,
                                                       std::int64_t sweep_id) {
   ASSIGN_OR_RETURN(Rows row, database.query(query, sweep_id));

@@ -35,7 +35,7 @@ absl::StatusOr<AskedRun> run_of(Database& database, const LeasedJob& job) {
                   sweep.sweep().seed()};
 }
 
-// What this run has replaced.
+// Deletes the superseded jobs that this heat run has replaced.
 absl::Status delete_superseded(Database& database, std::int64_t sweep_id,
                                const schema::HeatRun& run) {
   if (run.input_size() > 0)
@@ -89,7 +89,7 @@ absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
     twin = row.integer();
     output = row.text();
   }
-  // What is damaged there is computed again here, and mends both.
+  // Damaged output of the twin is computed again by this job, which repairs both.
   const absl::Status whole = check_asset(database, output);
   if (absl::IsDataLoss(whole) || absl::IsNotFound(whole)) return false;
   IRSIG_STORE_TRY(whole);

@@ -46,7 +46,7 @@ absl::Status cannot_share(const std::string& path, const FileHeader& header,
                    path, " and ", path, "-wal together into a folder that you may write to"));
 }
 
-// What can be told from the bytes alone, before SQLite gets to touch the file.
+// Checks the file's first bytes, before SQLite touches the file.
 absl::Status check_header(const std::string& path, const FileHeader& header) {
   if (!header.is_sqlite)
     return absl::InvalidArgumentError(
@@ -214,7 +214,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     IRSIG_STORE_TRY(check_schema(path, opened));
   }
   IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, out)));
-  // What a commit writes fits into the cache [kB]: otherwise pages go to the disk and come back.
+  // The cache [kB] holds all pages of a commit: otherwise pages are written to disk and read back.
   IRSIG_STORE_TRY(opened.script("PRAGMA synchronous = FULL; PRAGMA cache_size = -16384"));
   keep_file = true;
   out.created = !existed;

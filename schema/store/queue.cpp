@@ -14,14 +14,15 @@ namespace irsig {
 namespace {
 
 constexpr std::int64_t kFailedWorkersToQuarantine = 3;
-// What anybody reads of why jobs failed.
+// Longest stored message of a failed job.
 constexpr std::size_t kMostMessage = 500;
 
 std::string shortened(const std::string& message) {
   return message.size() <= kMostMessage ? message : message.substr(0, kMostMessage) + " ...";
 }
 
-// With fewer workers than that, a job that can only fail must come to rest as well.
+// A job that can only fail is quarantined after so many failures, even with fewer workers than
+// kFailedWorkersToQuarantine.
 constexpr std::int64_t kFailuresToQuarantine = 6;
 
 absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,

@@ -48,7 +48,8 @@ std::optional<Value> if_key_stated(bool stated, Value (Message::*field)() const,
   return stated ? std::optional<Value>((message.*field)()) : std::nullopt;
 }
 
-// What makes a condition another one: all but where it stands in the lists and how it was written.
+// Returns the definition that distinguishes a condition from others: all of it except its place in
+// the lists and the way it was written.
 std::string condition_definition(const schema::Condition& condition,
                                  const schema::ResolvedSweep& sweep) {
   schema::Condition definition = condition;
@@ -57,7 +58,7 @@ std::string condition_definition(const schema::Condition& condition,
   definition.clear_sun_irradiance_from_distance();
   definition.clear_warning();
   Sha256 hash;
-  // What the run is, and not its place in the list.
+  // A heat run counts by its content, not by its place in the list.
   const auto add_run = [&](std::uint32_t index) {
     schema::HeatRun run = sweep.heat(static_cast<int>(index));
     run.clear_season();

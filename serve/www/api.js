@@ -29,7 +29,7 @@ async function fetched(address, read = (reply) => reply.json()) {
   return body;
 }
 
-// What was answered before is taken again, until forget().
+// Returns an answer from the cache, if there is one, until forget().
 export function ask(path, parameters) {
   const address = addressOf(path, parameters);
   let answer = kept.get(address);

@@ -11,8 +11,8 @@ const SIZE = 420, LEFT = 52, TOP = 10, SIDE = 340;
 // The detector that was named on the command line is the one that is asked for; "none": constant noise.
 const detectorOf = (state, detectors) => (state.detector !== "" ? state.detector : detectors.length > 0 ? "0" : "none");
 
-// What of the state the server is asked with.
-// sweep: of the selection; clutter is asked for where its rows have some.
+// Returns the parameters of the state for the server. sweep: the selected one; clutter is requested
+// if its rows have some.
 export function bandParameters(state, detectors, sweep) {
   const merit = state.merit || "mean", detector = detectorOf(state, detectors);
   return { range_m: state.range_m, detector: detector === "none" ? "" : detector, nei_w_m2: detector === "none" ? state.nei_w_m2 : "", merit, over: state.over,

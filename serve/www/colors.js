@@ -47,7 +47,7 @@ export function scaleOf(values, { around0 = false, upto = Infinity } = {}) {
     const reach = Math.max(3, Math.abs(low), Math.abs(high));
     return new ColorScale(-reach, reach, "diverging");
   }
-  // The same everywhere: one colour, on a scale that begins or ends at 0.
+  // A value that is the same everywhere gives one colour, on a scale that begins or ends at 0.
   if (high - low <= 1e-6 * Math.max(Math.abs(low), Math.abs(high))) return new ColorScale(Math.min(0, low), Math.max(0, high));
   if (low > 0 && low < 0.5 * high) low = 0;
   return new ColorScale(low, high);

@@ -64,7 +64,7 @@ function selection(prefix, state, contents, change) {
   const field = (name) => prefix + name, value = (name) => state[field(name)];
   const database = Number(value("db")), sweep = sweepOf(state, prefix, contents);
   const out = [];
-  // What is chosen already can be seen, and left.
+  // The current choice is always listed, so that the user can see and change it.
   const useful = (d, k) => !d.error && (k === database || (prefix === "" ? true : d.sweep.some((s) => fits(state, prefix, contents, k, s.name))));
   const databases = contents.database.flatMap((d, k) => (useful(d, k) ? [[String(k), d.name]] : []));
   if (contents.database.length > 1) out.push(select("Database", field("db"), databases, value("db"), change));

@@ -56,7 +56,7 @@ export function drawCut(cuts, azimuth, readout) {
   const here = svg("circle", { class: "here", cx: -9, cy: -9, r: 5 });
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, class: "plot round", role: "img", "aria-label": summary },
     ...parts, svg("text", { x: 2, y: 13 }, `in ${unit}`), here);
-  // Of B what is nearest to the azimuth of A.
+  // B is read at the direction nearest to the azimuth of A.
   const along = cuts[0].point.azimuth_deg;
   const towards = (azimuths, angle) => nearest(azimuths.length, (k) => Math.abs(((azimuths[k] - angle + 540) % 360) - 180));
   return readOut(picture, {

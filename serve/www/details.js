@@ -1,4 +1,5 @@
-// What is known of one row, in words and numbers: values, error budget, ledger; and how far sweeps are.
+// Details of one row in words and numbers: values, error budget, ledger; and the progress of
+// sweeps.
 import { html, table } from "./draw.js";
 import { aspectText, brief, rangeText, withError } from "./numbers.js";
 

@@ -53,7 +53,7 @@ export async function askImage(row, layer) {
   return { ...size, info, layers, layer: chosen, value, stderr, parts: partsOf(silhouette, value.length) };
 }
 
-// Whether a pixel is painted: of the target it shows a part, or light of its gas.
+// Returns true if a pixel is painted: it shows a part of the target, or light of the target's gas.
 export const isShown = (picture, k) => picture.shown ? picture.shown[k] === 1 : isWholeFrame(picture) || picture.parts.fraction[k] > 0 || picture.value[k] !== 0;
 
 // Values that the colours are for: where the target fills at least half of a pixel, unless it is
@@ -77,7 +77,7 @@ export function radianceOf({ layer, info, value, parts }, k) {
   return layer.name === "" && parts.fraction[k] > 0 ? { of: " of the target", radiance: value[k] / parts.fraction[k] } : null;
 }
 
-// Of these layers a pixel without target has no value.
+// Returns true for layers in which a pixel without target has no value.
 export const isMean = ({ layer }) => MEANS.includes(layer.name);
 
 export const canSubtract = (a, b) => a.width === b.width && a.height === b.height && a.pixelRad === b.pixelRad;

@@ -45,8 +45,9 @@ function change(fields, { replace = false, redraw = true } = {}) {
   if (redraw) refresh();
 }
 
-// What the address leaves open is filled in; what it asks for in vain is said, but not what a
-// choice in the form takes along. What cannot be shown at all is said, too.
+// Completes the state from the contents. Unknown values of an address are reported, values that a
+// choice in the form carries along are not. Contents that cannot be shown at all are always
+// reported.
 function complete({ asked }) {
   const wrong = contents.database.filter((d) => d.error).map((d) => `${d.name}: ${d.error}`);
   const complain = (words) => (asked ? wrong.push(words) : 0);
@@ -307,10 +308,10 @@ function showBands(mine) {
   });
 }
 
-// What there is to choose from.
+// Returns a key of the sweeps to choose from, which changes if they do.
 const sweepsOf = ({ database }) => JSON.stringify(database.map((d) => d.sweep?.map((s) => [s.name, s.shares]) ?? d.error));
 
-// How far sweeps are; what is new is shown at once.
+// Watches the progress of sweeps and shows new results at once.
 let done = null;
 async function watch() {
   let wait = 15000;

@@ -1,10 +1,10 @@
-// What the map of all aspects shows: values, the difference of two conditions, or how well the other
-// viewpoints know each.
+// Map of all aspects: values, the difference of two conditions, or the errors of interpolation at
+// each viewpoint from the others.
 import { addressOf, ask } from "./api.js";
 import { brief, withError } from "./numbers.js";
 import { selectionParameters, sweepOf } from "./state.js";
 
-// Where what is asked of A cannot be answered, A is shown, with the reason.
+// Shows A, with the reason, if the request about A cannot be answered.
 export async function askMap(state, contents) {
   const a = { ...selectionParameters(state), quantity: state.quantity };
   let reason = "";

@@ -65,7 +65,7 @@ export function drawSpectrum(a, b, stacked, readout) {
   const picture = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "plot", role: "img", "aria-label": summary },
     ...parts, svg("text", { x: LEFT, y: 14 }, `${a.title} in ${unit}`),
     svg("text", { class: "middle", x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 5 }, "Wavelength in µm"), cross);
-  // Of B what is nearest to the wavelength of A.
+  // B is read at the wavelength nearest to that of A.
   return readOut(picture, {
     first: a.value.indexOf(Math.max(...a.value)),
     at: (x) => nearest(a.lambda_um.length, (k) => Math.abs(X(a.lambda_um[k]) - x)),

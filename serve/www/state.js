@@ -1,5 +1,5 @@
-// What is shown is the address: every field of the state is a parameter of it, so that a link, the
-// back button and a reload show the same again.
+// The address holds the state: every field is a parameter of it, so that a link, the back button
+// and a reload show the same page again.
 
 import { BAND_FIELDS } from "./bands.js";
 
@@ -38,14 +38,14 @@ export function selectionParameters(state, prefix = "", as = "") {
 export const sweepOf = (state, prefix, contents) =>
   contents.database[Number(state[`${prefix}db`])]?.sweep?.find((s) => s.name === state[`${prefix}sweep`]);
 
-// Whether a sweep can be chosen: for B, whether it shares a viewpoint with A.
+// Returns true if a sweep can be chosen. For B, the sweep must share a viewpoint with A.
 export function fits(state, prefix, contents, database, sweep) {
   const a = prefix === "" ? null : sweepOf(state, "", contents);
   return !a || a.shares.some((s) => s.db === database && s.sweep === sweep);
 }
 
-// What A is set beside unless something else is asked for: what another database has of its season,
-// or else another season, hour or sweep of its own.
+// Chooses the default for B: the same season in another database, or else another season, hour or
+// sweep of the same database.
 export function proposeOther(state, contents) {
   for (const f of SELECTION) state[`b_${f}`] = state[f];
   const { condition, shares } = sweepOf(state, "", contents);

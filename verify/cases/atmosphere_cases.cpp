@@ -356,8 +356,9 @@ absl::StatusOr<Finding> fog(Effort) {
       });
       worst.require(range_m < 1e3 || path.beyond_single_scattering(),
                     [] { return "scattering deeper than 0.3 is not flagged"; });
-      // Of the light that ends on the way at least the particles' share is emitted, and all of it
-      // is emitted or comes from around: 1 - T of a blackbody among blackbodies.
+      // A path removes light. At least the particles' absorbed fraction of it is replaced by
+      // emission. Emission and scattering from the surroundings together replace all of it: a
+      // blackbody among blackbodies gives 1 - T.
       const AbsorberAmounts held = air.amounts(level_path(10, range_m));
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         const auto where = [&] {

@@ -137,7 +137,8 @@ absl::StatusOr<Finding> streams_stay_possible(Effort) {
             const std::vector<StreamLayer> cold = {{depth, albedo, asymmetry, 0, 0}};
             const std::vector<StreamLight> light = diffuse_light(
                 cold, {.surface_albedo = ground, .sun_irradiance = 1, .sun_cosine = cosine});
-            // What leaves the top is a part of what falls on it; nothing comes from above.
+            // The light that leaves the top is a part of the sunlight that falls on it; no light
+            // comes from above.
             const double leaves = 2 * std::numbers::pi * light.front().mean;
             worst.require(leaves >= 0 && leaves <= cosine * (1 + 1e-5), where);
             worst.require(std::isfinite(light.back().mean) && light.back().mean >= 0, where);

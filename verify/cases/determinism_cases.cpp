@@ -78,7 +78,8 @@ double differing(const std::vector<double>& a, const std::vector<double>& b) {
   return count;
 }
 
-// The same request again, on a scene that is built again, and on 1 to 4 threads at the same time.
+// Proves that a request gives the same bits on a scene that is built again, and on 1 to 4 threads
+// at the same time.
 absl::StatusOr<Finding> same_bits(Effort effort) {
   Worst worst(0);
   ASSIGN_OR_RETURN(const auto scene, ship(20000));
@@ -108,7 +109,7 @@ absl::StatusOr<Finding> same_bits(Effort effort) {
   return out;
 }
 
-// The same rays on every instruction set that this processor has.
+// Compares equal rays on every instruction set that this processor has.
 absl::StatusOr<Finding> instruction_set_views(Effort effort) {
   Worst worst(0.25);
   std::vector<ViewResult> views;

@@ -46,7 +46,7 @@ absl::StatusOr<std::vector<Closed>> closed_bodies() {
   return out;
 }
 
-// What Earth-centred, projected and local coordinates leave of a mesh.
+// Offsets of a mesh, as in local, projected and Earth-centred coordinates.
 constexpr double kOffsetsM[] = {0, 1e3, 1e5, 6.4e6};
 
 Vec<Body> far_away(double offset_m) { return offset_m * Vec<Body>{0.48, -0.6, 0.64}; }

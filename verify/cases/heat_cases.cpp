@@ -18,7 +18,7 @@ namespace {
 
 double black_w_m2(double t) { return kStefanBoltzmannWM2K4 * t * t * t * t; }
 
-// What a face is exposed to, the whole time.
+// The constant exposure of a face.
 struct Always {
   double absorbed_w_m2 = 0, incoming_w_m2 = 0, fluid_k = 300, forced_h_w_m2_k = 0;
 };
@@ -95,7 +95,7 @@ absl::StatusOr<Finding> thick_wall(double tolerance_k,
 absl::StatusOr<Finding> paint_on_concrete(Effort) { return thick_wall(2e-3, {{1800, 12}}); }
 absl::StatusOr<Finding> step_lengths(Effort) { return thick_wall(5e-3, {{1, 120}, {3600, 6}}); }
 
-// What a layer that does not conduct separates: one plate takes all the flux, the other nothing.
+// A layer without conduction separates two plates: one takes all the flux, the other none.
 absl::StatusOr<Finding> no_conduction(Effort) {
   constexpr double kToleranceK = 5e-3, kFlux = 300;
   Worst worst(1);

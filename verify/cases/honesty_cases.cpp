@@ -105,8 +105,9 @@ absl::StatusOr<Finding> grazing_gloss(Effort effort) {
   return worst.finding();
 }
 
-// The same past the rim: the sun nearly behind the target, so near by that only a part of the deck
-// shows it. The half vector is short there, and turns through many times the sun's radius.
+// A deck of gloss seen past the rim of the glint: the sun is nearly behind the target, so near that
+// only a part of the deck shows it. The half vector is short there, and turns through many times
+// the sun's radius.
 absl::StatusOr<Finding> forward_glint(Effort effort) {
   Worst worst(student_t_bound(31, 36));
   for (const double slope : {0.02, 0.034, 0.1})
@@ -190,7 +191,7 @@ absl::StatusOr<Finding> mirror_pair(Effort effort) {
   return worst.finding();
 }
 
-// What is small and bright is aimed at: 1 % is reached, and holds.
+// Small bright sources are aimed at, so that 1 % accuracy is reached and is true.
 absl::StatusOr<Finding> small_bright_sources(Effort effort) {
   Worst worst(student_t_bound(31, 30));
   for (const auto& [rare, plain] : small_bright_source_scenes()) {

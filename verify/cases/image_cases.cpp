@@ -60,7 +60,7 @@ absl::StatusOr<Finding> speck(Effort) {
       return absl::StrCat("a plate of ", 1 / (pixel_m * pixel_m), " pixels: ", sum.value,
                           " W/sr, expected ", expected);
     });
-    // What is stated must stay of use.
+    // The stated standard error must stay small enough to be of use.
     worst.see(sum.stderr_ / (0.01 * expected),
               [&] { return absl::StrCat("stderr of ", 1 / (pixel_m * pixel_m), " pixels"); });
   }

@@ -229,7 +229,7 @@ absl::StatusOr<Finding> sun_at_a_ridge(Effort) {
   return worst.finding();
 }
 
-// What cannot be seen is refused in words.
+// A target that cannot be seen is refused with a message.
 absl::StatusOr<Finding> unseen_is_refused(Effort) {
   Worst worst(0);
   const auto message_of = [](const Height& height, double elevation_deg,

@@ -146,7 +146,7 @@ absl::StatusOr<Finding> digits(Effort) {
   for (const SpectralValue& v : kSpectralValues) {
     worst.see(error_of(planck_radiance_w_m2_sr_um(v.lambda_um, v.temperature_k), v.radiance),
               at(v.lambda_um, v.temperature_k));
-    // What the other cases are held against.
+    // The reference of the other cases must agree, too.
     worst.see(
         static_cast<double>(fabsl(wide_radiance(v.lambda_um, v.temperature_k) / v.radiance - 1)),
         at(v.lambda_um, v.temperature_k));

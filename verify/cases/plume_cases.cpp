@@ -298,7 +298,7 @@ absl::StatusOr<Finding> any_lattice(Effort) {
   return worst.finding();
 }
 
-// The same gas around index 0 and around index 1e6, on the same places.
+// Gas at the same places gives equal results with grid indices around 0 and around 1e6.
 absl::StatusOr<Finding> far_from_origin(Effort) {
   Worst worst(1e-10);
   constexpr int kShift = 1'000'000;
@@ -322,7 +322,7 @@ absl::StatusOr<Finding> far_from_origin(Effort) {
     const Vec<Body> at = middle + 1.5 * uniform(0x92, i) * uniform_direction(0x93, 2 * i);
     std::array<double, 2> gas{}, heat{};
     for (std::size_t which = 0; which < 2; ++which)
-      // Of the far one from 50 km.
+      // The far grid is entered from 50 km away.
       for (const GasSegment& s :
            march(which == 0 ? *near : *far,
                  {at - (which == 0 ? 20.0 : 5e4) * to, to, 0, which == 0 ? 40 : 1e5}, {})) {
@@ -358,7 +358,7 @@ std::string from_hex(std::string_view hex) {
   return out;
 }
 
-// What is no gas is refused, and the reason names it.
+// Input that is no gas is refused, and the message names the reason.
 absl::StatusOr<Finding> refused(Effort) {
   Worst worst(0);
   const auto refusal = [&](const char* what, const absl::Status& status, const char* reason) {
@@ -399,7 +399,8 @@ absl::StatusOr<Finding> refused(Effort) {
   return worst.finding();
 }
 
-// Of 16 voxels' edges of 1/4 m: exhaust of 700 K with soot, through `length_m` of it.
+// Radiance of exhaust of 700 K with soot, through `length_m` of it. The voxels have edges of 1/4 m,
+// 16 in a row.
 struct Column {
   std::vector<double> emitted_w_m2_sr, taken_w_m2_sr;  // [band]; taken of a blackbody
 };

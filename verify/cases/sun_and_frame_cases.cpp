@@ -166,8 +166,8 @@ absl::StatusOr<Finding> sun_at_zenith(Effort) {
   return worst.finding();
 }
 
-// The same line of sight beside and across the date line and the poles: as far as the ellipsoid is
-// a body of revolution, longitude is only a name.
+// A line of sight beside and across the date line and the poles gives equal results: on an
+// ellipsoid of revolution, longitude is only a name.
 absl::StatusOr<Finding> line_of_sight_anywhere(Effort) {
   Worst worst(1e-6);
   for (const double range_m : {10.0, 1e3, 1e5, 1e6})

@@ -87,13 +87,13 @@ absl::StatusOr<Finding> isothermal_enclosure(Effort effort) {
       sum += (row.intensity_w_sr.value - expected) / row.intensity_w_sr.stderr_;
       ++rows;
     }
-  // What all have in common shows in their sum, whose variance is Student's: 31 / 29.
+  // An error that all rows share shows in their sum, whose variance is Student's: 31 / 29.
   worst.see(std::abs(sum) / std::sqrt(rows * 31 / 29),
             [&] { return absl::StrCat("sum of t over ", rows, " rows: ", sum); });
   return worst.finding();
 }
 
-// A plate of 0 K in a uniform world: what it returns is its DHR, at every angle.
+// A plate of 0 K in a uniform world returns its DHR, at every angle.
 absl::StatusOr<Finding> white_furnace(Effort effort) {
   constexpr double kTheta[] = {10, 70};
   constexpr double kSome[] = {1e-4, 0.1, 1};
@@ -138,7 +138,7 @@ absl::StatusOr<Finding> cavity_0999(Effort effort) {
     const Mesh wall = spherical_cavity(half_angle_deg, 400, 256);
     ASSIGN_OR_RETURN(const auto simulator, Simulator::create(one_body(wall, grey_paint(0.001))));
     ViewRequest r = dark_view(*simulator, 0, 0, 1000, {400});
-    // Of 345 reflections in the mean, one path in 1e10 has more.
+    // The mean is 345 reflections; one path in 1e10 has more than this limit.
     r.max_reflections = 8000;
     r.accuracy.samples_per_replicate = effort == Effort::kFull ? 262144 : 16384;
     ASSIGN_OR_RETURN(const auto view, simulator->simulate(r));
@@ -159,7 +159,7 @@ absl::StatusOr<Finding> cavity_0999(Effort effort) {
   return worst.finding();
 }
 
-// What N reflections leave out is less than the stated bound, and the bound vanishes with N.
+// The light after N reflections is less than the stated bound, and the bound vanishes with N.
 absl::StatusOr<Finding> truncation(Effort effort) {
   Worst worst(1);
   const double emissivity = 0.1, half_angle_deg = 10;

@@ -70,7 +70,7 @@ double beckmann(const ReflectionGeometry& g, double m) {
   return std::exp(-g.sin2_h / (cos2 * m * m)) / (std::numbers::pi * m * m * cos2 * cos2);
 }
 
-// Of a lobe seen along the normal; 1e4 points.
+// Returns the DHR of a lobe seen along the normal, from 1e4 points.
 double normal_dhr(const CookTorrance& spec) {
   constexpr int kPoints = 10000;
   double sum = 0;

@@ -36,8 +36,9 @@ struct Frame {
 
 }  // namespace
 
-// Whether the ray from + t v, 0 < t < end, goes through the sphere of the Earth that touches z = 0
-// at the reference point. Twice the radius times the height above it, to first order, is
+// Returns true if the ray from + t v, 0 < t < end, goes through the sphere of the Earth that
+// touches z = 0 at the reference point. To first order, twice the radius times the height above the
+// sphere is
 //   |p|^2 + 2 z_down (-R)  =  |p|^2 - 2 R z.
 bool ReferenceView::Parts::meets_earth(Body3 from, Body3 v, double end) const {
   const double b = dot(from, v) - kEarthRadiusM * v.z, a = dot(v, v);
@@ -172,7 +173,7 @@ void ReferenceView::Parts::trace(Path& p) const {
       at = geometry_between(in, out);
       return true;
     };
-    // What mirrors send on to anything matt comes from the sun's side.
+    // Light of the sun that mirrors send on to a matt surface is counted from the sun's side.
     const bool mirror = !mirrors.item.empty() && is_mirror(part);
     const bool of_sun = sun && !(mirror && matt_before);
     matt_before = matt_before || !mirror;
@@ -220,7 +221,7 @@ void ReferenceView::Parts::trace(Path& p) const {
           ++p.rays;
           const auto met = meet(x, wi, own, d * (1 - 1e-9));
           if (!met.met() || met.facet == target) {
-            // What it emits this way: 1 less a drawn direction's weight.
+            // The lamp's emission in this direction: 1 less the weight of a drawn direction.
             const ReferenceBrdf& g = brdf[scene.part[lamp.part].material];
             p.weigh(g, g.draw(std::min(cos_l, 1.0), p.random(), p.random(), p.random()),
                     p.end_factor);

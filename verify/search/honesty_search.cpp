@@ -30,13 +30,13 @@
 namespace irsig {
 namespace {
 
-// What rounding (float32 rays, %.10g coordinates) may leave of the light that was added up.
+// Relative error that rounding (float32 rays, %.10g coordinates) may leave in a sum of light.
 constexpr double kRounding = 3e-7;
 constexpr double kWantedShare = 0.2;     // of the stated error, for the reference's standard error
 constexpr double kUndecidedShare = 0.3;  // the estimate of a standard error scatters
 constexpr std::uint64_t kPilotSamples = 256;
 constexpr std::uint64_t kMostSamples = 1 << 17;
-// Rows of a scene x total, apparent, contrast.
+// Rows of a scene, times total, apparent and contrast.
 constexpr double kValuesPerScene = 4.5;
 constexpr double kBeyond = 5;
 
@@ -112,7 +112,7 @@ absl::StatusOr<ReferenceView> reference_of(const Computed& program) {
   return ReferenceView::make(scene, request, 0);
 }
 
-// Whether the reference, too, has nothing of the target in sight: then it is right that no row is
+// Returns true if the reference sees nothing of the target either: then it is right that no row is
 // computed.
 bool sees_nothing(const Computed& program, std::uint64_t seed, SceneVerdict& verdict) {
   const auto reference = reference_of(program);
@@ -469,7 +469,7 @@ SearchSummary::Spread SearchSummary::spread() const {
   Spread out;
   double sum = 0;
   for (const SceneVerdict& s : scene) {
-    // What fails is counted elsewhere.
+    // Scenes that fail are counted elsewhere.
     if (fails(s, bound)) continue;
     bool any = false;
     for (const JudgedValue& v : s.value) {
@@ -542,7 +542,7 @@ std::string verdict_line(const SceneVerdict& verdict, double bound) {
 
 namespace {
 
-// Of |deviation|.
+// Edges of the histogram, in units of |deviation|.
 constexpr std::array kEdges{0.5, 1.0, 2.0, 3.0, 5.0};
 using Histogram = std::array<std::size_t, kEdges.size() + 1>;
 

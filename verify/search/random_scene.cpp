@@ -157,7 +157,8 @@ std::string any_material(Dice& dice, const std::vector<RandomBand>& bands) {
   }
 }
 
-// Of every other sky: from the ground to the stratosphere, from almost nothing to opaque.
+// Returns the cloud of every other sky: from the ground to the stratosphere, from almost
+// transparent to opaque.
 RandomCloud cloud_of(std::uint64_t seed) {
   Dice dice(seed ^ 0xc10d5eedULL);
   RandomCloud out;
@@ -398,7 +399,7 @@ class Maker {
               dice_.uniform(0, 1));
     s_.body.push_back(cup);
     if (dice_.chance(0.5)) {
-      // What the hole shines on: a plate before it, turned to the sensor a little.
+      // A plate in front of the hole, turned a little to the sensor, receives the hole's light.
       RandomBody screen;
       screen.kind = RandomBody::Kind::kPlate;
       screen.size_m = {scale_m, scale_m, 0.01 * scale_m};

@@ -100,7 +100,8 @@ bool HitJudge::some_nearby(const Ray& ray, Accept&& accept) const {
   return false;
 }
 
-// Whether the ray passes an edge of the facet within the tolerance: seen along the ray.
+// Returns true if the ray, seen along its direction, passes an edge of the facet within the
+// tolerance.
 bool HitJudge::passes_close(const Ray& ray, std::uint32_t facet) const {
   const auto [u, v] = across(ray.direction);
   double x[3]{}, y[3]{};

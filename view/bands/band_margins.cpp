@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kDraws = 400;
 constexpr std::uint32_t kSeed = 20240229;
-// Candidates share what is drawn: so many at most, and so many numbers held for them.
+// Candidates share their draws: at most so many candidates, with at most so many numbers held.
 constexpr std::size_t kTogether = 16, kHeld = 8'000'000;
-// What is seen is none if it is no more than so many times what errors alone would make.
+// A signal counts as none if it is at most so many times the merit of errors alone.
 constexpr double kKnown = 3;
 
 double square_of(double x) { return x * x; }
@@ -27,7 +27,7 @@ double square_of(double x) { return x * x; }
 struct BandSearch::Draws {
   enum Kind { kSamples, kNumerical, kAll, kKinds };
   std::array<std::vector<double>, kKinds> merit;  // [kind][draw]
-  // What errors of both signs add to the merit; what all of them make by themselves.
+  // Mean change of the merit by errors of both signs.
   std::array<double, kKinds> added{};
   double alone = 0, no_more_than_alone = 0;
 };
@@ -39,7 +39,8 @@ std::size_t BandSearch::most_modes() const {
   return out;
 }
 
-// The same numbers are drawn for every candidate, here or in another call.
+// Draws the errors of the candidates. Every candidate gets the same random numbers, here and in
+// other calls.
 std::vector<BandSearch::Draws> BandSearch::draw_errors(
     const MeritOf& merit, std::span<const Candidate> candidates) const {
   const std::size_t rows = population_.row.size(), modes = most_modes();
@@ -50,13 +51,14 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
   const bool clutter = !clutter_mode_.empty();
   const std::size_t numbers = modes + 2 + (clutter ? 1 : 0);  // that are drawn for a view
   std::mt19937_64 random(kSeed);
-  // Of a library's distributions the numbers are its own; these are the same everywhere.
+  // Random distributions of a standard library give numbers of its own; these give equal numbers
+  // everywhere.
   const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
   const auto normal = [&] {
     const double radius = std::sqrt(-2 * std::log(uniform()));  // the first of two numbers
     return radius * std::cos(2 * std::numbers::pi * uniform());
   };
-  // What is drawn of one target.
+  // Random numbers of one target.
   struct Drawn {
     std::vector<double> z;
     double bound_level, bound_slope, model_level, model_slope;
@@ -115,7 +117,7 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
             against_, [](const BandCase& r) -> const TargetContrast& { return *r.against; }, p);
     }
   }
-  // By kind, each with those before it.
+  // Returns the errors by kind; each kind includes the previous ones.
   const auto error_of = [&](const Drawn& d, const PartErrors& e, std::size_t i) {
     const double* z = d.z.data() + population_.row[i].view * numbers;
     const double* mode = e.mode.data() + i * modes;
@@ -204,7 +206,7 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   };
   const auto scatter = [&](const std::vector<double>& values) {
     double mean = 0, sum = 0;
-    // Of equal values exactly that: a mean of differences.
+    // Equal values must give exactly their value: the mean is one of differences.
     for (const double v : values) mean += (v - values.front()) / kDraws;
     mean += values.front();
     for (const double v : values) sum += square_of(v - mean) / (kDraws - 1);

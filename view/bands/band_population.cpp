@@ -38,9 +38,9 @@ std::vector<double> reach_of(const std::vector<Vec<Body>>& unit, std::size_t cou
   return out;
 }
 
-// Of aspects, each as often as it is the nearest of evenly spread directions: nearest of all
-// viewpoints of the sweep, of which these are some, and no farther away than viewpoints lie apart.
-// Where there are none, there is nobody to stand for a direction.
+// Returns the weights of aspects: for each, the fraction of evenly spread directions that it is
+// nearest to among all viewpoints of the sweep. The aspects are some of these viewpoints. A
+// direction farther away than viewpoints lie apart counts for none of them.
 std::vector<double> solid_angles(const std::vector<AspectDeg>& aspect,
                                  const schema::ResolvedSweep& sweep) {
   constexpr int kDirections = 20000;
@@ -77,7 +77,7 @@ std::vector<double> solid_angles(const std::vector<AspectDeg>& aspect,
       }
     if (nearest < count && most >= farthest[nearest]) out[nearest] += 1.0 / kDirections;
   }
-  // None is nothing: there may be more of them than directions.
+  // The weight is at least half a direction's: there may be more aspects than directions.
   for (double& weight : out) weight = std::max(weight, 0.5 / kDirections);
   return out;
 }
@@ -172,7 +172,7 @@ absl::StatusOr<TargetClutter> stored_clutter(StoreReader& reader, const QueryRow
   return out;
 }
 
-// What each row counts, of all together 1. aspect_of: [row], aspects by their places.
+// Returns the weight of each row; the weights sum to 1. aspect_of: [row], index into `aspects`.
 absl::StatusOr<std::vector<double>> weights_of(std::span<const QueryRow> rows,
                                                const std::vector<AspectDeg>& aspects,
                                                const std::vector<std::size_t>& aspect_of,

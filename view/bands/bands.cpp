@@ -13,11 +13,11 @@
 namespace irsig {
 namespace {
 
-// So many signal-to-noise ratios of pairs are worked out at most before edges are taken at a
-// stride: some seconds.
+// The most signal-to-noise ratios of pairs that are computed (some seconds) before window edges are
+// taken at a stride.
 constexpr double kMostRatios = 4e8;
 
-// What of a table lies between two wavelengths, cut off there.
+// Returns the part of a table between two wavelengths, cut off there.
 ResponseTable between(const ResponseTable& table, double low, double high) {
   ResponseTable out;
   for (std::size_t i = 0; i + 1 < table.size(); ++i) {

@@ -177,8 +177,8 @@ double instant_of(const std::string& time_utc) {
   return t.ok() ? unix_seconds(*t) : kNan;
 }
 
-// Whether a condition's wind is stated, which may be calm: weather that nothing asks the wind of
-// has 0 as well.
+// Returns true if a condition's wind is stated, which may be calm. Weather without a stated wind
+// has a speed of 0, too.
 bool wind_is_stated(const schema::ResolvedSweep& sweep, const schema::Condition& c) {
   if (c.weather().wind_speed_m_s() > 0) return true;
   const std::uint32_t at = c.season_index();
@@ -189,7 +189,7 @@ bool wind_is_stated(const schema::ResolvedSweep& sweep, const schema::Condition&
          (season.has_wind_speed_m_s() || season.has_weather_file() || season.has_day());
 }
 
-// What is known of each condition: when it is, the sun, the weather. [season][time]
+// Writes the facts of each condition: its time, the sun, the weather. [season][time]
 void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
                       const schema::ResolvedSweep& sweep, const Layout& layout,
                       const Dimensions& d) {
@@ -227,13 +227,13 @@ void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
   using C = schema::Condition;
   using Value = std::optional<double>;
   const auto said = [](bool is_said, double value) { return is_said ? Value(value) : Value(); };
-  // Of numbers that cannot be 0 (jobs/text/number_bounds.cpp): 0 stands for none.
+  // Values that cannot be 0 (jobs/text/number_bounds.cpp): 0 stands for "not stated".
   const auto nonzero = [&](double value) { return said(value != 0, value); };
   stated("air_temperature_k", [&](const C& c) {
     return nonzero(c.weather().surface_stated() ? c.weather().air_temperature_k()
                                                 : c.air_temperature_k());
   });
-  // The three of the surface come together.
+  // The three values at the surface are stated together.
   stated("relative_humidity_percent", [&](const C& c) {
     return said(c.weather().surface_stated() || c.weather().pressure_pa() != 0,
                 c.weather().relative_humidity_percent());
@@ -337,8 +337,8 @@ void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const La
               samples);
 }
 
-// Of rows with uncertain inputs: what each contributes, as a cube for each input. Interpolated rows
-// have none.
+// Writes the contributions of uncertain inputs, as a cube for each input. Interpolated rows have
+// none.
 absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vector<QueryRow>& rows,
                           const Layout& layout, const Dimensions& d) {
   std::vector<std::string> names;
@@ -466,7 +466,8 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
   return absl::OkStatus();
 }
 
-// Of rows that have them: the covariance of a spectrum's errors is the sum over modes of m m^T.
+// Writes the modes of rows that have them: the covariance of a spectrum's errors is the sum over
+// modes of m m^T.
 absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vector<QueryRow>& rows,
                          const Layout& layout, const Dimensions& d, std::optional<Dimension> bin,
                          std::size_t bins) {
@@ -556,7 +557,7 @@ absl::Status write_cube(StoreReader& reader, const std::vector<QueryRow>& rows, 
 
 absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
                           const std::string& path) {
-  // Of a sweep one after the other, as they come.
+  // Rows by sweep, in the order in which the sweeps appear.
   std::vector<std::vector<QueryRow>> of_sweep;
   std::map<std::string, std::size_t> place;
   for (QueryRow& row : rows) {

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kFill = std::numeric_limits<double>::quiet_NaN();
 
-// What each bin of a band adds to the in-band integral of a spectrum of bin means, response
-// included: exact where the spectrum is a straight line. (Only half of the first and last bin lies
-// inside the band; its mean is not that of the half.)
+// Returns the weight of each bin of a band in the in-band integral of a spectrum of bin means,
+// response included. The weights are exact where the spectrum is a straight line. Only half of the
+// first and of the last bin lies inside the band; the mean of such a bin is not that of its half.
 std::vector<double> bin_weights(const BandGrid& grid) {
   const std::size_t bins = grid.lambda_um.size();
   std::vector<double> weight(bins, 0.0);

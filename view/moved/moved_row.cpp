@@ -42,13 +42,13 @@ struct Number {
   double value, stderr_;
 };
 
-// What a row holds of one wavelength, or of the whole band.
+// Stored values of a row at one wavelength, or over the whole band.
 struct Held {
   Number apparent, contrast, background, area_m2;
   std::array<double, kCauses> cause_stderr;
 };
 
-// The same channel as it arrives from one range.
+// Light of one channel as it arrives from one range.
 struct Seen {
   double transmittance = 0, path = 0, behind = 0, target = 0;
   double fraction_bound = 0, between_bound = 0;  // of behind
@@ -93,7 +93,7 @@ Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_
   return out;
 }
 
-// How much of what arrived still does.
+// Returns the fraction of the light arriving from range `from` that also arrives from range `to`.
 double kept(const Seen& from, const Seen& to) {
   return from.transmittance > 0 ? to.transmittance / from.transmittance : 0;
 }
@@ -108,12 +108,12 @@ Moved moved(const Held& held, const Seen& from, const Seen& to, double spread,
   double noise = 0;
   for (std::size_t c = 0; c < kCauses; ++c)
     noise += held.cause_stderr[c] * std::abs(to.share[c] - keep * from.share[c]);
-  // What the shares alone miss at the stored range.
+  // The error that the fractions alone leave at the stored range.
   const double off = std::abs(keep - 1);
   const double target_bound =
       light * (off * std::abs(held.apparent.value - area * from.path - from.target) + spread);
-  // What nodes between directions and silhouettes of a million cells leave: up to 5e-5 over the
-  // scenes of tests/system/moved_rows_test.py.
+  // Relative error by interpolation between directions and by silhouettes of a million cells: up to
+  // 5e-5 over the scenes of tests/system/moved_rows_test.py.
   constexpr double kBehind = 5e-5;
   const double background_bound = to.fraction_bound + to.between_bound +
                                   keep * from.fraction_bound +
@@ -147,7 +147,7 @@ absl::StatusOr<std::string> moved_modes(const Values& before, std::string_view m
   return encoded_modes(out, stderrs);
 }
 
-// Of the apparent intensity, as seen along this line of sight.
+// Returns the model error of the apparent intensity, as seen along this line of sight.
 double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& to,
                             double apparent_w_sr) {
   double surface_w_sr = 0;
@@ -290,15 +290,15 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   s.contrast_intensity_stderr_w_sr = m.contrast.stderr_;
   s.contrast_numerical_error_w_sr =
       error(contrast_of(row), growth, m.contrast.stderr_, contrast_bound);
-  // These are in the errors; by themselves they are known for the stored range alone.
+  // These bounds are part of the errors; their own values are known for the stored range only.
   s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.target_depth_bound_w_sr =
       s.background_bound_w_sr = s.apparent_temperature_bound_w_sr = kNotComputed;
   s.background_radiance_w_m2_sr = m.background.value;
   s.background_radiance_stderr_w_m2_sr = m.background.stderr_;
   s.apparent_model_error_w_sr = apparent_model_error(row, spectrum, to, m.apparent.value);
-  // Of the contrast, and of uncertain inputs, it is not stored how they came about: they are taken
-  // to grow as the model's error of the apparent intensity does, or as what arrives, where that is
-  // more.
+  // The model error of the contrast, and the uncertainty by inputs, are stored without their
+  // causes. They are assumed to grow as the model error of the apparent intensity, or as the
+  // arriving light where that grows more.
   const double model_here = apparent_model_error(row, spectrum, from, row.apparent_intensity_w_sr);
   const double model_growth =
       model_here > 0 ? std::max(growth, s.apparent_model_error_w_sr / model_here) : growth;

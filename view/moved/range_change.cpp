@@ -33,11 +33,12 @@ namespace irsig {
 namespace {
 
 constexpr double kFewestLengths = 20;
-// As of ranges in sweep files: farther, double precision no longer tells a target's sides apart.
+// The limit of ranges in sweep files: farther away, double precision no longer tells a target's
+// sides apart.
 constexpr double kFarthestM = 1e9;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
-// What a condition without the embedded atmosphere holds, on the band's nodes.
+// Light of a condition without the embedded atmosphere, on the band's nodes.
 struct PlainLight {
   double air_temperature_k;
   std::vector<double> sky, lower;
@@ -85,13 +86,13 @@ ViewEnvironment plain_view(const Air& air, const PlainLight& light, double range
   return out;
 }
 
-// What stands behind a target from one viewpoint.
+// The background directions behind a target from one viewpoint.
 struct Behind {
   BackgroundDirections nodes;
   Silhouette::Fractions before;
 };
 
-// The air of one band of a stored sweep: what the other bands are does not matter to it.
+// The air of one band of a stored sweep; the other bands do not matter to it.
 class BandAir {
  public:
   static absl::StatusOr<BandAir> make(StoredSweep sweep, const StoredSignature& any) {
@@ -129,16 +130,16 @@ class BandAir {
     return static_cast<std::uint32_t>(at - conditions.begin());
   }
 
-  // The z at which the radiance behind the target jumps, of each weather.
+  // Returns the z at which the radiance behind the target jumps, for each weather.
   [[nodiscard]] std::vector<float> horizons_z(const Viewpoint& v) const {
     if (environment_ != nullptr) return environment_->horizons_z(environment_->line(v));
     if (!waterline_) return {0.0f};
     const GrazingRay straight;
     return {LineHorizon(straight, 0, plain_line(v), 0).z()};
   }
-  // Whether sea or ground hides what lies below body z = 0.
+  // Returns true if sea or ground hides the part of the target below body z = 0.
   [[nodiscard]] bool waterline() const { return waterline_; }
-  // Whether the Earth hides the waterline of the target.
+  // Returns true if the Earth hides the waterline of the target.
   [[nodiscard]] bool hides_waterline(const Viewpoint& v) const {
     if (!waterline_) return false;
     const double lift_rad =
@@ -146,8 +147,9 @@ class BandAir {
     return v.aspect_elevation_deg * kRadiansPerDegree + std::max(0.0, lift_rad) < -1e-6;
   }
 
-  // silhouette: null or without area, then the target reaches `reach_m` anywhere, and as much of it
-  // as its bound says stands before another direction than its reference point does.
+  // silhouette: null or without area means that the target reaches `reach_m` anywhere. As much of
+  // the target as its bound states then stands before another direction than its reference point
+  // does.
   [[nodiscard]] Behind behind(const Viewpoint& v, const Silhouette* silhouette,
                               double reach_m) const {
     const std::vector<float> horizon = horizons_z(v);
@@ -207,12 +209,12 @@ class BandAir {
     return out;
   }
 
-  // What homogeneous air lets too little through for, at the stored range, is not brought nearer.
+  // Refuses to move a row nearer if homogeneous air lets too little of the background through at
+  // the stored range.
   [[nodiscard]] absl::Status check_nearer(const SightLine& from, const SightLine& to) const {
     if (environment_ != nullptr) return absl::OkStatus();
     for (std::size_t k = 0; k < grid_.lambda_um.size(); ++k)
-      // Stored values have 24 bits: 1e-3 of transmittance leaves four digits of what lies behind
-      // it.
+      // Stored values have 24 bits: a transmittance of 1e-3 leaves four digits of the background.
       if (const double before = from.bin.transmittance[k];
           before < 1e-3 && to.bin.transmittance[k] > before)
         return absl::FailedPreconditionError(fmt::format(
@@ -222,7 +224,7 @@ class BandAir {
     return absl::OkStatus();
   }
 
-  // How the light of a row's parts is spread over them.
+  // Returns the light of a row by part.
   [[nodiscard]] std::vector<PartLight> part_light(const StoredSignature& row,
                                                   std::uint32_t condition,
                                                   const std::vector<StoredPart>& stored) const {
@@ -260,7 +262,8 @@ class BandAir {
     }
     return out;
   }
-  // Whether lines take their time from what is around the target, and there is room for a table.
+  // Returns true if the surroundings of the target make lines of sight expensive, and a table of
+  // them fits into memory.
   [[nodiscard]] bool wants_table(std::size_t ranges) const {
     constexpr double kMostBytes = 1e9;
     const auto conditions = static_cast<std::size_t>(sweep_.resolved.condition_size());
@@ -424,7 +427,7 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
       spread[c] = spread_of((*from)[c], (*to)[c]);
     for (std::size_t c = 0; c < conditions.size(); ++c) {
       RETURN_IF_ERROR(air.check_nearer((*from)[c], (*to)[c]));
-      // What both lines have alike is no error of a row that stays.
+      // An error that both lines share is no error of a row that is not moved.
       if (own)
         for (SightLine* line : {&(*from)[c], &(*to)[c]})
           for (SightLine::Integrals* of : {&line->bin, &line->band})
@@ -492,7 +495,7 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
       view.out.push_back(&out[i * ranges_m_.size() + r]);
   }
   RETURN_IF_ERROR(check_computed(signatures, SignatureQuantity::kContrastIntensity));
-  // What is read is read by this thread alone.
+  // The database is read by this thread alone.
   std::vector<std::pair<Air*, const Air::View*>> list;
   for (auto& [key, view] : views) {
     ASSIGN_OR_RETURN(const auto air, air_of(view.any()));

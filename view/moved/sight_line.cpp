@@ -17,8 +17,8 @@ LineValues per_bin(const BandGrid& grid, const std::vector<double>& weight,
   return out;
 }
 
-// What arrives of a source, for each unit of the source's mean over the bin; where there is no such
-// source, what arrives of a grey one.
+// Returns the arriving light per unit of the source's mean over the bin; for a bin without this
+// source, that of a grey one.
 LineValues arriving(const LineValues& seen, const LineValues& mean, const LineValues& grey) {
   LineValues out(seen.size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = mean[k] > 0 ? seen[k] / mean[k] : grey[k];

@@ -133,7 +133,8 @@ Silhouette::Silhouette(const TargetShape& shape, const Viewpoint& viewpoint, boo
   breaks.push_back(low);
   breaks.push_back(high);
   for (const float z : horizon_z) {
-    // Of the middle of the picture; beside it the horizon stands as much lower as the rows tell.
+    // The horizon in the middle of the picture; towards the sides it is lower, by an amount that
+    // the rows give.
     const double turn = camera.elevation_rad - std::asin(std::clamp<double>(z, -1.0, 1.0));
     const double y = std::tan(turn);
     if (std::abs(turn) < 1 && y > low && y < high) breaks.push_back(y);

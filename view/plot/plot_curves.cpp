@@ -31,7 +31,7 @@ int per_line(const std::vector<LegendEntry>& legend) {
   return std::min(5, legend_entries_per_line(legend, kCurvesWidth - kCurvesLeft + kCurvesRight));
 }
 
-// What the legend needs beyond one line.
+// Returns the height that the legend needs beyond one line.
 double more_legend(const CurvePanel& panel) {
   const auto legend = legend_of(panel);
   const auto n = static_cast<std::size_t>(per_line(legend));

@@ -63,7 +63,8 @@ std::vector<CurvePanel> temperature_panels(const Hours& hours, const CurvePanel&
     add(curve_named(out.back().curve, t.part.part, parts.place(t.part.part)), t.at.hour,
         t.part.mean_k, t.part.coldest_k, t.part.hottest_k);
   }
-  // What is behind walls: temperatures among those of the parts, heat in a panel of its own.
+  // Inner sides of walls: temperatures go into the parts' panel, heat fluxes into a panel of their
+  // own.
   for (const HourlyInside& i : hours.inside) {
     const std::string title =
         i.at.day + (i.heat_flux ? ", heat into walls" : ", computed temperatures");

@@ -81,7 +81,7 @@ class PolarPanel {
   void band_of(const PolarCurve& curve, const Stroke& stroke) {
     band_of(curve, &PolarPoint::error, stroke, 0.16);
   }
-  // What uncertain inputs leave: lighter.
+  // Draws the uncertainty by inputs in a lighter tone.
   void input_band_of(const PolarCurve& curve, const Stroke& stroke) {
     band_of(curve, &PolarPoint::input, stroke, 0.07);
   }

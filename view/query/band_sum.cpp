@@ -89,7 +89,7 @@ double BandWeights::shape_bound(std::span<const double> bin_mean) const {
   for (std::size_t k = 0; k < bins; ++k) {
     if (swing[k] == 0) continue;
     const auto [below, above] = beside(k, bins);
-    // Of two bins all may be bent.
+    // With two bins only, the whole difference between them may be bent.
     const double most = bins < 3 ? std::abs(bin_mean[above] - bin_mean[below])
                                  : std::max({bent[below], bent[k], bent[above]});
     sum += swing[k] * most;

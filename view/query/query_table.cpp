@@ -28,7 +28,7 @@ RowColumn stored(const char* name, T StoredSignature::*field, bool brief) {
             if constexpr (std::is_same_v<T, std::uint32_t>) {
               return static_cast<std::uint64_t>(row.signature.*field);
             } else if constexpr (std::is_same_v<T, double>) {
-              // What was not computed is no number.
+              // A value that was not computed (NaN) gives an empty cell.
               const double value = row.signature.*field;
               return std::isnan(value) ? Cell() : Cell(value);
             } else if constexpr (std::is_same_v<T, std::optional<std::uint64_t>>) {
@@ -39,7 +39,7 @@ RowColumn stored(const char* name, T StoredSignature::*field, bool brief) {
           }};
 }
 
-// What an interpolated row does not have: it was not computed.
+// Returns a column that is empty for interpolated rows, for which its value was not computed.
 template <typename T>
 RowColumn computed(const char* name, T StoredSignature::*field, bool brief) {
   RowColumn out = stored(name, field, brief);
@@ -394,7 +394,7 @@ struct RowTable::Parts {
     columns.insert(columns.end(), std::make_move_iterator(more.begin()),
                    std::make_move_iterator(more.end()));
   }
-  // Of rows as a whole, unless a spectrum or parts make several lines of each.
+  // Adds the columns of whole rows, unless a spectrum or parts make several lines of each row.
   void add_totals(const std::vector<QueryRow>& first) {
     append(further_columns());
     show_quantity(columns, columns_of(content.quantity));

@@ -69,9 +69,9 @@ SphereEstimate estimate(const SphereFit& fit, const SphereSamples& samples, Fiel
   return estimate_of(kind, fit, value, value_stderr);
 }
 
-// Of one direction and field: what interpolation states before viewpoints are added. More of them
-// change the geometry; how rough the field is remains what the real ones show. What facets could
-// hide is found anew, as if the added viewpoints had the interpolated values.
+// Interpolation at one direction and field before viewpoints are added. More viewpoints change the
+// geometry; the roughness of the field stays that of the real viewpoints. The bound of what facets
+// hide is computed again, as if the added viewpoints had the interpolated values.
 struct Before {
   double value, scale;  // errors are relative to the scale
   double error, rough_error, hidden_error;
@@ -79,7 +79,7 @@ struct Before {
   SphereKernel kernel;
 };
 
-// A viewpoint that is no farther away is this direction's own.
+// A viewpoint at most so far away is taken as this direction's own.
 constexpr double kOfItsOwn = 1e-3;
 
 double relative_to(FieldKind kind, double value, double scale) {

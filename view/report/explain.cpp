@@ -137,7 +137,7 @@ std::string title(const Explained& e) {
   return out;
 }
 
-// What a numerical error is made of.
+// Returns the lines about the parts of a numerical error.
 std::string errors(const StoredSignature& row, IntensityOf intensity, double value, double stderr_,
                    double numerical_error) {
   std::string out = line("standard error", stderr_, value);
@@ -271,7 +271,7 @@ std::string causes(const StoredSignature& s) {
   return out;
 }
 
-// What uncertain inputs leave: the one that contributes most to the intensity first.
+// Returns the lines about uncertain inputs, the one that contributes most to the intensity first.
 std::string inputs(const Explained& e) {
   if (e.input.empty()) return "";
   const StoredSignature& s = e.signature();

@@ -21,7 +21,7 @@ double number_at(const std::string& little_endian, std::size_t index) {
   return static_cast<double>(value);
 }
 
-// Of computed temperatures the index of the row for this time.
+// Returns the index of the time among computed temperatures.
 absl::StatusOr<std::size_t> time_index(const schema::HeatField& field,
                                        const std::string& time_utc) {
   ASSIGN_OR_RETURN(const auto time, parse_rfc3339(time_utc));

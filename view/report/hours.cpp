@@ -44,7 +44,7 @@ absl::Status add_inside(const schema::BuildUp& build_up, const std::string& seas
   return absl::OkStatus();
 }
 
-// Of the walls of the parts whose temperatures are there.
+// Adds the inner sides of walls, for parts with temperatures.
 absl::Status add_inside(const schema::Sweep& sweep, const Days& days, Hours& hours) {
   struct Span {
     std::string season;

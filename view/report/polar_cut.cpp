@@ -98,13 +98,13 @@ class Belt {
     belt_ = samples_of(inside);
   }
 
-  // At a point of the ring.
+  // Returns the estimate at a point of the ring.
   [[nodiscard]] absl::StatusOr<SphereEstimate> estimate(const QuantityColumns& quantity,
                                                         Vec<Body> where,
                                                         const SphereKernel& kernel) const {
     if (!belt_.direction.empty()) {
       const auto fit = SphereFit::at(belt_, where, kernel);
-      // What lies outside is farther away than the belt is wide.
+      // Samples outside of the belt are farther away than its width.
       const double reach = 2 * std::sin(half_width_deg_ * std::numbers::pi / 360);
       if (fit.ok() && fit->used().size() >= 2 &&
           length(belt_.direction[fit->used().back()] - where) < reach)

@@ -19,25 +19,24 @@ constexpr std::size_t kFewestSamples = 6;
 constexpr std::size_t kNeighbours = 48;
 constexpr std::size_t kKernelSamples = 150;
 constexpr std::size_t kResiduals = 12;
-// Those around a direction: what kinks near it shows in some of them only.
+// Residuals around a direction: a kink near it shows in some of them only.
 constexpr std::size_t kNearResiduals = 6;
-// Of facets: what the scatter shows counts by this much beside what bounds leave open. Calibrated:
-// 0.3 to 0.5 keep every family of convex bodies in docs/evidence/stability.md between 0.5 and 1.3
-// errors rms.
+// Weight of the scatter for facets, beside the bounds. Calibrated: 0.3 to 0.5 keep every family of
+// convex bodies in docs/evidence/stability.md between 0.5 and 1.3 errors rms.
 constexpr double kRoughOfFacets = 0.4, kRoughOfSignedFacets = 0.5;
-// The bounds of what facets can hide count as three standard errors from their middle: the rms of
-// an even distribution between them is 1 / sqrt(3) of half their distance, and this is a third of
-// it.
+// The bounds of what facets can hide count as three standard errors from their middle: the rms of a
+// uniform distribution between them is 1 / sqrt(3) of half their distance, and this factor is a
+// third of it.
 constexpr double kHiddenOfBounds = 1 / std::numbers::sqrt3;
-// How far from the nearest viewpoint the edge of a set may be: the lowest zone of a Fibonacci
+// Largest distance of the edge of a set from the nearest viewpoint: the lowest zone of a Fibonacci
 // hemisphere has directions at 1.16 spacings.
 constexpr double kEdgeSpacings = 1.25;
-// How far beyond the elevations of the viewpoints: the lowest zone of a Fibonacci set is less than
-// this above its limit.
+// Largest distance beyond the elevations of the viewpoints: the lowest zone of a Fibonacci set is
+// less than this above its limit.
 constexpr double kBeyondSpacings = 0.1;
 constexpr double kRoundingDeg = 1e-3;
-// The covering radius of 24 viewpoints on a hemisphere is 26 deg; fewer say nothing of what is
-// between them.
+// The covering radius of 24 viewpoints on a hemisphere is 26 deg; fewer viewpoints tell nothing
+// about the directions between them.
 constexpr double kFurthestDeg = 30;
 constexpr double kSamePlace = 1e-7;  // 0.5 mm at 5 km
 

@@ -124,7 +124,7 @@ class Presentation {
     return out;
   }
 
-  // What was asked for, what the rows state and what is true.
+  // Returns the panel of requested, stated and true errors.
   [[nodiscard]] WorkPanel asked_panel() const {
     WorkPanel out{"Asked, stated and true errors (in-band)",
                   "relative error asked",

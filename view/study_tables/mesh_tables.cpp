@@ -47,7 +47,7 @@ class Tables {
   }
 
  private:
-  // Of the views in which every mesh has some of it.
+  // Returns the views in which every mesh has a value above 0.
   [[nodiscard]] std::vector<std::size_t> views_of(const MeshQuantity& quantity) const {
     std::vector<std::size_t> out;
     for (std::size_t view = 0; view < c_.viewpoint.size(); ++view)
@@ -222,7 +222,7 @@ absl::StatusOr<std::string> mesh_csv(const MeshComparison& comparison) {
                                  out);
   if (!table.ok()) return table.status();
   const MeasuredMesh& finest = comparison.mesh.back();
-  // Of a value that the finest mesh does not have there is no relative deviation.
+  // A value that is 0 for the finest mesh has no relative deviation.
   const auto append = [](const MeshValue& value, const MeshValue& reference,
                          std::vector<Cell>& cells) {
     cells.insert(cells.end(), {Cell(value.value), Cell(value.error)});

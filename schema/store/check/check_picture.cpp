@@ -209,7 +209,7 @@ absl::Status check_image_layer(const schema::ImageLayer& layer, std::uint32_t wi
 
 namespace {
 
-// What all of a silhouette's pixels may hold: so much is read into memory, and inflated before it.
+// Return the limits of a silhouette's pixels: entries in memory, and bytes after inflation.
 std::uint64_t most_entries(const schema::Silhouette& of) {
   return 4 * std::uint64_t{of.width_px()} * of.height_px() + (1U << 22U);
 }
@@ -315,7 +315,7 @@ absl::Status visit_part_sets(const schema::Silhouette& silhouette,
                              const std::function<void(int, std::uint32_t, std::uint16_t)>& visit) {
   if (silhouette.part_set().empty()) return absl::OkStatus();
   IRSIG_STORE_TRY(check_frame(silhouette));
-  // Of a set each pixel has a number of pixels skipped and one of rays.
+  // Each pixel of a part set has a count of skipped pixels and a count of rays.
   constexpr std::size_t kSkipBytes = 4, kCountBytes = 2, kBytes = kSkipBytes + kCountBytes;
   const std::uint32_t pixels = silhouette.width_px() * silhouette.height_px();
   RayCounts rays(silhouette);

@@ -94,7 +94,7 @@ absl::Status check_names(const schema::ResolvedSweep& sweep) {
   return absl::OkStatus();
 }
 
-// Of the sweep's views: each row is computed by one of them.
+// Checks that each row of the sweep is computed by exactly one view.
 class ViewRule {
  public:
   explicit ViewRule(const schema::ResolvedSweep& sweep)

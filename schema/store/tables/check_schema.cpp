@@ -18,7 +18,8 @@ namespace {
 // "view signature_view" -> its statement, without comments and with single spaces.
 using Definitions = std::map<std::string, std::string>;
 
-// What SQLite keeps is the text that made a table, so that equal definitions may differ in these.
+// Removes comments and blanks from a table definition: SQLite keeps the text that created the
+// table, and equal definitions may differ in these.
 std::string without_layout(const std::string& sql) {
   std::string out;
   bool space = false;

@@ -25,7 +25,7 @@ absl::Status status_of(int code, std::string message) {
       return absl::ResourceExhaustedError(std::move(message));
     case SQLITE_NOMEM:
       return absl::ResourceExhaustedError(std::move(message));
-    // What was to be written breaks a rule of its table: the request is wrong, not the database.
+    // The written row breaks a rule of its table: the request is wrong, not the database.
     case SQLITE_CONSTRAINT:
     case SQLITE_TOOBIG:
     case SQLITE_MISMATCH:

@@ -232,7 +232,7 @@ class Examination {
            });
   }
 
-  // Whether the silhouette of a row with an image is there and whole.
+  // Returns true if the silhouette of a row with an image is present and undamaged.
   bool shows_parts(std::int64_t signature_id) {
     const auto silhouette = reader_.silhouette(signature_id);
     return silhouette.ok() && silhouette->has_value();

@@ -49,7 +49,8 @@ const Owned kProvenance = {
     "provenance",
     "job_id",
     {},
-    // Of a job that was taken over no rays are counted; a hash of messages is that of one irsig.
+    // Columns that may differ: a job that was taken over has no count of rays, and a hash of
+    // messages belongs to one version of irsig.
     {"build_id", "worker_name", "rays", "seconds", "content_sha256"}};
 const Owned kTemperature = {"computed_temperature", "job_id"};
 const Owned kSilhouette = {"silhouette", "job_id"};
@@ -110,7 +111,7 @@ struct SweepThere {
   std::uint64_t rows = 0, all_rows = 0;
 };
 
-// What one name stands for.
+// The sweep that one name stands for in all sources.
 struct SweepHere {
   std::string name, whole_sha256;
   schema::ResolvedSweep whole;
@@ -151,7 +152,7 @@ absl::Status differ(const std::string& sweep, const std::string& what, const std
                                                  ": expected the same in both"));
 }
 
-// What the sources hold together, sweep by sweep.
+// The union of the sources, sweep by sweep.
 class Union {
  public:
   absl::Status add(const std::string& path, const SweepThere& there) {
@@ -305,7 +306,7 @@ class Taking {
     return database_.run(sql::merge_prediction, here.whole_sha256);
   }
 
-  // Of the first row; empty: there is none.
+  // Returns the text of the first row; empty if there is none.
   absl::StatusOr<std::string> text(const char* sql) {
     ASSIGN_OR_RETURN(Rows row, database_.query(sql));
     ASSIGN_OR_RETURN(const bool found, row.next());

@@ -195,7 +195,7 @@ class Slicing {
     return absl::OkStatus();
   }
 
-  // Of increasing places.
+  // Checks that increasing places lie within a list of `size` entries.
   static absl::Status within(const Places& places, int size) {
     if (places.empty() || (places.front() >= 0 && places.back() < size)) return absl::OkStatus();
     return absl::DataLossError("a sweep refers to a place that its lists do not have");
@@ -244,7 +244,7 @@ absl::StatusOr<Sliced> slice_database(const std::string& from, const SliceAsked&
                                       const std::string& to, const SliceProgress& progress) {
   Sliced out{};
   const absl::Status made = make_new_database(to, [&](const std::string& beside) -> absl::Status {
-    // What is wrong with the source comes first.
+    // Errors of the source are reported first.
     if (const auto source = open_for_reading(from); !source.ok()) return source.status();
     IRSIG_STORE_TRY(make_empty_database(beside));
     ASSIGN_OR_RETURN(Sliced sliced, copy(from, asked, beside, progress));
