@@ -196,8 +196,11 @@ absl::StatusOr<SceneHeatResult> solve_parts(const schema::Sweep& sweep, const sc
 }
 
 // By how much each input of a run changes its temperatures.
+//   ground_k  [input] what the target sees of land, at each knot; empty: it is not computed
 absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
-                         const Target& target, const Asked& asked, schema::HeatField& field) {
+                         const Target& target, const Asked& asked,
+                         const std::vector<std::vector<double>>& ground_k,
+                         schema::HeatField& field) {
   const schema::HeatRun& heat = resolved.heat(static_cast<int>(run));
   schema::ResolvedSweep alone;  // what walls depend on
   *alone.mutable_sweep() = resolved.sweep();
@@ -207,10 +210,15 @@ absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
   for (int i = 0; i < heat.input_size(); ++i) {
     const schema::InputMove& input = heat.input(i);
     const MovedSweep sweep = moved_sweep(alone, {input.name(), input.sigma()}, input.move());
-    if (!computes_parts(heat) || !moves_parts(alone, sweep.sweep, 0)) continue;
+    const std::vector<double>* ground =
+        ground_k.empty() ? nullptr : &ground_k[static_cast<std::size_t>(i)];
+    const bool other_ground =
+        ground != nullptr && *ground != asked.request.beneath.temperature_at_k;
+    if (!computes_parts(heat) || !(other_ground || moves_parts(alone, sweep.sweep, 0))) continue;
     auto request = asked_of(sweep.sweep.sweep(), sweep.sweep.heat(0), target);
     if (!request.ok()) return at_key(absl::StrCat("uncertainty.", input.name()), request.status());
     request->request.of_model = is_of_heat_model(input.name());
+    if (ground != nullptr) request->request.beneath.temperature_at_k = *ground;
     moved.push_back(std::move(request->request));
     input_of.push_back(i);
   }
@@ -238,6 +246,16 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_of(const schema::ResolvedS
   return std::shared_ptr<const LandScene>(std::shared_ptr<void>(), land);
 }
 
+// Empty: the surroundings' own surface stays, that of water or of no land on the map.
+std::vector<double> ground_seen_k(const Asked& asked, const Mesh& mesh, const LandScene& land,
+                                  const LandCourse& course,
+                                  const std::vector<std::vector<float>>& difference_k) {
+  const GroundBoundary& beneath = asked.request.beneath;
+  if (beneath.water || !std::isfinite(beneath.surface_z_m)) return {};
+  return ground_around_k(land, course, difference_k, mesh, beneath.surface_z_m,
+                         asked.request.knot_s);
+}
+
 }  // namespace
 
 absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& resolved,
@@ -261,24 +279,34 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
   }
   field.set_facets(static_cast<std::uint32_t>(target.facet.size()));
   if (heat.input_size() > 0) {  // the run whose temperatures change has said what is odd
-    RETURN_IF_ERROR(add_changes(resolved, run, target, asked, field));
+    std::vector<std::vector<double>> ground_k;
     if (changes_land(heat)) {
       ASSIGN_OR_RETURN(const auto scene, land_of(resolved, assets, land));
       ASSIGN_OR_RETURN(auto changes, compute_land_changes(resolved, heat, *scene));
-      for (std::string& change : changes) field.add_land_change_k(std::move(change));
+      for (std::string& change : changes.change_k) field.add_land_change_k(std::move(change));
+      const auto ground = [&](const std::vector<std::vector<float>>& difference_k) {
+        return ground_seen_k(asked, mesh, *scene, changes.course, difference_k);
+      };
+      asked.request.beneath.temperature_at_k = ground({});
+      for (const auto& difference_k : changes.difference_k)
+        ground_k.push_back(ground(difference_k));
     }
+    RETURN_IF_ERROR(add_changes(resolved, run, target, asked, ground_k, field));
     out.set_field(field.SerializeAsString());
     return out;
   }
 
+  if (computes_land(heat)) {  // which the target sees
+    ASSIGN_OR_RETURN(const auto scene, land_of(resolved, assets, land));
+    LandCourse course;
+    ASSIGN_OR_RETURN(*field.mutable_land(),
+                     compute_land_heat(sweep, heat, *scene, asked.warning, course));
+    asked.request.beneath.temperature_at_k = ground_seen_k(asked, mesh, *scene, course, {});
+  }
   ASSIGN_OR_RETURN(const auto by_time, solve_parts(sweep, heat, mesh, target, asked, out));
   field.set_kelvin(bytes_of(by_time.kelvin));
   field.set_error_k(bytes_of(by_time.error_k));
   add_effects(asked.request, by_time, field);
-  if (computes_land(heat)) {
-    ASSIGN_OR_RETURN(const auto scene, land_of(resolved, assets, land));
-    ASSIGN_OR_RETURN(*field.mutable_land(), compute_land_heat(sweep, heat, *scene, asked.warning));
-  }
   out.set_field(field.SerializeAsString());
   out.mutable_warning()->Assign(asked.warning.begin(), asked.warning.end());
   return out;

@@ -10,6 +10,8 @@
 #include "core/base/hottest.h"
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
+#include "core/geo/frames.h"
+#include "core/land/kinds/land_below_target.h"
 #include "core/land/kinds/make_land_kinds.h"
 #include "core/thermal/land/land_heat.h"
 #include "messages/inputs/moved_sweep.h"
@@ -91,7 +93,8 @@ absl::StatusOr<AskedOfLand> asked_of_land(const schema::Sweep& sweep, const sche
   request.knot_s = std::move(weather.knot_s);
   request.weather = std::move(weather.at);
   request.day_knots = weather.day_knots;
-  request.output_knot = weather.output_knot;
+  // All that are known: the target sees the land at each of them.
+  for (std::size_t k = 0; k < request.knot_s.size(); k += 2) request.output_knot.push_back(k);
   request.heading_deg = sweep.place().heading_deg();
   request.tolerance_k = sweep.heat().tolerance_k();
   if (heat.has_sky_factor())
@@ -99,7 +102,8 @@ absl::StatusOr<AskedOfLand> asked_of_land(const schema::Sweep& sweep, const sche
       for (HeatRadiation* radiation : {&at.before, &at.after})
         radiation->sky_w_m2 *= heat.sky_factor();
   if (heat.has_convection_factor()) request.convection_factor = heat.convection_factor();
-  out.output_of_time = std::move(weather.output_of_time);
+  for (const std::size_t o : weather.output_of_time)
+    out.output_of_time.push_back(weather.output_knot[o] / 2);
   return out;
 }
 
@@ -118,7 +122,8 @@ std::size_t most_land_kinds(const schema::Sweep& sweep) {
 absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
                                                    const schema::HeatRun& heat,
                                                    const LandScene& land,
-                                                   std::vector<std::string>& warning) {
+                                                   std::vector<std::string>& warning,
+                                                   LandCourse& course) {
   ASSIGN_OR_RETURN(const AskedOfLand asked, asked_of_land(sweep, heat, warning));
   const LandKinds kinds =
       make_land_kinds(land, land_computed(sweep), land_on_objects(sweep), kHeldOutPlaces);
@@ -132,12 +137,14 @@ absl::StatusOr<schema::LandHeat> compute_land_heat(const schema::Sweep& sweep,
     by_time.interpolation_k.push_back(solved->interpolation_k[k]);
   }
   RETURN_IF_ERROR(check_land_kelvin(sweep, heat, kinds, by_time));
-  return land_heat_to_message(kinds, by_time);
+  schema::LandHeat out = land_heat_to_message(kinds, by_time);
+  course = {kinds, std::move(solved->kelvin)};
+  return out;
 }
 
-absl::StatusOr<std::vector<std::string>> compute_land_changes(const schema::ResolvedSweep& resolved,
-                                                              const schema::HeatRun& heat,
-                                                              const LandScene& land) {
+absl::StatusOr<LandChangesOfRun> compute_land_changes(const schema::ResolvedSweep& resolved,
+                                                      const schema::HeatRun& heat,
+                                                      const LandScene& land) {
   const schema::Sweep& sweep = resolved.sweep();
   std::vector<std::string> said;  // by the run whose temperatures change
   ASSIGN_OR_RETURN(const AskedOfLand asked, asked_of_land(sweep, heat, said));
@@ -156,18 +163,60 @@ absl::StatusOr<std::vector<std::string>> compute_land_changes(const schema::Reso
     moved.push_back(std::move(request->request));
     input_of.push_back(i);
   }
-  const LandKinds kinds = make_land_kinds(land, land_computed(sweep), land_on_objects(sweep), 0);
+  LandChangesOfRun out;
+  LandKinds& kinds = out.course.kinds;
+  kinds = make_land_kinds(land, land_computed(sweep), land_on_objects(sweep), 0);
   auto changes = solve_land_heat_changes(kinds, asked.request, moved);
   if (!changes.ok()) return at_key("land", changes.status());
+  out.course.kelvin = std::move(changes->kelvin);
   const std::string none(sizeof(float) * kinds.kind.size() * asked.output_of_time.size(), '\0');
-  std::vector<std::string> out(static_cast<std::size_t>(heat.input_size()), none);
-  for (std::size_t i = 0; i < changes->size(); ++i) {
-    std::string& to = out[static_cast<std::size_t>(input_of[i])];
+  const auto inputs = static_cast<std::size_t>(heat.input_size());
+  out.change_k.assign(inputs, none);
+  out.difference_k.resize(inputs);
+  for (std::size_t i = 0; i < input_of.size(); ++i) {
+    const auto input = static_cast<std::size_t>(input_of[i]);
+    out.difference_k[input] = std::move(changes->moved[i].difference_k);
+    std::string& to = out.change_k[input];
     to.clear();
     for (const std::size_t k : asked.output_of_time) {
-      const std::vector<float>& row = (*changes)[i][k];
+      const std::vector<float>& row = changes->moved[i].change_k[k];
       to.append(reinterpret_cast<const char*>(row.data()), sizeof(float) * row.size());
     }
+  }
+  return out;
+}
+
+std::vector<double> ground_around_k(const LandScene& land, const LandCourse& course,
+                                    const std::vector<std::vector<float>>& difference_k,
+                                    const Mesh& mesh, double surface_z_m,
+                                    const std::vector<double>& knot_s) {
+  Vec<Body> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+  for (const Vec<Body>& v : mesh.vertex) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+    high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+  }
+  const Vec<Enu> middle = enu_from_body(0.5 * (low + high), land.heading_deg);
+  constexpr double kLeastAboveM = 0.01;
+  const TargetOnLand target{middle.x, middle.y, 0.25 * (high.x - low.x + high.y - low.y),
+                            std::max(surface_z_m - 0.5 * (low.z + high.z), kLeastAboveM)};
+  const std::vector<KindShare> around = land_below_target(land, course.kinds, target);
+  std::vector<double> out;
+  if (around.empty()) return out;
+  for (std::size_t t = 0; t < course.kelvin.size(); ++t) {
+    double fourth = 0, share = 0;
+    for (const KindShare& part : around) {
+      double kelvin = static_cast<double>(course.kelvin[t][part.kind]);
+      if (!difference_k.empty()) kelvin += static_cast<double>(difference_k[t][part.kind]);
+      fourth += static_cast<double>(part.share) * kelvin * kelvin * kelvin * kelvin;
+      share += static_cast<double>(part.share);
+    }
+    const double kelvin = std::sqrt(std::sqrt(fourth / share));
+    if (t > 0) {
+      const std::size_t k = 2 * t - 1;
+      const double part = (knot_s[k] - knot_s[k - 1]) / (knot_s[k + 1] - knot_s[k - 1]);
+      out.push_back(std::lerp(out.back(), kelvin, part));
+    }
+    out.push_back(kelvin);
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/land/kinds/make_land_kinds.h"
@@ -21,11 +22,14 @@ struct SoilOnHills {
   LandHeatRequest request = land_day(600);
 
   SoilOnHills() { kinds = make_land_kinds(hills(150), {true}, {false}, 0); }
-  [[nodiscard]] std::vector<LandTemperatureChange> changes(
+  // [moved][output][kind]
+  [[nodiscard]] std::vector<std::vector<std::vector<float>>> changes(
       const std::vector<LandHeatRequest>& moved) const {
     auto out = solve_land_heat_changes(kinds, request, moved);
     EXPECT_TRUE(out.ok()) << out.status();
-    return *std::move(out);
+    std::vector<std::vector<std::vector<float>>> change;
+    for (LandTemperatureChange& each : out->moved) change.push_back(std::move(each.change_k));
+    return change;
   }
 };
 
@@ -111,7 +115,7 @@ TEST(LandHeatChanges, LeaveStatedLandAlone) {
   warm_air(warmer);
   const auto changes = solve_land_heat_changes(kinds, request, std::vector{warmer});
   ASSERT_TRUE(changes.ok()) << changes.status();
-  for (const std::vector<float>& row : (*changes)[0])
+  for (const std::vector<float>& row : changes->moved[0].change_k)
     for (std::size_t k = 0; k < kinds.kind.size(); ++k) {
       if (kinds.kind[k].material == 1) {
         EXPECT_EQ(row[k], 0.0f);

@@ -393,5 +393,48 @@ TEST(LandHeat, FacesOfObjectsAreWallsAndRoofs) {
   EXPECT_LT(wall_k(17, 90), wall_k(17, 270) - 5);
 }
 
+// Rationale: by day few slopes lie away from the sun and are colder than the rest; by night few
+// places see less of the cold sky and are warmer. Expected: the skewness of the temperatures of
+// hills is negative while the sun heats them and positive while they cool [wu2015].
+TEST(LandHeat, SkewnessOfHillsChangesItsSign) {
+  const LandScene land = hills(150);
+  const LandKinds kinds = make_land_kinds(land, {true}, {false}, 0);
+  const LandHeatRequest r = land_day(600);
+  const LandHeatResult heat = solved(kinds, r);
+  std::vector<std::vector<KindShare>> place;
+  const std::vector<float> all{1.0f};
+  for (double x = -1300; x <= 1300; x += 40)
+    for (double y = -1300; y <= 1300; y += 40) {
+      const auto slope = [&](double dx, double dy) {
+        return (*land.field->z_m(x + dx, y + dy) - *land.field->z_m(x - dx, y - dy)) / 40;
+      };
+      kinds.at(x, y, normalized(Vec<Enu>{-slope(20, 0), -slope(0, 20), 1}), false, all,
+               place.emplace_back());
+    }
+  std::vector<double> skewness;  // [output], one an hour
+  for (const std::vector<float>& kelvin : heat.kelvin) {
+    std::vector<double> at;
+    double mean = 0;
+    for (const std::vector<KindShare>& mix : place) {
+      double k = 0;
+      for (const KindShare& part : mix)
+        k += static_cast<double>(part.share) * static_cast<double>(kelvin[part.kind]);
+      at.push_back(k);
+      mean += k / static_cast<double>(place.size());
+    }
+    double square = 0, cube = 0;
+    for (const double k : at) {
+      square += std::pow(k - mean, 2) / static_cast<double>(at.size());
+      cube += std::pow(k - mean, 3) / static_cast<double>(at.size());
+    }
+    skewness.push_back(cube / std::pow(square, 1.5));
+    std::printf("skewness %2zu h: %5.2f, sigma %.2f K\n", skewness.size() - 1, skewness.back(),
+                std::sqrt(square));
+  }
+  ASSERT_EQ(skewness.size(), 25u);
+  for (const std::size_t hour : {8u, 10u, 12u, 14u, 16u}) EXPECT_LT(skewness[hour], -0.5) << hour;
+  for (const std::size_t hour : {0u, 2u, 4u, 20u, 22u}) EXPECT_GT(skewness[hour], 0.5) << hour;
+}
+
 }  // namespace
 }  // namespace irsig

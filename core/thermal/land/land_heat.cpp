@@ -562,9 +562,9 @@ absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
   return out;
 }
 
-absl::StatusOr<std::vector<LandTemperatureChange>> solve_land_heat_changes(
-    const LandKinds& kinds, const LandHeatRequest& request,
-    std::span<const LandHeatRequest> moved) {
+absl::StatusOr<LandHeatChanges> solve_land_heat_changes(const LandKinds& kinds,
+                                                        const LandHeatRequest& request,
+                                                        std::span<const LandHeatRequest> moved) {
   RETURN_IF_ERROR(check(kinds, request));
   for (const LandHeatRequest& each : moved) {
     RETURN_IF_ERROR(check(kinds, each));
@@ -574,14 +574,21 @@ absl::StatusOr<std::vector<LandTemperatureChange>> solve_land_heat_changes(
       if (each.material[m].has_value() != request.material[m].has_value())
         return absl::InvalidArgumentError("a moved input has other computed land");
   }
-  std::vector<LandTemperatureChange> out(
-      moved.size(),
-      LandTemperatureChange(request.output_knot.size(), std::vector<float>(kinds.kind.size(), 0)));
+  const std::vector<std::vector<float>> zero(request.output_knot.size(),
+                                             std::vector<float>(kinds.kind.size(), 0));
+  LandHeatChanges out{zero, std::vector<LandTemperatureChange>(moved.size(), {zero, zero})};
+  for (std::size_t k = 0; k < kinds.kind.size(); ++k)
+    for (std::vector<float>& row : out.kelvin)
+      row[k] = static_cast<float>(request.stated_k[kinds.kind[k].material]);
   for (std::uint32_t m = 0; m < kinds.materials; ++m) {
     if (!request.material[m]) continue;
     const KindPlaces of = places_of(kinds, m);
     auto base = coarse_temperatures(request, *request.material[m], of.place);
     if (!base.ok()) return of_build_up(*request.material[m], base.status());
+    for (std::size_t o = 0; o < request.output_knot.size(); ++o)
+      for (std::size_t p = 0; p < of.place.size(); ++p)
+        out.kelvin[o][of.kind[p]] =
+            static_cast<float>(base->kelvin[request.output_knot[o] / 2 * of.place.size() + p]);
     for (std::size_t i = 0; i < moved.size(); ++i) {
       const LandHeatMaterial& material = *moved[i].material[m];
       auto changed = coarse_temperatures(moved[i], material, of.place);
@@ -591,11 +598,12 @@ absl::StatusOr<std::vector<LandTemperatureChange>> solve_land_heat_changes(
         for (std::size_t p = 0; p < of.place.size(); ++p) {
           const std::size_t at = time * of.place.size() + p;
           double change_k = changed->kelvin[at] - base->kelvin[at];
+          out.moved[i].difference_k[o][of.kind[p]] = static_cast<float>(change_k);
           if (moved[i].of_model)
             change_k = std::copysign(
                 std::max(std::abs(change_k), day_rms_k(request, *changed, *base, time, p)),
                 change_k);
-          out[i][o][of.kind[p]] = static_cast<float>(change_k);
+          out.moved[i].change_k[o][of.kind[p]] = static_cast<float>(change_k);
         }
       }
     }

@@ -50,14 +50,21 @@ struct LandHeatResult {
 [[nodiscard]] absl::StatusOr<LandHeatResult> solve_land_heat(const LandKinds& kinds,
                                                              const LandHeatRequest& request);
 
-// Changes of temperatures under another request.  [output][kind]; 0: stated. [K]
-using LandTemperatureChange = std::vector<std::vector<float>>;
+// Changes of temperatures under another request.  [output][kind] [K]
+struct LandTemperatureChange {
+  std::vector<std::vector<float>> difference_k;  // 0: stated
+  std::vector<std::vector<float>> change_k;      // by the model: at least that of the day around
+};
+struct LandHeatChanges {
+  std::vector<std::vector<float>> kelvin;  // [output][kind] of the request that is moved
+  std::vector<LandTemperatureChange> moved;
+};
 
 // Computes the changes under moved requests (of the same knots and outputs: another weather, other
 // walls) from every second knot, for the kinds alone: both sides of each difference have the errors
 // of these knots. A change by the model is at least as large as its root mean square over the 24 h
 // around, as that of a target's facet is (solve_scene_heat_changes).
-[[nodiscard]] absl::StatusOr<std::vector<LandTemperatureChange>> solve_land_heat_changes(
+[[nodiscard]] absl::StatusOr<LandHeatChanges> solve_land_heat_changes(
     const LandKinds& kinds, const LandHeatRequest& request, std::span<const LandHeatRequest> moved);
 
 }  // namespace irsig

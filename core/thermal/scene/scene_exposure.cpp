@@ -231,7 +231,7 @@ void SceneExposure::light() {
 void SceneExposure::send_around(std::size_t k) {
   const GroundBoundary& b = request_.beneath;
   const double sky = 0.5 * (weather(k).before.sky_w_m2 + weather(k).after.sky_w_m2),
-               ground = kStefanBoltzmannWM2K4 * power4(b.temperature_k),
+               ground = kStefanBoltzmannWM2K4 * power4(b.kelvin_at(of_request(k))),
                below = b.emissivity * ground + (1 - b.emissivity) * sky;
   for (std::size_t i = 0; i < faces_.size(); ++i)
     own_[i] = covered_[i] ? (b.water ? 0 : ground)
@@ -315,7 +315,7 @@ void SceneExposure::expose(std::size_t k, Side side, std::span<const std::uint32
         (request_.diffuse_sun ? light.diffuse_horizontal_w_m2 * static_cast<double>(diffuse_[f])
                               : 0);
     if (covered_[f]) {
-      to.fluid_k[at] = request_.beneath.temperature_k;
+      to.fluid_k[at] = request_.beneath.kelvin_at(of_request(k));
       to.forced_h_w_m2_k[at] = in_water_w_m2_k_;
       if (!to.vapour_pa.empty())
         to.vapour_pa[at] = to.inverse_gamma_k_pa[at] = to.stomatal_w_m2_k[at] = 0;
@@ -362,7 +362,8 @@ double SceneExposure::ray_stderr_w_m2(std::size_t k, std::uint32_t face,
                diffuse = bright(w.before.diffuse_horizontal_w_m2, w.after.diffuse_horizontal_w_m2),
                direct = bright(w.before.direct_normal_w_m2, w.after.direct_normal_w_m2),
                e_below = request_.beneath.emissivity,
-               below = e_below * kStefanBoltzmannWM2K4 * power4(request_.beneath.temperature_k) +
+               below = e_below * kStefanBoltzmannWM2K4 *
+                           power4(request_.beneath.kelvin_at(of_request(k))) +
                        (1 - e_below) * sky,
                lit = request_.diffuse_sun ? diffuse : 0;
   const double absorbs = part_of(face).solar_absorptance, emits = emissivity_[face];
@@ -433,8 +434,9 @@ std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
                  air = kStefanBoltzmannWM2K4 * power4(w.air_k),
                  sky =
                      std::max(std::abs(w.before.sky_w_m2 - air), std::abs(w.after.sky_w_m2 - air)),
-                 below =
-                     std::abs(kStefanBoltzmannWM2K4 * power4(request_.beneath.temperature_k) - air);
+                 below = std::abs(kStefanBoltzmannWM2K4 *
+                                      power4(request_.beneath.kelvin_at(of_request(k))) -
+                                  air);
     const auto of = [&](std::uint32_t face) {
       const ExchangeFactors& f = *factors_;
       const double around = static_cast<double>(f.uneven_aims_w_m2[face]) +

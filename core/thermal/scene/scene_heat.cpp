@@ -94,6 +94,11 @@ absl::Status check(const Target& target, const SceneHeatRequest& request) {
   if (!(request.convection_factor >= 0 && request.convection_factor <= 10))
     return wrong(
         absl::StrCat("convection_factor ", request.convection_factor, ", expected 0 to 10"));
+  const std::vector<double>& ground_k = request.beneath.temperature_at_k;
+  if (!ground_k.empty() &&
+      (request.beneath.water || ground_k.size() != request.knot_s.size() ||
+       !std::ranges::all_of(ground_k, [](double k) { return k > 0 && std::isfinite(k); })))
+    return wrong("beneath.temperature_at_k: of ground, a temperature for each knot");
   for (std::size_t p = 0; p < request.part.size(); ++p) {
     const HeatPart& part = request.part[p];
     const std::string name = absl::StrCat("part \"", target.part[p].name, "\": ");

@@ -49,6 +49,12 @@ struct GroundBoundary {
   double temperature_k = 0;
   double emissivity = 1, solar_albedo = 0;  // [0, 1]
   double flow_m_s = 0;                      // of water along the hull
+  // [knot] In place of temperature_k of a ground whose temperature changes; empty: it does not.
+  std::vector<double> temperature_at_k = {};
+
+  [[nodiscard]] double kelvin_at(std::size_t knot) const {
+    return temperature_at_k.empty() ? temperature_k : temperature_at_k[knot];
+  }
 };
 
 // Sky and air at one instant.
