@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -33,7 +34,7 @@ struct FlyCommand {
                      LiveSession::open([&](const LiveAsk& ask) { return flight.input(ask); },
                                        flight.first(), threads));
     std::uint32_t kept = 0;  // the page keeps one image after the other
-    return serve_flight(
+    const absl::Status served = serve_flight(
         *session, {.title = flight.loaded().resolved.sweep().name(),
                    .condition = flight.conditions(),
                    .band = flight.bands(),
@@ -44,14 +45,27 @@ struct FlyCommand {
                    .sweep_text = [&](const LiveAsk& ask) { return flight.view_text(ask, "view"); },
                    .keep = [&](const LiveAsk& ask) { return keep(flight, ask, ++kept); },
                    .on_ready =
-                       [](const std::string& url) {
+                       [&](const std::string& url) {
                          print_text("{}\n", url);
                          std::fflush(stdout);
+                         if (flight.has_plume())
+                           print_note(
+                               "irsig: hot gas is in the picture once the camera rests; until "
+                               "then pixels that may show it are flagged\n");
                          print_note("irsig: open this address in a browser; Ctrl-C ends it\n");
                        }});
+    if (served.ok()) end_at_once();
+    return served;
   }
 
  private:
+  // Ends the program without waiting for the picture at rest, of which a round over land takes a
+  // minute. What is measured there is stored nowhere; images that are kept are written by then.
+  [[noreturn]] static void end_at_once() {
+    std::fflush(nullptr);
+    std::_Exit(0);
+  }
+
   // Both files are written long after the start: a name that cannot be right is refused before.
   [[nodiscard]] absl::Status check_names() const {
     if (!film_path.empty() && !absl::EndsWithIgnoreCase(film_path, ".png") &&

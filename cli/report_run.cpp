@@ -40,7 +40,7 @@ void print_line(std::ostream& out, const char* what, const std::optional<double>
 
 std::string whole(double count) { return fmt::format("{:.0f}", count); }
 
-// Totals over the finished jobs of a sweep.
+// What the done jobs of a sweep took together.
 struct JobSums {
   std::vector<double> cpu_s;  // [job]
   double total_s = 0, wall_s = NAN, rays = 0;
@@ -95,38 +95,6 @@ void print_cost(std::ostream& out, const JobSums& sums, const std::optional<Stor
         : "");
 }
 
-void print_errors(std::ostream& out, const std::vector<StoredSignature>& rows,
-                  const schema::Accuracy& accuracy) {
-  std::vector<double> errors;
-  std::map<std::string, std::uint64_t> reasons;
-  std::uint64_t without_value = 0;
-  for (const StoredSignature& row : rows) {
-    ++reasons[row.stop_reason];
-    if (row.intensity_w_sr != 0)
-      errors.push_back(100 * row.numerical_error_w_sr / std::abs(row.intensity_w_sr));
-    else
-      ++without_value;
-  }
-  if (accuracy.has_relative_error())
-    fmt::print(out, "\nrelative error asked: {:g} %\n", 100 * accuracy.relative_error());
-  else
-    fmt::print(out, "\nno relative error was asked for: the number of samples was given\n");
-  if (!errors.empty())
-    fmt::print(
-        out,
-        "numerical error / intensity: median {:.3g} %, 10 % of rows below {:.3g} %, 10 % above "
-        "{:.3g} %, 1 % above {:.3g} %, largest {:.3g} %\n",
-        quantile(errors, 0.5), quantile(errors, 0.1), quantile(errors, 0.9), quantile(errors, 0.99),
-        quantile(errors, 1));
-  if (without_value > 0) fmt::print(out, "rows of intensity 0: {}\n", without_value);
-  fmt::print(out, "stopped by:");
-  for (const auto& [reason, count] : reasons) fmt::print(out, " {} {}", reason, count);
-  fmt::print(out, "\n");
-  if (reasons.contains("floor_reached"))
-    fmt::print(out, "floor_reached: not the relative error, but the floor of {:g} K\n",
-               accuracy.absolute_error_k());
-}
-
 // A part of the squared numerical error of the source intensity. The parts (sampling, undersampling
 // and each bound) sum to 1.
 struct ErrorShare {
@@ -134,43 +102,97 @@ struct ErrorShare {
   double mean = 0, largest = 0;
 };
 
-// Returns the parts of the error, mean and largest over the rows. The list is empty if no row has
-// an error.
-std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
-  std::vector<ErrorShare> shares{{"sampling"}, {"undersampling, estimate"}};
-  for (std::size_t i = 0; i < kBounds; ++i)
-    shares.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
-  double counted = 0;
-  for (const StoredSignature& row : rows) {
+// The errors of a sweep's rows.
+class RowErrors {
+ public:
+  RowErrors() {
+    share_ = {{"sampling"}, {"undersampling, estimate"}};
+    for (std::size_t i = 0; i < kBounds; ++i)
+      share_.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
+  }
+
+  // row: of StoreReader::visit_errors
+  void add(const StoredSignature& row) {
+    if (row.superseded) {
+      ++superseded_;
+      return;
+    }
+    ++rows_;
+    ++reason_[row.stop_reason];
+    if (row.intensity_w_sr != 0)
+      relative_.push_back(row.numerical_error_w_sr / std::abs(row.intensity_w_sr));
     const Measured source = source_of(row);
-    if (!(source.numerical_error() > 0)) continue;
-    ++counted;
-    const auto add = [&](ErrorShare& share, double part) {
+    if (!(source.numerical_error() > 0)) return;
+    ++counted_;
+    old_ = old_ || std::isnan(row.spectral_basis_bound_w_sr);
+    const auto add_to = [&](ErrorShare& share, double part) {
       share.mean += part;
       share.largest = std::max(share.largest, part);
     };
-    add(shares[0], source.sampled_fraction());
-    add(shares[1], source.unseen_fraction());
+    add_to(share_[0], source.sampled_fraction());
+    add_to(share_[1], source.unseen_fraction());
     for (std::size_t i = 0; i < kBounds; ++i)
-      add(shares[i + 2], source.share(static_cast<BoundOf>(i)));
+      add_to(share_[i + 2], source.share(static_cast<BoundOf>(i)));
   }
-  if (counted == 0) return {};
-  for (ErrorShare& share : shares) share.mean /= counted;
-  // At the target itself neither depth nor another range counts, and few rows have hot gas.
-  std::erase_if(shares, [](const ErrorShare& share) { return share.largest == 0; });
-  return shares;
+
+  [[nodiscard]] std::uint64_t rows() const { return rows_; }
+  [[nodiscard]] std::uint64_t superseded() const { return superseded_; }
+  // Returns how many rows each reason stopped.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& reasons() const { return reason_; }
+  // Numerical errors over intensities, of rows whose intensity is not 0.
+  [[nodiscard]] const std::vector<double>& relative() const { return relative_; }
+  // Returns true if bounds of some rows are not kept apart, which an older format did not do.
+  [[nodiscard]] bool has_old_rows() const { return old_; }
+
+  // Empty: no row has an error.
+  [[nodiscard]] std::vector<ErrorShare> shares() const {
+    std::vector<ErrorShare> out;
+    // At the target itself neither depth nor another range counts, and few rows have hot gas.
+    for (const ErrorShare& share : share_)
+      if (share.largest > 0)
+        out.push_back({share.what, share.mean / static_cast<double>(counted_), share.largest});
+    return out;
+  }
+
+ private:
+  std::uint64_t rows_ = 0, superseded_ = 0, counted_ = 0;
+  bool old_ = false;
+  std::map<std::string, std::uint64_t> reason_;
+  std::vector<double> relative_;
+  std::vector<ErrorShare> share_;  // sums in the place of means
+};
+
+void print_errors(std::ostream& out, const RowErrors& rows, const schema::Accuracy& accuracy) {
+  if (accuracy.has_relative_error())
+    fmt::print(out, "\nrelative error asked: {:g} %\n", 100 * accuracy.relative_error());
+  else
+    fmt::print(out, "\nno relative error was asked for: the number of samples was given\n");
+  const std::vector<double>& errors = rows.relative();
+  if (!errors.empty())
+    fmt::print(
+        out,
+        "numerical error / intensity: median {:.3g} %, 10 % of rows below {:.3g} %, 10 % above "
+        "{:.3g} %, 1 % above {:.3g} %, largest {:.3g} %\n",
+        100 * quantile(errors, 0.5), 100 * quantile(errors, 0.1), 100 * quantile(errors, 0.9),
+        100 * quantile(errors, 0.99), 100 * quantile(errors, 1));
+  if (rows.rows() > errors.size())
+    fmt::print(out, "rows of intensity 0: {}\n", rows.rows() - errors.size());
+  fmt::print(out, "stopped by:");
+  for (const auto& [reason, count] : rows.reasons()) fmt::print(out, " {} {}", reason, count);
+  fmt::print(out, "\n");
+  if (rows.reasons().contains("floor_reached"))
+    fmt::print(out, "floor_reached: not the relative error, but the floor of {:g} K\n",
+               accuracy.absolute_error_k());
 }
 
-void print_shares(std::ostream& out, const std::vector<StoredSignature>& rows) {
-  const std::vector<ErrorShare> shares = error_shares(rows);
+void print_shares(std::ostream& out, const RowErrors& rows) {
+  const std::vector<ErrorShare> shares = rows.shares();
   if (shares.empty()) return;
   fmt::print(out, "share of the numerical error's square, mean over the rows (largest):\n ");
   for (const ErrorShare& share : shares)
     fmt::print(out, " {} {:.3g} % ({:.3g} %)", share.what, 100 * share.mean, 100 * share.largest);
   fmt::print(out, "\n");
-  if (std::any_of(rows.begin(), rows.end(), [](const StoredSignature& row) {
-        return std::isnan(row.spectral_basis_bound_w_sr) && source_of(row).numerical_error() > 0;
-      }))
+  if (rows.has_old_rows())
     fmt::print(out, "  some rows are of an older format, which did not keep every bound apart\n");
 }
 
@@ -189,8 +211,8 @@ struct SweepReport {
   JobSums sums;                     // of them
   std::vector<StoredHeatJob> heat;  // its jobs that compute temperatures
   std::optional<StoredPrediction> prediction;
-  std::vector<StoredSignature> rows;
-  std::size_t superseded = 0;                     // rows of an earlier version of the sweep
+  RowErrors rows;
+  LimitNotes limits;
   std::map<std::string, std::uint64_t> warnings;  // how many conditions have it
   std::string back_faces, images;
 };
@@ -207,12 +229,10 @@ absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& pro
   report.heat = std::move(heat);
   ASSIGN_OR_RETURN(auto prediction, reader.prediction(progress.sweep_sha256));
   report.prediction = std::move(prediction);
-  SignatureFilter filter;
-  filter.sweep = progress.name;
-  ASSIGN_OR_RETURN(auto rows, reader.find(filter));
-  report.rows = std::move(rows);
-  report.superseded =
-      std::erase_if(report.rows, [](const StoredSignature& row) { return row.superseded; });
+  RETURN_IF_ERROR(reader.visit_errors(progress.name, [&](const StoredSignature& row) {
+    report.rows.add(row);
+    report.limits.add(row);
+  }));
   for (const schema::Condition& condition : report.sweep.resolved.condition())
     for (const std::string& warning : condition.warning()) ++report.warnings[warning];
   ASSIGN_OR_RETURN(const auto outcome, reader.outcome(progress.name));
@@ -238,16 +258,16 @@ void print_temperatures(std::ostream& out, const SweepReport& r) {
 
 void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::size_t sweeps) {
   fmt::print(out, "{}: {} of {} jobs done, {} rows, {}\n", r.progress.name, r.progress.done,
-             r.progress.jobs, r.rows.size(), count_text(r.sums.rays, "rays"));
+             r.progress.jobs, r.rows.rows(), count_text(r.sums.rays, "rays"));
   for (const schema::Slice& slice : r.sweep.resolved.slice())
     fmt::print(out, "{}\n", slice_text(slice));
   if (const schema::ResolvedSweep& sweep = r.sweep.resolved; sweep.has_shard())
     fmt::print(out, "{} of the sweep {}: {} of {} viewpoints\n", shard_name(sweep.shard()),
                one_line(sweep.shard().sweep_sha256()), shard_size(sweep), sweep.viewpoint_size());
   print_temperatures(out, r);
-  if (r.superseded > 0)
+  if (r.rows.superseded() > 0)
     fmt::print(out, "{} rows of an earlier version of the sweep wait for their replacement\n",
-               r.superseded);
+               r.rows.superseded());
   if (r.jobs.empty()) {
     fmt::print(out, "{} is done yet{}\n", r.heat.empty() ? "nothing" : "no view",
                r.prediction ? "; " + prediction_line(*r.prediction) : std::string());
@@ -262,7 +282,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
                r.prediction->determinism_class);
   print_errors(out, r.rows, r.sweep.resolved.sweep().accuracy());
   print_shares(out, r.rows);
-  for (const std::string& note : limit_notes(r.rows)) fmt::print(out, "{}\n", note);
+  for (const std::string& note : r.limits.text()) fmt::print(out, "{}\n", note);
   if (!r.images.empty()) fmt::print(out, "{}\n", r.images);
   print_guards(out, r.sums);
   if (r.warnings.empty() && r.back_faces.empty()) fmt::print(out, "warnings: none\n");
@@ -271,7 +291,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
     fmt::print(out, "warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
 }
 
-// Returns the report for programs: one line a sweep, each number in a column.
+// The same for programs: one line a sweep, each number in a column.
 std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::uint64_t bytes) {
   std::vector<std::pair<std::string, Cell>> out;
   const auto add = [&](std::string name, Cell cell) {
@@ -282,17 +302,13 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
     add("predicted_" + name, r.prediction ? Cell((*r.prediction).*member) : Cell());
     add(name, std::move(real));
   };
-  std::vector<double> errors;
+  const std::vector<double>& errors = r.rows.relative();
   std::map<std::string, std::uint64_t> stopped{{"accuracy_reached", 0},
                                                {"floor_reached", 0},
                                                {"accuracy_not_reached", 0},
                                                {"sample_limit", 0},
                                                {"fixed_samples", 0}};
-  for (const StoredSignature& row : r.rows) {
-    ++stopped[row.stop_reason];
-    if (row.intensity_w_sr != 0)
-      errors.push_back(row.numerical_error_w_sr / std::abs(row.intensity_w_sr));
-  }
+  for (const auto& [reason, count] : r.rows.reasons()) stopped[reason] = count;
   const auto at = [&](const std::vector<double>& values, double share) {
     return values.empty() ? Cell() : number(quantile(values, share));
   };
@@ -300,8 +316,8 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
   add("sweep_sha256", r.progress.sweep_sha256);
   add("done", r.progress.done);
   both("jobs", &StoredPrediction::jobs, r.progress.jobs - r.progress.heat_jobs);
-  add("rows", std::uint64_t{r.rows.size()});
-  add("superseded_rows", std::uint64_t{r.superseded});
+  add("rows", r.rows.rows());
+  add("superseded_rows", r.rows.superseded());
   add("rays", r.sums.rays);
   both("job_cpu_median_s", &StoredPrediction::job_cpu_median_s, at(r.sums.cpu_s, 0.5));
   both("job_cpu_quartile1_s", &StoredPrediction::job_cpu_quartile1_s, at(r.sums.cpu_s, 0.25));
@@ -318,7 +334,7 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
   add("relative_error_quantile_99", at(errors, 0.99));
   add("relative_error_largest", at(errors, 1));
   for (const auto& [reason, count] : stopped) add(reason + "_rows", count);
-  for (const ErrorShare& share : error_shares(r.rows)) {
+  for (const ErrorShare& share : r.rows.shares()) {
     std::string name = share.what;
     std::replace(name.begin(), name.end(), ' ', '_');
     add("error_share_" + name, share.mean);

@@ -57,10 +57,6 @@ void check_rays(const schema::Sweep& sweep, const SectionCheck& check) {
                                      std::bit_floor(rays), " or ", std::bit_ceil(rays)));
   (void)check.at_most_one({"pixel_error_percent", "pixel_error_k"});
   const bool error = check.has("pixel_error_percent") || check.has("pixel_error_k");
-  if (error && sweep.has_plume())
-    check.error(check.has("pixel_error_k") ? "pixel_error_k" : "pixel_error_percent",
-                "does not apply with [plume], whose rays have a number of their own: state samples "
-                "for those of the target");
   if (check.has("samples") && error)
     check.error(
         "samples",
@@ -100,10 +96,10 @@ void check_layers(const schema::Sweep& sweep, const SectionCheck& check) {
         is_of_land(layer) && has(layer) && !sweep.has_land())
       check.error("layers", absl::StrCat("has \"", name_of(layer),
                                          "\", but the sweep has no [land]: leave it out"));
-  if (!layers.empty() && sweep.has_plume())
-    check.error("layers",
-                "do not apply with [plume], whose gas is in the image of the target alone: leave "
-                "them out");
+  for (const ImageLayer layer : {ImageLayer::kGasEmitted, ImageLayer::kGasAbsorbed})
+    if (has(layer) && !sweep.has_plume())
+      check.error("layers", absl::StrCat("has \"", name_of(layer),
+                                         "\", but the sweep has no [plume]: leave it out"));
 }
 
 }  // namespace

@@ -116,6 +116,7 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
     }
   });
   flag_beside(things, out);
+  view.flag_gas(out.edge);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

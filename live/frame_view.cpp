@@ -31,6 +31,7 @@ FrameView::FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLi
       pictures_(pictures),
       pixel_m_(pictures.rectangle.width_m / pictures.width_px) {
   const ConditionSpec& condition = request.condition[lights.choice().condition];
+  gas_ = condition.gas;
   if (land != nullptr) {
     rays_ = land;
     land_.emplace(request.land, condition.above_surface_m - target_.centre.z, target_.centre,
@@ -49,6 +50,27 @@ FrameView::FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLi
   sun_ = {static_cast<float>(of_.sun.x), static_cast<float>(of_.sun.y),
           static_cast<float>(of_.sun.z)};
   find_target_rectangle();
+}
+
+void FrameView::flag_gas(std::vector<std::uint8_t>& edge) const {
+  if (gas_ == nullptr) return;
+  const double width = pictures_.width_px, height = pictures_.height_px;
+  for (const PlumePoint& point : gas_->points()) {
+    const Vec<Body> q = point.at - target_.centre - frame_.sensor;
+    const double depth_m = dot(q, frame_.forward);
+    if (!(depth_m > 0)) continue;
+    const double per_m = pictures_.plane_m / depth_m / pixel_m_,
+                 reach = per_m * static_cast<double>(point.reach_m),
+                 x = per_m * dot(q, frame_.right) - pictures_.rectangle.x0_m / pixel_m_,
+                 y = height - per_m * dot(q, frame_.up) + pictures_.rectangle.y0_m / pixel_m_;
+    const auto pixel = [](double at, double end) {
+      return static_cast<std::uint32_t>(std::clamp(at, 0.0, end));
+    };
+    const std::uint32_t right = pixel(x + reach + 1, width), bottom = pixel(y + reach + 1, height);
+    for (std::uint32_t row = pixel(y - reach, height); row < bottom; ++row)
+      for (std::uint32_t column = pixel(x - reach, width); column < right; ++column)
+        edge[std::size_t{row} * pictures_.width_px + column] = 1;
+  }
 }
 
 void FrameView::trace_tile(std::uint32_t tile_x, std::uint32_t tile_y, float sx, float sy,

@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/plume/plume_field.h"
 #include "core/signature/view/prepared_view.h"
 #include "core/signature/view/view_pictures.h"
 #include "core/sources/land.h"
@@ -66,6 +68,9 @@ class FrameView {
     return {(block % 2) * 4 + in % 4, (block / 2) * 4 + in / 4};
   }
 
+  // Flags pixels in which hot gas may be seen: frames have none of its light.
+  void flag_gas(std::vector<std::uint8_t>& edge) const;
+
   [[nodiscard]] std::string name_of(LiveClass met, const schema::Sweep& sweep) const;
 
  private:
@@ -123,6 +128,7 @@ class FrameView {
   ViewFrame frame_;
   PictureFrame pictures_;
   double pixel_m_;
+  std::shared_ptr<const PlumeField> gas_;  // null: the condition has none
   const LandRays* rays_ = nullptr;
   std::optional<Land> land_;
   double cos_heading_ = 1, sin_heading_ = 0, surface_m_ = 0;

@@ -9,11 +9,6 @@ namespace irsig {
 absl::StatusOr<std::shared_ptr<const LiveSweep>> LiveSweep::make(schema::ResolvedSweep resolved,
                                                                  const Assets& assets,
                                                                  const HeatOutputs& heat) {
-  for (const schema::Condition& condition : resolved.condition())
-    if (condition.has_plume())
-      return absl::UnimplementedError(
-          "the live view does not follow hot gas: take [plume] out of a copy of the sweep file, or "
-          "compute its images with irsig run");
   std::shared_ptr<LiveSweep> out(new LiveSweep);
   ASSIGN_OR_RETURN(auto scene, scene_from_sweep(resolved, assets, heat));
   ASSIGN_OR_RETURN(auto simulator, Simulator::create(scene));
@@ -22,6 +17,7 @@ absl::StatusOr<std::shared_ptr<const LiveSweep>> LiveSweep::make(schema::Resolve
       OwnParts::make(out->simulator_->target(), scene.temperatures.emitters.get()));
   ASSIGN_OR_RETURN(out->environment_,
                    environment_from_sweep(resolved, out->simulator_->band_grids()));
+  ASSIGN_OR_RETURN(out->plumes_, plumes_from_sweep(resolved, assets));
   out->temperatures_ = scene.temperatures;
   out->scene_ = std::make_shared<const SweepScene>(std::move(scene));
   out->resolved_ = std::move(resolved);
@@ -36,6 +32,7 @@ absl::StatusOr<std::shared_ptr<const LiveSweep>> LiveSweep::with_conditions(
   out->own_parts_ = own_parts_;
   ASSIGN_OR_RETURN(out->environment_,
                    environment_from_sweep(resolved, out->simulator_->band_grids()));
+  ASSIGN_OR_RETURN(out->plumes_, plumes_from_sweep(resolved, assets));
   ASSIGN_OR_RETURN(out->temperatures_,
                    temperatures_from_sweep(resolved, assets, heat, scene_->mesh, scene_->part));
   out->resolved_ = std::move(resolved);
@@ -48,8 +45,8 @@ absl::StatusOr<ViewRequest> LiveSweep::request(std::uint32_t condition, std::uin
   job.set_viewpoint_index(0);
   job.add_condition_index(condition);
   job.add_band_index(band);
-  ASSIGN_OR_RETURN(auto request,
-                   request_from_job(resolved_, job, environment_, temperatures_, scene_->land, {}));
+  ASSIGN_OR_RETURN(auto request, request_from_job(resolved_, job, environment_, temperatures_,
+                                                  scene_->land, plumes_));
   request.viewpoint = camera.viewpoint();
   request.image = camera.image();
   request.thumbnail_px = request.image->width_px;

@@ -8,6 +8,7 @@
 #include "live/camera.h"
 #include "live/own_parts.h"
 #include "runner/spec_to_request.h"
+#include "runner/sweep_plumes.h"
 #include "schema/assets.h"
 #include "schema/job.pb.h"
 
@@ -18,8 +19,7 @@ namespace irsig {
 class LiveSweep {
  public:
   // Makes the live view's scene of a sweep. heat: outputs of the sweep's heat jobs.
-  // INVALID_ARGUMENT: errors of the scene, with their keys. UNIMPLEMENTED: the sweep has hot gas,
-  // which the live view does not support.
+  // INVALID_ARGUMENT: errors of the scene and of its hot gas, with their keys.
   [[nodiscard]] static absl::StatusOr<std::shared_ptr<const LiveSweep>> make(
       schema::ResolvedSweep resolved, const Assets& assets, const HeatOutputs& heat);
   // Returns the same scene under the conditions of another resolved sweep, which differs only in
@@ -46,6 +46,7 @@ class LiveSweep {
   std::shared_ptr<const OwnParts> own_parts_;
   std::shared_ptr<const Environment> environment_;
   SweepTemperatures temperatures_;
+  SweepPlumes plumes_;
 };
 
 }  // namespace irsig

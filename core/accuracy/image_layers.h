@@ -9,10 +9,12 @@
 namespace irsig {
 
 // Further images of a row beside the target's radiance. Those of light add up:
-// emitted + sun + sky + surface + parts is the image. With at_sensor they are what arrives at the
-// sensor, and
+// emitted + sun + sky + surface + parts + gas_emitted - gas_absorbed is the image. With at_sensor
+// they are what arrives at the sensor, and
 //   at_sensor = emitted + sun + sky + surface + parts + path + background - hidden
-// path + background is what the sensor sees without the target.
+//               + gas_emitted - gas_absorbed
+// path + background is what the sensor sees without target and hot gas. All layers but the gas's
+// own are those of light that no hot gas has absorbed.
 // Land that a pixel shows has its part in it: land_emitted + land_sky + land_sun is what arrives of
 // its light, without the light of the air before it.
 // Layers from kTemperature to kSunlit are means over what a pixel shows of the target, 0 where it
@@ -28,6 +30,8 @@ enum class ImageLayer : std::uint8_t {
   kBackground,
   kHidden,
   kAtSensor,
+  kGasEmitted,
+  kGasAbsorbed,
   kLandEmitted,
   kLandSky,
   kLandSun,
@@ -44,7 +48,7 @@ enum class ImageLayer : std::uint8_t {
 struct ImageLayerInfo {
   const char *name, *unit, *what;
 };
-inline constexpr std::array<ImageLayerInfo, 20> kImageLayers = {{
+inline constexpr std::array<ImageLayerInfo, 22> kImageLayers = {{
     {"emitted", "W/(m2 sr)", "light that the target emits"},
     {"sun", "W/(m2 sr)", "direct sunlight that it reflects"},
     {"sky", "W/(m2 sr)", "light of the sky that it reflects"},
@@ -55,6 +59,8 @@ inline constexpr std::array<ImageLayerInfo, 20> kImageLayers = {{
      "light of what stands behind and beside the target, without that of the path"},
     {"hidden", "W/(m2 sr)", "of the background what the target hides"},
     {"at_sensor", "W/(m2 sr)", "all that the sensor sees"},
+    {"gas_emitted", "W/(m2 sr)", "light that hot gas emits"},
+    {"gas_absorbed", "W/(m2 sr)", "light of what is behind hot gas that the gas absorbs"},
     {"land_emitted", "W/(m2 sr)", "light that land emits which a pixel shows"},
     {"land_sky", "W/(m2 sr)", "light of the sky that this land reflects"},
     {"land_sun", "W/(m2 sr)", "direct sunlight that this land reflects"},
@@ -76,6 +82,10 @@ inline constexpr std::array<ImageLayerInfo, 20> kImageLayers = {{
 [[nodiscard]] constexpr bool is_mean_of_target(ImageLayer layer) {
   return layer >= ImageLayer::kTemperature && layer <= ImageLayer::kSunlit;
 }
+// Returns true if a layer needs hot gas.
+[[nodiscard]] constexpr bool is_of_gas(ImageLayer layer) {
+  return layer == ImageLayer::kGasEmitted || layer == ImageLayer::kGasAbsorbed;
+}
 // Returns true if a layer needs land.
 [[nodiscard]] constexpr bool is_of_land(ImageLayer layer) {
   return (layer >= ImageLayer::kLandEmitted && layer <= ImageLayer::kWithoutAir) ||
@@ -88,7 +98,7 @@ inline constexpr std::array<ImageLayerInfo, 20> kImageLayers = {{
 // are integrals, means over the samples that meet the target, or no light of the target's paths.
 [[nodiscard]] constexpr bool has_standard_error(ImageLayer layer) {
   return layer <= ImageLayer::kParts || layer == ImageLayer::kHidden ||
-         layer == ImageLayer::kAtSensor;
+         layer == ImageLayer::kAtSensor || is_of_gas(layer);
 }
 [[nodiscard]] constexpr std::optional<ImageLayer> image_layer_of(std::string_view name) {
   for (std::size_t i = 0; i < kImageLayers.size(); ++i)

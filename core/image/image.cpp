@@ -186,6 +186,16 @@ void append_best_filtered(std::string& out, std::string_view line, std::string_v
   out += other[0];
 }
 
+// Appends a line as its difference from the line above, which is 0 before the first.
+//   filtered  a text of the line's size
+void append_difference(std::string& out, std::string_view line, std::string_view above,
+                       std::size_t pixel_bytes, std::string& filtered) {
+  (void)filter_line<kUp>(line, above, pixel_bytes,
+                         reinterpret_cast<unsigned char*>(filtered.data()));
+  out.push_back(static_cast<char>(kUp));
+  out += filtered;
+}
+
 // The smallest window of deflate, in bits, that reaches back over all of `bytes` and a match.
 int window_bits(std::size_t bytes) {
   int bits = MAX_WBITS;
@@ -205,10 +215,12 @@ void state_window(std::string& stream, std::size_t bytes) {
   stream[1] = static_cast<char>(flags);
 }
 
-absl::StatusOr<std::string> deflated(std::string_view bytes) {
+constexpr int kUsualLevel = 6, kFastLevel = 1;  // of zlib
+
+absl::StatusOr<std::string> deflated(std::string_view bytes, int level = kUsualLevel) {
   const bool small = bytes.size() <= 16384;
   z_stream stream{};
-  constexpr int level = 6, memory = 8;
+  constexpr int memory = 8;
   if (deflateInit2(&stream, level, Z_DEFLATED, small ? window_bits(bytes.size()) : MAX_WBITS,
                    memory, Z_DEFAULT_STRATEGY) != Z_OK)
     return absl::ResourceExhaustedError("image: no memory to compress it");
@@ -297,8 +309,8 @@ absl::StatusOr<std::string> encode_png(const RadianceImage& image) {
       image, {0, *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end())});
 }
 
-absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreyScale& scale,
-                                       int bits) {
+absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreyScale& scale, int bits,
+                                       PngPacking packing) {
   RETURN_IF_ERROR(check(image));
   const double black = static_cast<double>(scale.black_w_m2_sr);
   const double range = static_cast<double>(scale.white_w_m2_sr) - black;
@@ -310,11 +322,12 @@ absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreySca
         range > 0 ? std::clamp((static_cast<double>(radiance) - black) / range, 0.0, 1.0) : 0;
     grey.push_back(static_cast<std::uint16_t>(std::lround(white * part)));
   }
-  return encode_grey_png(image.width_px, image.height_px, grey, bits);
+  return encode_grey_png(image.width_px, image.height_px, grey, bits, packing);
 }
 
 absl::StatusOr<std::string> encode_grey_png(std::uint32_t width_px, std::uint32_t height_px,
-                                            std::span<const std::uint16_t> values, int bits) {
+                                            std::span<const std::uint16_t> values, int bits,
+                                            PngPacking packing) {
   RETURN_IF_ERROR(check_size(width_px, height_px, values.size()));
   if (bits != 8 && bits != 16)
     return absl::InvalidArgumentError("image: expected 8 or 16 bits of grey");
@@ -330,10 +343,14 @@ absl::StatusOr<std::string> encode_grey_png(std::uint32_t width_px, std::uint32_
       if (bits == 16) line[2 * x] = static_cast<char>(value >> 8U);
       line[pixel_bytes * x + pixel_bytes - 1] = static_cast<char>(value & 255U);
     }
-    append_best_filtered(lines, line, above, height_px == 1, pixel_bytes, other);
+    if (packing == PngPacking::kFast)
+      append_difference(lines, line, above, pixel_bytes, other[0]);
+    else
+      append_best_filtered(lines, line, above, height_px == 1, pixel_bytes, other);
     above.swap(line);
   }
-  ASSIGN_OR_RETURN(const std::string stream, deflated(lines));
+  ASSIGN_OR_RETURN(const std::string stream,
+                   deflated(lines, packing == PngPacking::kFast ? kFastLevel : kUsualLevel));
   std::string header;
   append_big_endian(header, width_px);
   append_big_endian(header, height_px);

@@ -93,7 +93,9 @@ absl::StatusOr<bool> GasMeasurement::find() {
     RETURN_IF_ERROR(find_voxel_errors(tests));
   }
   keep(std::move(pilot));
-  if (!on_hull_) image_plan_ = plan_images(sums);
+  if (!on_hull_) {
+    ASSIGN_OR_RETURN(image_plan_, plan_images(sums));
+  }
   return true;
 }
 
@@ -143,37 +145,6 @@ TracedView GasMeasurement::run(std::shared_ptr<const RayMedium> gas, const Aimed
   TracedView traced = trace_view(scene_, view, geometry, settings, pictures);
   rays_ += traced.counts.rays;
   return traced;
-}
-
-ImagePlan GasMeasurement::plan_images(const std::vector<double>& sums) const {
-  const std::size_t bands = request_.selected_band.size(), classes = class_here_.size();
-  ImagePlan plan = blank_pictures(pictures_, aimed_->frame, condition_.size() * bands, classes,
-                                  layout_, scene_.path_basis());
-  if (plan.empty()) return plan;
-  plan.gas.assign(plan.images * gas_->measures(), 0.0);
-  for (std::size_t b = 0; b < bands; ++b) {
-    const BandOnAxis band = scene_.axis.band(request_.selected_band[b]);
-    std::vector<double> sent = band_tests_[request_.selected_band[b]];
-    if (const double all = ordered_dot(sent.data(), sums.data(), sent.size()); all > 0) {
-      const double scale = sent_by({&nodes_[0].here, &nodes_[1].here}, band).in_band / all;
-      for (double& s : sent) s *= scale;
-    }
-    for (std::size_t c = 0; c < condition_.size(); ++c)
-      std::copy(sent.begin(), sent.end(),
-                plan.gas.begin() + static_cast<std::ptrdiff_t>((c * bands + b) * gas_->measures()));
-    std::vector<double> taken(band.grid.band_weight.size());
-    for (std::size_t k = 0; k < classes; ++k) {
-      for (std::size_t i = 0; i < taken.size(); ++i)
-        taken[i] = -band.grid.band_weight[i] * class_here_[k].absorbed[band.first_node + i];
-      for (std::size_t c = 0; c < condition_.size(); ++c) {
-        const ConditionSources& light = sources_.wanted(condition_[c]);
-        const SourceTable table = source_table(light, scene_.path_basis(), band.first_node, taken);
-        show_sources(table, table.source, light, layout_, scene_.path_basis(), c * bands + b, k,
-                     plan);
-      }
-    }
-  }
-  return plan;
 }
 
 ColumnTests GasMeasurement::tests_for(const std::vector<GasColumn>& columns) {
@@ -331,6 +302,19 @@ std::vector<double> GasMeasurement::tests_of(std::initializer_list<const Nodes*>
     for (std::size_t m = 0; m < nodes->column.size(); ++m) {
       emitted.push_back(in_band(nodes->here[m].emitted_w_m2_sr_um, scene_.axis.band(band)));
       for (std::size_t t = 0; t < of_test.size(); ++t) of_test[t].push_back(nodes->tests[m][t]);
+    }
+  return column_weights(of_test, emitted, kTolerance, kNodes);
+}
+
+std::vector<double> GasMeasurement::tests_of(
+    const std::array<const std::vector<ColumnLight>*, 2>& light, std::size_t band) const {
+  std::vector<std::vector<double>> of_test(ColumnTests::kCount);
+  std::vector<double> emitted;
+  for (std::size_t set = 0; set < nodes_.size(); ++set)
+    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {
+      emitted.push_back(in_band((*light[set])[m].emitted_w_m2_sr_um, scene_.axis.band(band)));
+      for (std::size_t t = 0; t < of_test.size(); ++t)
+        of_test[t].push_back(nodes_[set].tests[m][t]);
     }
   return column_weights(of_test, emitted, kTolerance, kNodes);
 }

@@ -62,15 +62,37 @@ class GasMeasurement {
     std::vector<ColumnLight> classes;
   };
 
+  // which: of the conditions. INVALID_ARGUMENT: imported air, whose lines are not known.
+  [[nodiscard]] absl::StatusOr<Sensor> behind_air(std::size_t which) const;
+
   // Traces the rays of this gas with a stage of random numbers of their own.
   //   pictures  unless empty: the same number of rays in each pixel; the view is a whole_view
   TracedView run(std::shared_ptr<const RayMedium> gas, const AimedView& view, std::uint64_t samples,
                  std::uint64_t stage, std::uint32_t reflections, const ImagePlan& pictures = {});
-  // Pictures of the rows' source radiance: of what a ray's gas sends as much as its test gases say,
-  // so that all rays of the pilot send what the nodes do; of what is behind it less what its
-  // classes take.
+  // Pictures of the rows' source radiance, and behind them those of what arrives at the sensor, if
+  // that is asked for: of what a ray's gas sends as much as its test gases say, so that all rays of
+  // the pilot send what the nodes do; of what is behind it less what its classes take.
   //   sums  of the pilot's tests, which the nodes' weights are of
-  [[nodiscard]] ImagePlan plan_images(const std::vector<double>& sums) const;
+  [[nodiscard]] absl::StatusOr<ImagePlan> plan_images(const std::vector<double>& sums);
+  // Returns true if images have layers of what is behind the gas, too.
+  [[nodiscard]] bool at_sensor() const {
+    return request_.image && request_.image->has(ImageLayer::kAtSensor);
+  }
+  // Number of the first picture at the sensor; pictures at the target are by condition, then band.
+  [[nodiscard]] std::size_t source_images() const {
+    return condition_.size() * request_.selected_band.size();
+  }
+  // Puts into picture `image` of the plan what one band's gas sends.
+  //   tests  weights of tests whose sum is its emission; nodes: emission of the nodes
+  void show_emission(std::vector<double> tests, const std::vector<double>& sums,
+                     const std::array<const std::vector<ColumnLight>*, 2>& nodes,
+                     const BandOnAxis& band, std::size_t image, ImagePlan& plan);
+  // Takes off picture `image` what a class absorbs of the light behind it.
+  void show_absorption(const ConditionSources& light, const ColumnLight& gas, bool at_sensor,
+                       const BandOnAxis& band, std::size_t image, std::size_t of_class,
+                       ImagePlan& plan) const;
+  // Returns a row's pictures from those that were traced.
+  [[nodiscard]] GasPicture picture_of(std::size_t image, std::uint32_t band) const;
 
   static ColumnTests tests_for(const std::vector<GasColumn>& columns);
 
@@ -108,6 +130,9 @@ class GasMeasurement {
   // Returns weights of the tests whose sum is the band's emission, for each of these nodes.
   [[nodiscard]] std::vector<double> tests_of(std::initializer_list<const Nodes*> sets,
                                              std::size_t band) const;
+  // Likewise of both sets of nodes, whose emission is given.
+  [[nodiscard]] std::vector<double> tests_of(
+      const std::array<const std::vector<ColumnLight>*, 2>& light, std::size_t band) const;
 
   // Returns the difference between the tests of the nodes' columns and of the rays, as a fraction
   // of the emission in a band.
@@ -218,6 +243,7 @@ class GasMeasurement {
   bool measured_ = false;                 // they are not a pilot's
   std::uint64_t rays_ = 0;
   ImagePlan image_plan_;
+  std::vector<double> emitted_relative_;  // [picture] GasPicture::emitted_relative
   TracedPictures pictures_of_gas_;
   SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());
 };

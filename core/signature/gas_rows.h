@@ -15,6 +15,16 @@
 
 namespace irsig {
 
+// Pictures of one row's hot gas, [pixel of the frame], of radiance at the target or at the sensor.
+// Empty: no pictures, or no gas in sight.
+struct GasPicture {
+  PixelSums change;             // emitted less absorbed
+  PixelSums emitted, absorbed;  // empty unless images have layers
+  // Errors of single pixels beside their scatter, as fractions of what is emitted and absorbed: of
+  // test gases that stand for a ray's spectrum, and of classes that stand for its absorption.
+  double emitted_relative = 0, absorbed_relative = 0;
+};
+
 // Change of one row by hot gas: its emission less its absorption of the light from behind.
 struct GasRow {
   struct Change {
@@ -40,9 +50,9 @@ struct GasRow {
   double voxel_error_w_sr = 0, apparent_voxel_error_w_sr = 0;
   Estimate area_m2;  // where it is thick (ViewRequest::plume_area_optical_depth)
   std::uint64_t rays = 0;
-  // [pixel of the frame] Of the source radiance, as RunTotals::image has it. Empty: no pictures, or
-  // no gas in sight.
-  PixelSums picture;
+  // At the target, of what the target sends; at the sensor (images with the layer kAtSensor), of
+  // the target and of what stands behind both.
+  GasPicture picture, apparent_picture;
 };
 
 // Rows of the request's selected conditions x bands, as MeasuredView has them; nullopt: no hot gas

@@ -18,7 +18,7 @@ constexpr double kOfSteps = 0.25;
 
 }  // namespace
 
-absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) const {
+absl::StatusOr<GasMeasurement::Sensor> GasMeasurement::behind_air(std::size_t which) const {
   const ConditionSources& light = sources_.wanted(condition_[which]);
   const ViewEnvironment& environment = light.environment();
   if (environment.air == nullptr && request_.environment != nullptr)
@@ -58,19 +58,23 @@ absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) cons
     for (ColumnLight& column : columns)
       for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
         column.emitted_w_m2_sr_um[i] *= environment.transmittance[i];
+  return sensor;
+}
+
+absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) const {
+  const ConditionSources& light = sources_.wanted(condition_[which]);
+  ASSIGN_OR_RETURN(const Sensor sensor, behind_air(which));
   const LitWeights of_classes(light, mean_, 1), of_replicates(light, each_, 1);
   std::vector<GasRow> out;
   for (const std::uint32_t b : request_.selected_band)
     out.push_back(row_of(light, sensor, of_classes, of_replicates, b));
   if (pictures_of_gas_.sum.empty()) return out;
-  const std::size_t pixels = static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px;
-  for (std::size_t b = 0; b < out.size(); ++b)
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const std::size_t at = i * image_plan_.images + which * out.size() + b;
-      out[b].picture.w_sr.push_back(pictures_of_gas_.sum[at]);
-      out[b].picture.variance.push_back(
-          std::pow(static_cast<double>(pictures_of_gas_.stderr_[at]), 2));
-    }
+  for (std::size_t b = 0; b < out.size(); ++b) {
+    const std::size_t image = which * out.size() + b;
+    const std::uint32_t band = request_.selected_band[b];
+    out[b].picture = picture_of(image, band);
+    if (at_sensor()) out[b].apparent_picture = picture_of(source_images() + image, band);
+  }
   return out;
 }
 

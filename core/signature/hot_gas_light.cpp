@@ -18,6 +18,19 @@ void add_gas_change(const GasRow::Change& change, double omitted_w_sr, Measured&
   to.of(BoundOf::kOmitted) += omitted_w_sr;
 }
 
+void add_pixels(const PixelSums& more, PixelSums& to) {
+  for (std::size_t i = 0; i < more.w_sr.size(); ++i) {
+    to.w_sr[i] += more.w_sr[i];
+    to.variance[i] += more.variance[i];
+  }
+}
+
+// Adds the variance of an error that is a fraction of each pixel's light.
+void add_relative(const PixelSums& light, double relative, PixelSums& to) {
+  for (std::size_t i = 0; i < light.w_sr.size(); ++i)
+    to.variance[i] += std::pow(relative * light.w_sr[i], 2);
+}
+
 class HotGasLight final : public LightComponent {
  public:
   explicit HotGasLight(std::vector<std::optional<GasRow>> row) : row_(std::move(row)) {}
@@ -68,13 +81,21 @@ class HotGasLight final : public LightComponent {
     }
   }
 
-  void add_picture(std::size_t row, PixelSums& to) const override {
+  void add_picture(std::size_t row, PictureOf of, PixelSums& to) const override {
     if (!row_[row]) return;
-    const PixelSums& own = row_[row]->picture;
-    for (std::size_t i = 0; i < own.w_sr.size(); ++i) {
-      to.w_sr[i] += own.w_sr[i];
-      to.variance[i] += own.variance[i];
-    }
+    const GasPicture& own = picture(row, of);
+    add_pixels(own.change, to);
+    add_relative(own.emitted, own.emitted_relative, to);
+    add_relative(own.absorbed, own.absorbed_relative, to);
+  }
+
+  void add_layer(std::size_t row, PictureOf of, ImageLayer layer, PixelSums& to) const override {
+    if (!row_[row] || !is_of_gas(layer)) return;
+    const GasPicture& own = picture(row, of);
+    const bool emitted = layer == ImageLayer::kGasEmitted;
+    const PixelSums& light = emitted ? own.emitted : own.absorbed;
+    add_pixels(light, to);
+    add_relative(light, emitted ? own.emitted_relative : own.absorbed_relative, to);
   }
 
   [[nodiscard]] std::uint64_t rays(std::size_t row) const override {
@@ -82,6 +103,10 @@ class HotGasLight final : public LightComponent {
   }
 
  private:
+  [[nodiscard]] const GasPicture& picture(std::size_t row, PictureOf of) const {
+    return of == PictureOf::kTarget ? row_[row]->picture : row_[row]->apparent_picture;
+  }
+
   std::vector<std::optional<GasRow>> row_;
 };
 

@@ -5,11 +5,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/accuracy/image_layers.h"
 #include "core/signature/measured_view.h"
 #include "core/signature/view/pixel_errors.h"
 #include "core/signature/view/view_pictures.h"
 
 namespace irsig {
+
+enum class PictureOf : std::uint8_t { kTarget, kAtSensor };
 
 // LightComponent is light of a view that is measured by paths of its own, beside the light that the
 // target sends and reflects (MeasuredView). Its random numbers are independent of all others, so
@@ -23,8 +26,11 @@ class LightComponent {
   // Adds what else a row stores of the component: spectra, causes, model errors, ledger,
   // replicates.
   virtual void add_to(std::size_t row, SignatureResult& to) const = 0;
-  // Adds the component's picture of a row to that of the other light.
-  virtual void add_picture(std::size_t row, PixelSums& to) const = 0;
+  // Adds the component's picture of a row to that of the other light: of the target, or of all that
+  // arrives at the sensor.
+  virtual void add_picture(std::size_t row, PictureOf of, PixelSums& to) const = 0;
+  // Adds the component's own light of one layer.
+  virtual void add_layer(std::size_t row, PictureOf of, ImageLayer layer, PixelSums& to) const = 0;
   // Rays that a row's component took, pilots included.
   [[nodiscard]] virtual std::uint64_t rays(std::size_t row) const = 0;
 };

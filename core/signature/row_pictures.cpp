@@ -68,7 +68,9 @@ class RowPictures {
     for (std::size_t row = 0; row < rows_; ++row) {
       SignatureResult& r = out.row[row];
       PixelSums sum = sums(row);
-      for (const auto& component : components_) component->add_picture(row, sum);
+      const PixelSums own = sum;
+      for (const auto& component : components_)
+        component->add_picture(row, PictureOf::kTarget, sum);
       const std::vector<double> stderr_w_sr = errors.of(sum);
       r.image_w_m2_sr.reserve(pixels_);
       r.image_stderr_w_m2_sr.reserve(pixels_);
@@ -76,7 +78,10 @@ class RowPictures {
         r.image_w_m2_sr.push_back(static_cast<float>(per_w_sr_[i] * sum.w_sr[i]));
         r.image_stderr_w_m2_sr.push_back(static_cast<float>(per_w_sr_[i] * stderr_w_sr[i]));
       }
-      const TypicalError typical = typical_error(row, sum.w_sr, stderr_w_sr);
+      // Accuracy is asked of the target's own paths: others have a number of their own.
+      const bool asked = request_.image && request_.image->asks_for_error();
+      const TypicalError typical = asked ? typical_error(row, own.w_sr, errors.of(own))
+                                         : typical_error(row, sum.w_sr, stderr_w_sr);
       r.image_error_relative = typical.relative;
       r.image_error_k = typical.kelvin;
       add_layers(row, errors, background ? &*background : nullptr, r);
@@ -210,10 +215,12 @@ class RowPictures {
     return PixelErrors(frame_.width_px, frame_.height_px, pictures_.pixel_samples, met_);
   }
 
+  [[nodiscard]] PixelSums nothing() const {
+    return {std::vector<double>(pixels_, 0.0), std::vector<double>(pixels_, 0.0)};
+  }
+
   [[nodiscard]] PixelSums sums(std::size_t picture) const {
-    PixelSums out;
-    out.w_sr.resize(pixels_);
-    out.variance.resize(pixels_);
+    PixelSums out = nothing();
     for (std::size_t t = 0; t < window_.pixels(); ++t) {
       const std::size_t at = t * pictures_.plan.images + picture, i = window_.whole_of(t);
       out.w_sr[i] = pictures_.traced.sum[at];
@@ -225,9 +232,7 @@ class RowPictures {
   // Standard errors of one kind of light in a picture, [pixel]. [W/(m2 sr)]
   [[nodiscard]] std::vector<float> kind_errors(std::size_t picture, std::size_t kind,
                                                const PixelErrors& errors) const {
-    PixelSums sum;
-    sum.w_sr.resize(pixels_);
-    sum.variance.resize(pixels_);
+    PixelSums sum = nothing();
     for (std::size_t t = 0; t < window_.pixels(); ++t) {
       const std::size_t at = (t * pictures_.plan.images + picture) * pictures_.plan.kinds + kind,
                         i = window_.whole_of(t);
@@ -428,8 +433,22 @@ class RowPictures {
           fill([&](std::size_t i) { return -kind(i, kHiddenKind); });
           image.stderr_ = kind_errors(picture, kHiddenKind, errors);
           break;
+        case ImageLayer::kGasEmitted:
+        case ImageLayer::kGasAbsorbed: {
+          PixelSums sum = nothing();
+          for (const auto& component : components_)
+            component->add_layer(row, at_sensor() ? PictureOf::kAtSensor : PictureOf::kTarget,
+                                 layer, sum);
+          fill([&](std::size_t i) { return per_w_sr_[i] * sum.w_sr[i]; });
+          const std::vector<double> stderr_w_sr = errors.of(sum);
+          for (std::size_t i = 0; i < pixels_; ++i)
+            image.stderr_.push_back(static_cast<float>(per_w_sr_[i] * stderr_w_sr[i]));
+          break;
+        }
         case ImageLayer::kAtSensor: {
-          const PixelSums sum = sums(picture);
+          PixelSums sum = sums(picture);
+          for (const auto& component : components_)
+            component->add_picture(row, PictureOf::kAtSensor, sum);
           const std::vector<double> stderr_w_sr = errors.of(sum);
           fill(
               [&](std::size_t i) { return path + beside.w_m2_sr[i] + per_w_sr_[i] * sum.w_sr[i]; });

@@ -460,7 +460,7 @@ void PathTracer::cross_gas(Work& work) const {
     double* sum = work.gas.data() + s.replicate * measures;
     for (std::size_t m = 0; m < measures; ++m) sum[m] += weight * work.gas_measure[m];
     if (const ImagePlan& plan = *work.plan; !plan.empty()) {
-      double* image = image_of(work, s, SourceId{0});
+      double* image = image_of(work, s, plan.gas_kind);
       for (std::uint32_t k = 0; k < plan.images; ++k)
         image[k] += static_cast<double>(work.area_per_sample) * weight *
                     ordered_dot(plan.gas.data() + k * measures, work.gas_measure.data(), measures);

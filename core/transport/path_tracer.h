@@ -48,6 +48,7 @@ struct ImagePlan {
   // Kinds of light whose sums are kept apart: of each source which. Empty: all are one kind.
   std::uint32_t kinds = 1;
   std::vector<std::uint8_t> kind;  // [source]
+  std::uint8_t gas_kind = 0;       // of what hot gas emits
   bool behind = false;             // whether sources behind the target are shown
   // Values to be averaged over what a pixel shows, with the distance: [emitter][value].
   bool first_hits = false;
@@ -269,6 +270,7 @@ class PathTracer {
   void trace_glint(Work& work, std::uint32_t order) const;
   [[nodiscard]] std::uint32_t pixel_of(const Work& work, const PathState& path) const;
   [[nodiscard]] static double* image_of(Work& work, const PathState& path, SourceId source);
+  [[nodiscard]] static double* image_of(Work& work, const PathState& path, std::uint8_t kind);
   void add_first_hit(Work& work, const PathState& path, const Hit& hit) const;
   void light_first_hits(Work& work) const;
   void meet_parts_behind(Work& work) const;

@@ -205,7 +205,10 @@ inline std::uint32_t PathTracer::pixel_of(const Work& work, const PathState& pat
 // Where pictures add up a source's light of a path: a number for each picture.
 inline double* PathTracer::image_of(Work& work, const PathState& path, SourceId source) {
   const ImagePlan& plan = *work.plan;
-  const std::size_t kind = plan.kind.empty() ? 0 : plan.kind[index_of(source)];
+  return image_of(work, path, plan.kind.empty() ? std::uint8_t{0} : plan.kind[index_of(source)]);
+}
+inline double* PathTracer::image_of(Work& work, const PathState& path, std::uint8_t kind) {
+  const ImagePlan& plan = *work.plan;
   return work.group_sum.data() +
          (static_cast<std::size_t>(path.pixel_group) * plan.kinds + kind) * plan.padded;
 }

@@ -59,5 +59,22 @@ FROM sweep w JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
      JOIN signature s ON s.job_id = j.job_id JOIN thumbnail t ON t.signature_id = s.signature_id
 WHERE w.name = ?1;
 
+-- What decides the error of each row of a sweep, in the order of rows: few columns, since a report reads all rows.
+-- name: errors_of_sweep
+SELECT r.name, coalesce(s.limiting_bound, ''), j.superseded OR c.superseded OR b.superseded,
+       s.intensity_w_sr, s.intensity_stderr_w_sr, s.numerical_error_w_sr, s.undersampling_stderr_w_sr,
+       s.truncation_bound_w_sr, s.quadrature_bound_w_sr, s.spectral_basis_bound_w_sr, s.undersampling_bound_w_sr,
+       s.direction_interpolation_bound_w_sr, s.omitted_bound_w_sr, s.temperature_bound_w_sr, s.plume_bound_w_sr
+FROM sweep w
+CROSS JOIN viewpoint v ON v.sweep_id = w.sweep_id
+CROSS JOIN condition c ON c.sweep_id = w.sweep_id
+CROSS JOIN band b ON b.sweep_id = w.sweep_id
+CROSS JOIN signature s
+  ON s.condition_id = c.condition_id AND s.band_id = b.band_id AND s.viewpoint_id = v.viewpoint_id
+CROSS JOIN job j ON j.job_id = s.job_id
+CROSS JOIN stop_reason r ON r.stop_reason = s.stop_reason
+WHERE w.name = ?1
+ORDER BY v.viewpoint_index, c.condition_index, b.band_index;
+
 -- name: database_bytes
 SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size();

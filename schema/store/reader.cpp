@@ -279,6 +279,11 @@ absl::StatusOr<StoredOutcome> StoreReader::outcome(const std::string& sweep) {
   return in_one_snapshot(*database_, [&] { return find_outcome(*database_, sweep); });
 }
 
+absl::Status StoreReader::visit_errors(const std::string& sweep,
+                                       const std::function<void(const StoredSignature&)>& visit) {
+  return in_one_snapshot(*database_, [&] { return irsig::visit_errors(*database_, sweep, visit); });
+}
+
 absl::StatusOr<std::uint64_t> StoreReader::bytes() { return database_bytes(*database_); }
 
 absl::StatusOr<std::string> StoreReader::digest() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -76,6 +77,12 @@ class StoreReader {
   absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep);
   // Counts the stored rows of a sweep, without superseded ones.
   absl::StatusOr<StoredOutcome> outcome(const std::string& sweep);
+  // Calls visit(row) for each stored row of a sweep, in the order of rows, superseded ones
+  // included. The row has what decides the error of its source intensity (source_of in view/rows),
+  // its stop reason, limiting bound and whether it is superseded; all else is empty or
+  // kNotComputed.
+  absl::Status visit_errors(const std::string& sweep,
+                            const std::function<void(const StoredSignature&)>& visit);
   // Returns the number of stored rows by job key, superseded jobs included.
   absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(const std::string& sweep);
   // Returns the size of the database as one plain file.

@@ -5,7 +5,7 @@ import { decodeExr } from "./exr.js";
 const TARGET = { name: "", unit: "W/(m2 sr)", what: "radiance at the target, without the air" };
 // Layers whose every pixel counts: the others are of the target alone.
 const WHOLE_FRAME = ["counts", "at_sensor", "background", "path", "land_emitted", "land_sky",
-  "land_sun", "without_air", "land_temperature"];
+  "land_sun", "without_air", "land_temperature", "gas_emitted", "gas_absorbed"];
 const MEANS = ["temperature", "range", "normal_x", "normal_y", "normal_z", "sunlit"];
 export const isWholeFrame = ({ layer }) => WHOLE_FRAME.includes(layer.name);
 

@@ -6,6 +6,7 @@ import http.client
 import json
 import os
 import pathlib
+import signal
 import struct
 import sys
 import tempfile
@@ -128,8 +129,8 @@ class FramesTest(FlyCase):
         self.assertLess(numpy.sqrt(numpy.mean(off ** 2)), 1.5)
         self.assertGreater((numpy.abs(off) < 1.96).mean(), 0.9)
 
-    def test_hot_gas_is_refused_with_a_remedy(self):
-        words = irsig(IRSIG, "fly", SOURCE / "jobs/examples/frigate_plume.toml", code=1)
+    def test_a_film_of_hot_gas_is_refused_with_a_remedy(self):
+        words = irsig(IRSIG, "fly", SOURCE / "jobs/examples/frigate_plume.toml", "--film", self.path / "gas.png", code=1)
         self.assertIn("take [plume] out of a copy of the sweep file, or compute its images with irsig run", words)
 
     def test_what_is_kept_is_what_was_shown(self):
@@ -191,6 +192,44 @@ class LandTest(FlyCase):
               f"stated {100 * numpy.median((first.error / first.radiance)[~first.edge]):.2f} % in the median")
         self.assertGreater(covered, 0.9)
         self.assertLess(numpy.median((first.error / first.radiance)[~first.edge]), 0.09)
+
+
+class GasTest(FlyCase):
+    example, changes = "frigate_plume.toml", {"triangles = 20000": "triangles = 2000", "length_m = 60": "length_m = 30"}
+
+    def test_gas_is_flagged_until_the_camera_rests(self):
+        self.sit_down()
+        view = {"azimuth_deg": 90, "elevation_deg": 2, "range_m": 800, "field_of_view_deg": 4, "look_x_m": -8, "look_z_m": -22,
+                "width_px": 160, "height_px": 128}
+        first = self.picture(**view)
+        self.assertEqual(first.state, MOVING)
+        truth = self.rested(**view)
+        self.assertLess(first.edge.mean(), 0.4)
+        off = numpy.abs(first.radiance - truth.radiance)
+        changed = off > 0.02 * first.radiance + 3 * truth.error
+        print(f"gas: {100 * first.edge.mean():.1f} % of pixels are flagged, {changed.sum()} of them show it at rest")
+        self.assertGreater((changed & first.edge).sum(), 50)
+        self.assertGreater((off <= first.error + truth.error)[~first.edge].mean(), 0.9)
+        # What is kept is the job's image, gas included.
+        self.ask("keep", **view)
+        stored = reader.open(self.db).query(band="mwir").images("at_sensor")[-1]
+        numpy.testing.assert_array_equal(truth.half, (stored / numpy.float32(truth.scale)).astype(numpy.float16))
+
+
+class EndTest(FlyCase):
+    example, changes = LandTest.example, LandTest.changes
+
+    def test_ctrl_c_does_not_wait_for_the_picture_at_rest(self):
+        self.viewer = self.server.json("/api/scene")["viewer"]
+        view = {"azimuth_deg": 40, "elevation_deg": 12, "range_m": 600, "field_of_view_deg": 12}
+        self.assertEqual(self.picture(**view).state, MOVING)
+        time.sleep(1)  # a rest begins after 0.15 s, and its first round over land takes seconds
+        begin = time.monotonic()
+        code, _ = self.server.end(signal.SIGINT)
+        seconds = time.monotonic() - begin
+        print(f"Ctrl-C: ended after {seconds:.3f} s")
+        self.assertEqual(code, 0)
+        self.assertLess(seconds, 1)  # 0.3 s on processors of its own
 
 
 class ImagerTest(FlyCase):

@@ -219,5 +219,44 @@ class ImageLayers(unittest.TestCase):
             reader.open(bare).query(row=1).images("sun")
 
 
+# 2 to 4 m before a sphere of 1 m.
+SLAB = '''
+[plume]
+kind = "slab"
+position_m = [3, 0, 0]
+length_m = 2
+width_m = 2
+height_m = 2
+temperature_k = 1000
+soot = 4e-8
+voxel_m = 0.05
+'''
+
+
+class HotGasLayers(unittest.TestCase):
+    def test_layers_of_a_plume_add_up_and_are_shown(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            text = (ROOT / "tests/unit/bad_sweeps/image_gas_layers.toml").read_text()
+            layers = [*LIGHT, "hidden", "at_sensor", "gas_emitted", "gas_absorbed"]
+            text = text.replace('layers = ["gas_emitted"]\n', f"layers = {json.dumps(layers)}\npixel_error_percent = 1\n{SLAB}")
+            (path / "gas.toml").write_text(text)
+            irsig("run", path / "gas.toml", "--db", path / "gas.sigdb")
+            rows = reader.open(path / "gas.sigdb").query()
+            of = {name: rows.images(name)[0] for name in layers}
+            light = sum(of[name] for name in LIGHT) - of["hidden"] + of["gas_emitted"] - of["gas_absorbed"]
+            numpy.testing.assert_allclose(light, of["at_sensor"], rtol=1e-6, atol=1e-6 * of["at_sensor"].max())
+            for name in ("gas_emitted", "gas_absorbed"):
+                self.assertGreater(of[name].max(), 0.01 * of["at_sensor"].max())
+                self.assertGreater(rows.images(name, stderr=True)[0].max(), 0)
+            # The gas reaches beyond the sphere and its edge, where it absorbs nothing: the background is black.
+            near = numpy.pad(of["emitted"] > 0, 1)
+            beside = ~numpy.any([near[y:y + 64, x:x + 64] for y in range(3) for x in range(3)], axis=0)
+            self.assertGreater(of["gas_emitted"][beside].max(), 0)
+            self.assertEqual(numpy.abs(of["gas_absorbed"][beside]).max(), 0)
+            irsig("plot", path / "gas.sigdb", "--kind", "picture", "--layer", "gas_absorbed", "--row", 1, "--out", path / "gas.svg")
+            self.assertIn("gas", (path / "gas.svg").read_text())
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -119,6 +119,44 @@ TEST(Outcome, CountsTheRowsOfOneSweepInADatabase) {
   }
 }
 
+// The few columns that are read of all rows have the whole rows' errors, in their order.
+TEST(Outcome, ErrorsAreThoseOfWholeRows) {
+  FakeDatabase db = fake_database();
+  int n = 0;
+  for (StoredSignature& row : db.signatures) {
+    row.limiting_bound = ++n % 2 == 0 ? "" : "truncation";
+    row.truncation_bound_w_sr = n;
+    row.plume_bound_w_sr = n % 3 == 0 ? n : kNotComputed;
+    row.temperature_bound_w_sr = 0.5 * n;
+  }
+  std::set<std::string> sweeps;
+  for (const StoredSignature& row : db.signatures) sweeps.insert(row.sweep);
+  StoreReader& reader = db;
+  for (const std::string& sweep : sweeps) {
+    SignatureFilter filter;
+    filter.sweep = sweep;
+    const auto rows = reader.find(filter);
+    ASSERT_TRUE(rows.ok()) << rows.status();
+    std::size_t next = 0;
+    const absl::Status visited = reader.visit_errors(sweep, [&](const StoredSignature& few) {
+      ASSERT_LT(next, rows->size());
+      const StoredSignature& whole = (*rows)[next++];
+      EXPECT_EQ(few.stop_reason, whole.stop_reason);
+      EXPECT_EQ(few.limiting_bound, whole.limiting_bound);
+      EXPECT_EQ(few.superseded, whole.superseded);
+      EXPECT_EQ(few.intensity_w_sr, whole.intensity_w_sr);
+      EXPECT_EQ(few.numerical_error_w_sr, whole.numerical_error_w_sr);
+      const Measured of_few = source_of(few), of_whole = source_of(whole);
+      EXPECT_EQ(of_few.sampled_fraction(), of_whole.sampled_fraction());
+      EXPECT_EQ(of_few.unseen_fraction(), of_whole.unseen_fraction());
+      for (std::size_t i = 0; i < kBounds; ++i)
+        EXPECT_EQ(of_few.share(static_cast<BoundOf>(i)), of_whole.share(static_cast<BoundOf>(i)));
+    });
+    ASSERT_TRUE(visited.ok()) << visited;
+    EXPECT_EQ(next, rows->size());
+  }
+}
+
 // Whatever may limit a stored row has a meaning and a remedy of its own.
 TEST(Outcome, EveryPartOfASourcesErrorHasARemedy) {
   std::set<std::string> texts;

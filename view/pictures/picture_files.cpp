@@ -100,7 +100,7 @@ absl::Status PictureFiles::write_picture(const RowImage& image, const RadianceIm
                         static_cast<float>(facts.white_w_m2_sr)};
   const auto bytes = asked_.format == PictureFormat::kTiff
                          ? encode_tiff(radiance, scale, asked_.bits)
-                         : encode_png(radiance, scale, asked_.bits);
+                         : encode_png(radiance, scale, asked_.bits, PngPacking::kFast);
   return bytes.ok() ? plain_file(path, *bytes) : damaged(image, bytes.status());
 }
 
@@ -157,7 +157,7 @@ absl::Status PictureFiles::write_mask(const RowImage& image) const {
                     image.signature.row)));
   ASSIGN_OR_RETURN(const auto png,
                    encode_grey_png(image.silhouette.width_px, image.silhouette.height_px, mask,
-                                   parts < 256 ? 8 : 16));
+                                   parts < 256 ? 8 : 16, PngPacking::kFast));
   return plain_file(folder_ + "/" + sweeps_.mask_of(image.signature), png);
 }
 

@@ -61,7 +61,8 @@ Shows what_is_shown(const std::string& layer, bool gas) {
   if (layer.empty()) return gas ? Shows::kTargetAndGas : Shows::kTarget;
   const auto known = image_layer_of(layer);
   if (!known || *known == ImageLayer::kAtSensor || *known == ImageLayer::kBackground ||
-      *known == ImageLayer::kPath || (is_of_land(*known) && is_radiance(*known)))
+      *known == ImageLayer::kPath || is_of_gas(*known) ||
+      (is_of_land(*known) && is_radiance(*known)))
     return Shows::kAll;
   if (*known == ImageLayer::kLandTemperature) return Shows::kLand;
   return is_mean_of_target(*known) ? Shows::kOfTarget : Shows::kTarget;

@@ -43,21 +43,19 @@ constexpr auto kLimits = std::to_array<Limit>({
     {"plume", "steps along rays through hot gas", kNoKey},
 });
 
-// Numbers of rows that did not reach their accuracy, by what decides their error: its name, and
-// whether the samples of a row are at their limit.
-using Limits = std::map<std::pair<std::string, bool>, std::uint64_t>;
+}  // namespace
 
-void count_limit(const StoredSignature& row, Limits& limits) {
+void LimitNotes::add(const StoredSignature& row) {
   if (row.superseded || row.limiting_bound.empty()) return;
   // More samples lower what samples leave open, and only that.
   const bool of_samples =
       row.limiting_bound == kLimitedBySampling || row.limiting_bound == "undersampling";
-  ++limits[{row.limiting_bound, of_samples && row.stop_reason == "sample_limit"}];
+  ++rows_[{row.limiting_bound, of_samples && row.stop_reason == "sample_limit"}];
 }
 
-// Returns the most frequent first.
-std::vector<std::string> notes_of(const Limits& limits) {
-  std::vector<std::pair<Limits::key_type, std::uint64_t>> sorted(limits.begin(), limits.end());
+std::vector<std::string> LimitNotes::text() const {
+  std::vector<std::pair<std::pair<std::string, bool>, std::uint64_t>> sorted(rows_.begin(),
+                                                                             rows_.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   std::vector<std::string> out;
@@ -66,8 +64,6 @@ std::vector<std::string> notes_of(const Limits& limits) {
                               rows == 1 ? " does" : "s do", limit_text(limit.first, limit.second)));
   return out;
 }
-
-}  // namespace
 
 std::string limit_text(std::string_view limiting_bound, bool at_sample_limit) {
   const auto* const found = std::find_if(kLimits.begin(), kLimits.end(),
@@ -98,20 +94,16 @@ std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& a
 }
 
 std::vector<std::string> limit_notes(const std::vector<StoredSignature>& rows) {
-  Limits limits;
-  for (const StoredSignature& row : rows) count_limit(row, limits);
-  return notes_of(limits);
+  LimitNotes out;
+  for (const StoredSignature& row : rows) out.add(row);
+  return out.text();
 }
 
 absl::StatusOr<std::vector<std::string>> limit_notes(StoreReader& reader,
                                                      const std::string& sweep) {
-  ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, {.sweep = sweep}));
-  Limits limits;
-  for (;;) {
-    ASSIGN_OR_RETURN(const auto some, rows->next());
-    if (some.empty()) return notes_of(limits);
-    for (const QueryRow& row : some) count_limit(row.signature, limits);
-  }
+  LimitNotes out;
+  RETURN_IF_ERROR(reader.visit_errors(sweep, [&](const StoredSignature& row) { out.add(row); }));
+  return out.text();
 }
 
 std::string image_text(const StoredOutcome& outcome, const schema::Image& image) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "schema/job.pb.h"
@@ -21,6 +24,19 @@ namespace irsig {
 //   limiting_bound   as stored in the column of that name (StoredSignature)
 //   at_sample_limit  whether more samples would help, and the sweep allows no more
 [[nodiscard]] std::string limit_text(std::string_view limiting_bound, bool at_sample_limit);
+
+// LimitNotes counts what decides the errors of rows, one after the other.
+class LimitNotes {
+ public:
+  void add(const StoredSignature& row);
+  // Returns the notes of limit_notes().
+  [[nodiscard]] std::vector<std::string> text() const;
+
+ private:
+  // Rows that did not reach their accuracy, by what decides their error: its name, and whether the
+  // samples of a row are at their limit.
+  std::map<std::pair<std::string, bool>, std::uint64_t> rows_;
+};
 
 // Returns the causes that decide the error of rows that did not reach their accuracy, the most
 // frequent first, each with its remedy: "14 rows do not reach the accuracy: effects that are off

@@ -217,17 +217,33 @@ void show_sources(const SourceTable& table, const std::vector<double>& radiance,
   }
 }
 
-void hide_background(const SourceTable& table, const ConditionSources& light,
-                     const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
-                     ImagePlan& plan) {
+namespace {
+
+void put_background(double sign, const SourceTable& table, const ConditionSources& light,
+                    const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+                    std::size_t first, ImagePlan& plan) {
   plan.behind = true;
   std::vector<double> row(table.columns);
   for (const SourceId id : paths.behind()) {
     const auto of = light.light_of_path(id);
     for (std::size_t c = 0; c < row.size(); ++c)
-      row[c] = of ? -table.apparent[index_of(*of) * table.columns + c] : 0;
-    put(row, id, table, paths, basis, image, 0, plan);
+      row[c] = of ? sign * table.apparent[index_of(*of) * table.columns + c] : 0;
+    put(row, id, table, paths, basis, image, first, plan);
   }
+}
+
+}  // namespace
+
+void show_background(const SourceTable& table, const ConditionSources& light,
+                     const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+                     std::size_t first, ImagePlan& plan) {
+  put_background(1, table, light, paths, basis, image, first, plan);
+}
+
+void hide_background(const SourceTable& table, const ConditionSources& light,
+                     const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+                     ImagePlan& plan) {
+  put_background(-1, table, light, paths, basis, image, 0, plan);
 }
 
 PathSettings picture_settings(PathSettings settings, const ImagePlan& plan,

@@ -1,5 +1,7 @@
 #include "schema/store/tables/cost.h"
 
+#include <array>
+
 #include "core/base/status_macros.h"
 #include "schema/store/tables/statements.h"
 
@@ -86,6 +88,34 @@ absl::StatusOr<StoredOutcome> find_outcome(Database& database, const std::string
   out.image_error_relative = images.real();
   out.image_error_k = images.real();
   return out;
+}
+
+absl::Status visit_errors(Database& database, const std::string& sweep,
+                          const std::function<void(const StoredSignature&)>& visit) {
+  // In the order of the query's columns.
+  constexpr auto kNumbers = std::to_array<double StoredSignature::*>(
+      {&StoredSignature::intensity_w_sr, &StoredSignature::intensity_stderr_w_sr,
+       &StoredSignature::numerical_error_w_sr, &StoredSignature::undersampling_stderr_w_sr,
+       &StoredSignature::truncation_bound_w_sr, &StoredSignature::quadrature_bound_w_sr,
+       &StoredSignature::spectral_basis_bound_w_sr, &StoredSignature::undersampling_bound_w_sr,
+       &StoredSignature::direction_interpolation_bound_w_sr, &StoredSignature::omitted_bound_w_sr,
+       &StoredSignature::temperature_bound_w_sr, &StoredSignature::plume_bound_w_sr});
+  StoredSignature row{};
+  for (const auto member : kQuantityMember) row.*member = kNotComputed;
+  ASSIGN_OR_RETURN(Rows rows, database.query(sql::errors_of_sweep, sweep));
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool found, rows.next());
+    if (!found) return absl::OkStatus();
+    row.stop_reason = rows.text();
+    row.limiting_bound = rows.text();
+    row.superseded = rows.integer() != 0;
+    for (const auto member : kNumbers) {
+      const bool known = !rows.is_null();
+      const double number = rows.real();
+      row.*member = known ? number : kNotComputed;
+    }
+    visit(row);
+  }
 }
 
 absl::StatusOr<std::uint64_t> database_bytes(Database& database) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,6 +21,9 @@ namespace irsig {
     Database& database, const std::string& sweep);
 [[nodiscard]] absl::StatusOr<StoredOutcome> find_outcome(Database& database,
                                                          const std::string& sweep);
+// StoreReader::visit_errors.
+[[nodiscard]] absl::Status visit_errors(Database& database, const std::string& sweep,
+                                        const std::function<void(const StoredSignature&)>& visit);
 [[nodiscard]] absl::StatusOr<std::uint64_t> database_bytes(Database& database);
 
 }  // namespace irsig
