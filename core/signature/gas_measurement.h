@@ -62,7 +62,8 @@ class GasMeasurement {
     std::vector<ColumnLight> classes;
   };
 
-  // which: of the conditions. INVALID_ARGUMENT: imported air, whose lines are not known.
+  // Prepares a condition's air at the sensor. INVALID_ARGUMENT: imported air, whose lines are not
+  // known.
   [[nodiscard]] absl::StatusOr<Sensor> behind_air(std::size_t which) const;
 
   // Traces the rays of this gas with a stage of random numbers of their own.
@@ -78,7 +79,8 @@ class GasMeasurement {
   [[nodiscard]] bool at_sensor() const {
     return request_.image && request_.image->has(ImageLayer::kAtSensor);
   }
-  // Number of the first picture at the sensor; pictures at the target are by condition, then band.
+  // Returns the number of the first picture at the sensor; pictures at the target are by condition,
+  // then band.
   [[nodiscard]] std::size_t source_images() const {
     return condition_.size() * request_.selected_band.size();
   }
@@ -130,7 +132,7 @@ class GasMeasurement {
   // Returns weights of the tests whose sum is the band's emission, for each of these nodes.
   [[nodiscard]] std::vector<double> tests_of(std::initializer_list<const Nodes*> sets,
                                              std::size_t band) const;
-  // Likewise of both sets of nodes, whose emission is given.
+  // Returns the tests of both sets of nodes likewise, whose emission is given.
   [[nodiscard]] std::vector<double> tests_of(
       const std::array<const std::vector<ColumnLight>*, 2>& light, std::size_t band) const;
 

@@ -61,8 +61,8 @@ void show_sources(const SourceTable& table, const std::vector<double>& radiance,
                   const SpectralBasis* basis, std::size_t image, std::size_t first,
                   ImagePlan& plan);
 
-// Picture `image` shows what stands behind the target, as `apparent` of the table has it, behind
-// gas of class `first`.
+// Shows in picture `image` the background behind the target, with the table's `apparent` radiance,
+// behind gas of class `first`.
 void show_background(const SourceTable& table, const ConditionSources& light,
                      const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
                      std::size_t first, ImagePlan& plan);

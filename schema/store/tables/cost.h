@@ -21,7 +21,7 @@ namespace irsig {
     Database& database, const std::string& sweep);
 [[nodiscard]] absl::StatusOr<StoredOutcome> find_outcome(Database& database,
                                                          const std::string& sweep);
-// StoreReader::visit_errors.
+// Implements StoreReader::visit_errors.
 [[nodiscard]] absl::Status visit_errors(Database& database, const std::string& sweep,
                                         const std::function<void(const StoredSignature&)>& visit);
 [[nodiscard]] absl::StatusOr<std::uint64_t> database_bytes(Database& database);
