@@ -229,7 +229,8 @@ class EndTest(FlyCase):
         seconds = time.monotonic() - begin
         print(f"Ctrl-C: ended after {seconds:.3f} s")
         self.assertEqual(code, 0)
-        self.assertLess(seconds, 1)  # 0.3 s on processors of its own
+        # Below 0.1 s as a rule; threads at rest have the lowest priority, and need a processor to end.
+        self.assertLess(seconds, 3)
 
 
 class ImagerTest(FlyCase):
