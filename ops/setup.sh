@@ -1,10 +1,17 @@
 #!/usr/bin/env bash
 # Installs the packages of ops/packages.txt that are missing (Debian 12, on which every change is
 # tested, and 13). Does nothing, and needs no privileges, when none is.
+#
+# usage: ops/setup.sh [LIST]      LIST: another list of packages to install instead, e.g. ops/packages-docs.txt
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-mapfile -t packages < <(grep -vE '^[[:space:]]*(#|$)' ops/packages.txt)
+list=${1:-ops/packages.txt}
+if [[ ! -r $list ]]; then
+  echo "ops/setup.sh: $list: no such list of packages (a path from the repository's folder)" >&2
+  exit 2
+fi
+mapfile -t packages < <(grep -vE '^[[:space:]]*(#|$)' "$list")
 if ! command -v dpkg-query >/dev/null; then
   echo "ops/setup.sh: this is no Debian system: install what corresponds to ops/packages.txt yourself" >&2
   exit 1
