@@ -28,11 +28,18 @@ theme:
   highlightjs: false
   navigation_depth: 3
 plugins: [search]
+extra_css: [site.css]
 markdown_extensions:
   - sane_lists
   - toc:
       slugify: !!python/name:docs_site.github_slug
 nav:
+"""
+
+
+# The theme keeps each cell of a table on one line and pages 800 pixels wide: the columns of reference need more.
+STYLE = """.wy-nav-content { max-width: 1100px; }
+.wy-table-responsive table td, .wy-table-responsive table th { white-space: normal; }
 """
 
 
@@ -180,6 +187,7 @@ def main():
     shutil.rmtree(out, ignore_errors=True)
     (out / "source").mkdir(parents=True)
     pages = stage(out / "source")
+    (out / "source/site.css").write_text(STYLE)
     (out / "mkdocs.yml").write_text(CONFIG + navigation(pages))
     here = {**os.environ, "PYTHONPATH": str(ROOT / "ops"), "PYTHONDONTWRITEBYTECODE": "1"}
     build = subprocess.run(["mkdocs", "build", "--quiet", "--config-file", out / "mkdocs.yml"], env=here)
