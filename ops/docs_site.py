@@ -162,9 +162,13 @@ def mend_theme(site):
     """Mends what Debian 12's theme (mkdocs 1.4.2) leaves broken.
 
     Its pages name jquery by upstream's version, not by the file that Debian ships, and want a script that Debian does
-    not ship, which gives tables their look. The page 404.html has absolute addresses, of no use in a folder.
+    not ship, which gives tables their look. The page 404.html has absolute addresses, of no use in a folder. Fonts that
+    are there as WOFF2, which every browser since 2018 reads, go in their older formats: they are half of the package.
     """
     (site / "404.html").unlink(missing_ok=True)
+    for font in [*site.rglob("*.ttf"), *site.rglob("*.eot"), *site.rglob("*.woff"), *site.rglob("fonts/*.svg")]:
+        if font.with_suffix(".woff2").exists():
+            font.unlink()
     shipped = sorted((site / "js").glob("jquery-*.min.js"))
     for path in site.rglob("*.html"):
         text = path.read_text()
