@@ -19,6 +19,9 @@ FENCE = re.compile(r"^\s*(```|~~~)")
 ITEM = re.compile(r"^ *([-*+]|\d+\.) ")
 SECTIONS = {"tutorials": "Tutorials", "howto": "How-to", "reference": "Reference", "explanation": "Explanation",
             "evidence": "Evidence", "developers": "Developers", "decisions": "Decisions"}
+# Debian packages whose files the site carries; their licences go with it.
+CARRIED = ("mkdocs", "sphinx-rtd-theme-common", "fonts-lato", "fonts-font-awesome", "libjs-jquery", "libjs-modernizr",
+           "libjs-lunr")
 CONFIG = """site_name: irsig
 docs_dir: source
 site_dir: html
@@ -198,6 +201,9 @@ def main():
     if build.returncode:
         return build.returncode
     mend_theme(out / "html")
+    (out / "html/licences").mkdir()
+    for package in CARRIED:
+        shutil.copyfile(f"/usr/share/doc/{package}/copyright", out / f"html/licences/{package}.txt")
     problems = problems_of(out / "html")
     print("\n".join(problems) or f"{len(pages)} pages: {out / 'html/index.html'}")
     return 1 if problems else 0
