@@ -15,8 +15,8 @@ endforeach()
 install(DIRECTORY jobs/examples jobs/models DESTINATION ${IRSIG_SHARE}/jobs FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN "*.csv" PATTERN "*.epw" PATTERN "*.md"
         PATTERN "LICENCE*")
 install(DIRECTORY docs DESTINATION share/doc/irsig FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
-# The same as web pages, if ops/docs.sh has made them (ops/package.sh does).
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/build/docs/ DESTINATION share/doc/irsig/html OPTIONAL)
+# The site of docs/, which ops/docs.sh builds (ops/package.sh calls it); without it the Markdown pages alone.
+install(DIRECTORY build/docs/html DESTINATION share/doc/irsig OPTIONAL)
 install(FILES README.md NOTICE DESTINATION share/doc/irsig)
 install(FILES LICENSE DESTINATION share/doc/irsig RENAME copyright)
 install(FILES python/irsig.py DESTINATION lib/python3/dist-packages)

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# Builds docs/ as web pages without a network: build/docs/index.html. The Debian package ships them
-# (share/doc/irsig/html).
+# Builds the static site of docs/ into build/docs/html and checks its links; installs MkDocs if it is missing.
 #
-#   ops/docs.sh [FOLDER]      FOLDER: in place of build/docs
+# usage: ops/docs.sh      then open build/docs/html/index.html; search needs a server, e.g. python3 -m http.server
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ops/setup.sh
-python3 -B ops/docs_site.py "${1:-build/docs}"
+python3 -B ops/docs_site.py build/docs

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up, builds and makes the Debian package: build/release/package/irsig_VERSION_ARCHITECTURE.deb.
+# Sets up, builds, makes the site of docs/ and makes the Debian package: build/release/package/irsig_VERSION_ARCHITECTURE.deb.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ops/build.sh all
