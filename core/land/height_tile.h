@@ -21,7 +21,7 @@ struct HeightRange {
 
 // A grid with the ranges of heights in its blocks of 4^n x 4^n cells. Blocks of 2 x 2 take 47 %
 // more memory and up to 45 % more time for a ray; blocks of 8 x 8 take more time for all but random
-// rays (docs/decisions/0060-follow-rays-over-land-in-double.md).
+// rays (docs/decisions/0060-follow-rays-over-land-in-double-without-embree.md).
 class HeightTile {
  public:
   static constexpr int kBits = 2;  // log2 of the cells along a side of the smallest block
