@@ -101,6 +101,7 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       bands_(wavelengths.bands),
       sky_source_(weather.sky.size()),
       limb_source_(kLimb.size()),
+      lower_source_(weather.lower.size()),
       far_(weather.lower.size()) {
   outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
   scattered_relative_.assign(kAirBandCount, kAerosolRelativeError);
@@ -163,6 +164,13 @@ ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAm
   const AirSpectrum both = transmittance(amounts, bands_);
   for (std::size_t b = 0; b < kAirBandCount; ++b) out.peak[b] = std::max(0.0, both[b] - beam[b]);
   return out;
+}
+ScatteredSun SunLight::scattered_below(std::size_t ring) const {
+  const LowerRing& of = weather_.lower[ring];
+  return of.layers->scattered(*sun_, nullptr, of.below_cloud ? nullptr : cloud());
+}
+const ScatteredSun& SunLight::lower_source(std::size_t ring) const {
+  return lower_source_[ring].get([this, ring] { return scattered_below(ring); });
 }
 const AirSpectrum& SunLight::far(std::size_t ring) const {
   return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers->amounts()); });
@@ -228,8 +236,7 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const BandRows<double>& sky)
   Lower out;
   const std::vector<double> sine = sines_of(weather_.lower);
   const LowerRing& ring = weather_.lower[r];
-  const ScatteredSun air =
-      ring.layers->scattered(*sun_, nullptr, ring.below_cloud ? nullptr : cloud());
+  const ScatteredSun air = scattered_below(r);
   const AirSpectrum through = quotient(far(r), near_);
   const double diffuse = ring.limb ? 0 : diffuse_per_sr();
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
@@ -307,6 +314,14 @@ AirSpectrum SunLight::sky_towards(Vec<Body> direction, std::size_t ring, double 
     if (f > 0) out[b] += f * sky_source(ring + 1).per_sr(b, cosine);
     out[b] *= outside[b];
   }
+  return out;
+}
+
+AirSpectrum SunLight::lower_air_towards(Vec<Body> direction, std::size_t ring) const {
+  const double cosine = dot(direction, direction_);
+  const ScatteredSun& source = lower_source(ring);
+  AirSpectrum out(kAirBandCount, 0.0);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] = source.per_sr(b, cosine) * outside[b];
   return out;
 }
 

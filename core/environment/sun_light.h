@@ -74,6 +74,9 @@ class SunLight {
   // averaged.
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
+  // Returns the sunlight that the air in front of the surface scatters in one direction: radiance at
+  // the target from a ring of ThermalSurroundings::lower, not averaged.  [W m^-2 sr^-1 um^-1]
+  [[nodiscard]] AirSpectrum lower_air_towards(Vec<Body> direction, std::size_t ring) const;
   [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
   // Returns one sigma of an incompletely known cloud, relative: of the beam, as a mean over the
   // bands, and of the light that air and cloud scatter, which increases that of aerosol.
@@ -94,6 +97,8 @@ class SunLight {
   [[nodiscard]] const CloudSunlight* cloud() const { return cloud_ ? &*cloud_ : nullptr; }
   [[nodiscard]] const ScatteredSun& sky_source(std::size_t ring) const;
   [[nodiscard]] const ScatteredSun& limb_source(std::size_t ring) const;
+  [[nodiscard]] ScatteredSun scattered_below(std::size_t ring) const;
+  [[nodiscard]] const ScatteredSun& lower_source(std::size_t ring) const;
   // Transmittance from the sun to the surface and back to the target.
   [[nodiscard]] const AirSpectrum& far(std::size_t ring) const;
   // Returns the mean phase function of a direction.
@@ -137,7 +142,8 @@ class SunLight {
   AirSpectrum near_;                           // transmittance from the sun to the target
   std::deque<Lazy<ScatteredSun>> sky_source_;  // [ring]
   std::deque<Lazy<ScatteredSun>> limb_source_;
-  std::deque<Lazy<AirSpectrum>> far_;  // [ring below]
+  std::deque<Lazy<ScatteredSun>> lower_source_;  // [ring below]
+  std::deque<Lazy<AirSpectrum>> far_;            // [ring below]
   Lazy<Around> around_;
 };
 

@@ -440,6 +440,40 @@ void add(AirSpectrum& to, double weight, const AirSpectrum& of) {
   for (std::size_t b = 0; b < kAirBandCount; ++b) to[b] += weight * of[b];
 }
 
+// The sky's sunlight that a surface reflects in one direction, on NodeWavelengths::used: cubic
+// between the azimuths of the nodes, and its error.
+struct AcrossAzimuths {
+  std::vector<double> radiance, error;
+};
+
+// The error is the distance of the cubic from the straight line, which errs more, and an eighth of
+// the third difference, which stays where both meet.
+AcrossAzimuths surface_sunlight(const SunLight& sun, Vec<Body> direction, std::size_t ring) {
+  const BandRows<float>& nodes = sun.around().light->surface;
+  const std::uint32_t azimuths = sun.azimuths();
+  const double angle = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
+  const double turn = (angle < 0 ? angle + 1 : angle) * azimuths;
+  const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths - 1);
+  const double g = std::min(1.0, turn - at);
+  const auto node = [&](std::uint32_t beside) {
+    return nodes.row(ring * azimuths + (at + azimuths + beside - 1) % azimuths);
+  };
+  const float *before = node(0), *here = node(1), *next = node(2), *after = node(3);
+  AcrossAzimuths out;
+  out.radiance.reserve(nodes.bands);
+  out.error.reserve(nodes.bands);
+  for (std::size_t j = 0; j < nodes.bands; ++j) {
+    const auto a = static_cast<double>(before[j]), b = static_cast<double>(here[j]),
+               c = static_cast<double>(next[j]), d = static_cast<double>(after[j]);
+    const double line = b + g * (c - b), third = d - 3 * c + 3 * b - a;
+    const double second = (2 - g) * (a - 2 * b + c) + (1 + g) * (b - 2 * c + d);
+    const double cubic = std::max(0.0, line - g * (1 - g) / 6 * second);
+    out.radiance.push_back(cubic);
+    out.error.push_back(std::abs(cubic - line) + std::abs(third) / 8);
+  }
+  return out;
+}
+
 }  // namespace
 
 // Thermal light is cubic in the sine of the elevation: where one sees the target before the sea,
@@ -452,7 +486,7 @@ ViewLight::Behind ViewLight::behind_at(const BehindSight& sight, const SunLight*
 
 ViewLight::Behind ViewLight::sky_at(const BehindSight& sight, const SunLight* sun, Solar* solar) {
   const AirSpectrum dark(kAirBandCount, 0.0);
-  Behind out{dark, dark, dark};
+  Behind out{dark, dark, dark, dark};
   // Rays that rise need no rings of those that fall.
   const bool falls = sight.limb > 0;
   const std::size_t skipped = falls ? 0 : kLimb.size();
@@ -518,7 +552,7 @@ ViewLight::Behind ViewLight::sky_at(const BehindSight& sight, const SunLight* su
 
 ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* sun, Solar* solar) {
   const AirSpectrum dark(kAirBandCount, 0.0);
-  Behind out{dark, dark, dark};
+  Behind out{dark, dark, dark, dark};
   std::vector<double> sine;
   // Of the rings those that meet the surface.
   const std::size_t first = light_.limb_rings();
@@ -549,28 +583,21 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
   for (std::size_t b = 0; b < kAirBandCount; ++b) light[b] *= mirrored[b];
   AirSpectrum error = light;
   for (double& x : error) x *= sun->glint_model_relative(sight.direction);
-  const IncidentRadiance::Sunlight& from = *sun->around().light;
-  const std::size_t above = from.error.size() - light_.lower.size() * sun->azimuths();
   for (std::size_t k = 0; k < rings; ++k) {
-    const std::uint32_t azimuths = sun->azimuths();
-    double turn = std::atan2(sight.direction.y, sight.direction.x) / (2 * std::numbers::pi);
-    turn = (turn < 0 ? turn + 1 : turn) * azimuths;
-    const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths - 1);
-    const double g = std::min(1.0, turn - at);
-    const std::size_t here = (ring + k) * azimuths + at,
-                      beside = (ring + k) * azimuths + (at + 1) % azimuths;
     const SunLight::LowerRatio& ratio = solar->lower(ring + k);
     const double w = k == 0 ? 1 - f : f;
-    const auto between = [&](const float* x, const float* y, std::size_t j) {
-      return (1 - g) * static_cast<double>(x[j]) + g * static_cast<double>(y[j]);
-    };
+    const AirSpectrum air = sun->lower_air_towards(sight.direction, ring + k);
+    for (const std::uint32_t b : wavelengths_.used) {
+      light[b] += w * air[b] * ratio.air[b];
+      error[b] += w * sun->air_model_relative()[b] * air[b] * ratio.air[b];
+    }
+    const AcrossAzimuths surface = surface_sunlight(*sun, sight.direction, ring + k);
     for (std::size_t j = 0; j < wavelengths_.used.size(); ++j) {
       const std::uint32_t b = wavelengths_.used[j];
-      const double air = between(from.air.row(above + here), from.air.row(above + beside), j);
-      const double surface = between(from.surface.row(here), from.surface.row(beside), j);
-      light[b] += w * (air * ratio.air[b] + surface * ratio.surface[b]);
-      error[b] += w * (sun->air_model_relative()[b] * air * ratio.air[b] +
-                       surface_relative * surface * ratio.surface[b]);
+      const double seen = w * ratio.surface[b];
+      light[b] += seen * surface.radiance[j];
+      error[b] += surface_relative * seen * surface.radiance[j];
+      out.interpolation[b] += seen * surface.error[j];
     }
   }
   add(out.model_error, 1, error);
@@ -586,11 +613,13 @@ void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* sol
     return leg_.plus_solar(leg_.spread_thermal(b.thermal), b.light);
   };
   const std::vector<double> dark(wavelengths_.um.size(), 0.0);
+  std::vector<std::vector<double>> between_azimuths;
   for (std::uint32_t n = 0; n < nodes.count(); ++n) {
     const Behind here = at(static_cast<double>(nodes.z(n)), nodes.above(n, horizon_.z()));
     out.background_apparent.push_back(spread(here));
     out.background_model_error.push_back(leg_.spread_thermal(here.model_error));
     out.background_interpolation.push_back(dark);
+    between_azimuths.push_back(leg_.plus_solar(dark, here.interpolation));
     if (n == 0 || nodes.z(n - 1) == nodes.z(n)) continue;
     // Far from the horizon all is smooth: half way will do.
     constexpr double kNear = 0.02;
@@ -610,6 +639,9 @@ void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* sol
       }
     }
   }
+  for (std::size_t n = 0; n < between_azimuths.size(); ++n)
+    for (std::size_t i = 0; i < dark.size(); ++i)
+      out.background_interpolation[n][i] += between_azimuths[n][i];
 }
 
 }  // namespace irsig

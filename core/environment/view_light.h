@@ -56,6 +56,7 @@ class ViewLight {
   // Radiance behind the target in one direction, at the sensor.
   struct Behind {
     AirSpectrum thermal, light, model_error;
+    AirSpectrum interpolation;  // error of light between azimuths
   };
   [[nodiscard]] Behind behind_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
   [[nodiscard]] Behind sky_at(const BehindSight& sight, const SunLight* sun, Solar* solar);

@@ -329,6 +329,41 @@ TEST(Behind, InterpolatesWithinItsBound) {
   }
 }
 
+// Turning sun and line of sight together turns the nodes' azimuths beneath them. A line that falls
+// on the sea sees sunlit air and reflected sky in front of it, whatever the angle to the sun.
+TEST(Behind, TurningTheWorldStaysWithinItsBound) {
+  constexpr double kSunDeg = 40;
+  double worst = 0, moved = 0;
+  for (const double from_sun_deg : {0.0, 25.0, 70.0, 150.0}) {
+    std::vector<std::vector<double>> seen, bound;
+    for (const double turn_deg : {0.0, 3.0, 7.5, 11.0}) {
+      const double turn = turn_deg * kRadPerDeg, e = kSunDeg * kRadPerDeg,
+                   sun = (turn_deg + from_sun_deg) * kRadPerDeg;
+      const ConditionEnvironment sunny{
+          0, true, {std::cos(e) * std::cos(sun), std::cos(e) * std::sin(sun), -std::sin(e)}, 1};
+      const auto made =
+          *Environment::make({horizon_weather()}, {sunny}, kHorizonHeightM, horizon_wavelengths());
+      Environment::Line line = line_of(500, kHorizonHeightM, 4e3);
+      line.direction = body_from_aspect(180 + turn_deg, line.elevation_deg);
+      line.behind = BackgroundDirections({static_cast<float>(-line.direction.z)}, turn);
+      const ViewEnvironment v = (*made->view(line, std::vector<std::uint32_t>{0}))[0];
+      seen.push_back(v.background_apparent[0]);
+      bound.push_back(v.background_interpolation[0]);
+    }
+    for (std::size_t turn = 1; turn < seen.size(); ++turn)
+      for (std::size_t k = 0; k < seen[0].size(); ++k) {
+        const double change = std::abs(seen[turn][k] - seen[0][k]);
+        EXPECT_LE(change, bound[turn][k] + bound[0][k] + 1e-6 * seen[0][k])
+            << from_sun_deg << " deg from the sun, turn " << turn << ", wavelength " << k;
+        moved = std::max(moved, change / seen[0][k]);
+        worst = std::max(worst, bound[turn][k] / seen[0][k]);
+      }
+  }
+  std::printf("turned: largest change %.1e, largest bound %.1e of the radiance\n", moved, worst);
+  EXPECT_GT(worst, 0) << "reflected sky is known at azimuths of nodes alone";
+  EXPECT_LT(worst, 0.04);
+}
+
 // What waves that shade each other would change is nothing at noon and a third at 2 deg.
 TEST(Behind, GrazingGlitterHasAModelError) {
   const auto towards = [](double elevation_deg, double azimuth_deg) {

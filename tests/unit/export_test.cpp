@@ -2,6 +2,7 @@
 #include "view/export/export.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "absl/strings/match.h"
 #include "fake_database.h"
 #include "view/base/atomic_file.h"
 #include "view/query/query_table.h"
@@ -334,6 +336,20 @@ TEST_F(Export, ReplacesAFileInOneStep) {
   EXPECT_EQ(contents(path("a")), "new");
   EXPECT_EQ(replace_file(path(""), "x").code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(files(), 1U);
+}
+
+// A FIFO would block who looks into it, and a file in the place of a device is in everybody's way.
+TEST_F(Export, ReplacesNoDeviceAndNoFifo) {
+  ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/null", path("null"));
+  for (const char* name : {"fifo", "null"}) {
+    const absl::Status refused = replace_file(path(name), "new");
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument) << name;
+    EXPECT_TRUE(absl::StrContains(refused.message(), "expected the name of a file")) << refused;
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(path("fifo")));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("null")));
+  EXPECT_EQ(files(), 2U);
 }
 
 TEST_F(Export, RemovesWhatKilledWritersLeft) {

@@ -31,12 +31,22 @@ bool is_database(const std::string& path) {
   return file && head == kMagic;
 }
 
+// A rename would put a file in the place of a device or a FIFO, for all who use it.
+absl::Status refuse_what_is_no_file(const std::string& path) {
+  std::error_code unknown;  // then opening says why
+  const std::filesystem::file_status of = std::filesystem::status(path, unknown);
+  if (std::filesystem::is_directory(of)) return failed(path, EISDIR);
+  if (std::filesystem::exists(of) && !std::filesystem::is_regular_file(of))
+    return absl::InvalidArgumentError(fmt::format(
+        "cannot write {}: it is a device, a FIFO or a socket, expected the name of a file", path));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status replace_file(const std::string& path,
                           const std::function<absl::Status(const std::string&)>& write) {
-  std::error_code unknown;  // then opening says why
-  if (std::filesystem::is_directory(path, unknown)) return failed(path, EISDIR);
+  if (absl::Status no_file = refuse_what_is_no_file(path); !no_file.ok()) return no_file;
   if (is_database(path))
     return absl::InvalidArgumentError(
         fmt::format("cannot write {}: it is a database, expected another name", path));

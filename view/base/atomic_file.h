@@ -10,8 +10,8 @@ namespace irsig {
 
 // Replaces a file atomically. `write` gets the name of a new file in the folder of `path` and fills
 // it; if `write` returns OK, the new file is renamed to `path`, and otherwise removed. `path` is
-// therefore the old file or the complete new one. INVALID_ARGUMENT: `path` is a database, which is
-// never replaced.
+// therefore the old file or the complete new one. INVALID_ARGUMENT: `path` is a database, a
+// device, a FIFO or a socket, which are never replaced.
 [[nodiscard]] absl::Status replace_file(
     const std::string& path, const std::function<absl::Status(const std::string&)>& write);
 [[nodiscard]] absl::Status replace_file(const std::string& path, std::string_view bytes);
