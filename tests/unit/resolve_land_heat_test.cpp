@@ -211,11 +211,13 @@ TEST(ResolveLandHeat, SubmittedSweepsAreChecked) {
 }
 
 // Uncertain inputs leave land as it is: a run without parts to compute has no run of changes.
-TEST(ResolveLandHeat, InputsAreMovedForPartsAlone) {
+TEST(ResolveLandHeat, InputsAreMovedForLandAndParts) {
   const std::string moved = absl::StrCat(kHeatedLand, "[uncertainty]\nair_temperature_k = 1\n");
   const auto land = heated_land(moved);
   ASSERT_TRUE(land.ok()) << land.status();
-  EXPECT_EQ(land->heat_size(), 2);
+  // Two runs, and the changes of each.
+  ASSERT_EQ(land->heat_size(), 4);
+  EXPECT_EQ(land->heat(2).land_temperature_k_size(), 2);
   const auto both = heated_land(
       absl::StrCat(with_text(moved, "\ntemperature_k = 300\n", "\nbuild_up = \"plate\"\n"),
                    "[[build_up]]\nname = \"plate\"\ninside = \"adiabatic\"\n"
@@ -224,7 +226,7 @@ TEST(ResolveLandHeat, InputsAreMovedForPartsAlone) {
   ASSERT_EQ(both->heat_size(), 4);
   EXPECT_EQ(both->heat(0).land_temperature_k_size(), 2);
   EXPECT_EQ(both->heat(2).input_size(), 1);
-  EXPECT_EQ(both->heat(2).land_temperature_k_size(), 0);
+  EXPECT_EQ(both->heat(2).land_temperature_k_size(), 2);
   EXPECT_TRUE(check_resolved(*both).ok()) << check_resolved(*both);
 }
 

@@ -9,12 +9,12 @@
 namespace irsig {
 namespace {
 
-double area_m2(const std::array<Vec<Body>, 3>& corner) {
+double corner_area_m2(const std::array<Vec<Body>, 3>& corner) {
   return 0.5 * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
 }
 
 // Facets anywhere, of three parts: two materials, the last part two-sided. Every seventh is a line.
-Target random_target(int facets) {
+Target many_sided_target(int facets) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> anywhere(-3, 3);
   Target target;
@@ -41,7 +41,7 @@ Target random_target(int facets) {
 }
 
 TEST(TargetFacets, PartsAboveAreThoseOfALookAtEachVertex) {
-  const Target target = random_target(150);
+  const Target target = many_sided_target(150);
   const TargetFacets facets;
   const PartsAbove& above = facets.parts_above(target);
   ASSERT_EQ(above.of_facet.size(), target.facet.size());
@@ -53,7 +53,7 @@ TEST(TargetFacets, PartsAboveAreThoseOfALookAtEachVertex) {
     const Vec<Body> middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
     for (const std::size_t side : {0u, 1u}) {
       std::vector<bool> expected(3, false);
-      if (area_m2(corner) > 0 && (side == 0 || facet.part == 2)) {
+      if (corner_area_m2(corner) > 0 && (side == 0 || facet.part == 2)) {
         const Vec<Body> n = (side == 0 ? 1.0 : -1.0) * Vec<Body>{facet.nx, facet.ny, facet.nz};
         for (std::size_t other = 0; other < target.facet.size(); ++other)
           for (const Vec<Body>& q : target.corners(other))
@@ -70,7 +70,7 @@ TEST(TargetFacets, PartsAboveAreThoseOfALookAtEachVertex) {
 }
 
 TEST(TargetFacets, FacingsHoldAllAreaOfEachMaterialAndKind) {
-  const Target target = random_target(3000);
+  const Target target = many_sided_target(3000);
   const TargetFacets facets;
   const std::vector<Facing>& facings = facets.facings(target);
   EXPECT_LT(facings.size(), 2500u);  // of 2572 facets with an area
@@ -79,7 +79,7 @@ TEST(TargetFacets, FacingsHoldAllAreaOfEachMaterialAndKind) {
   for (std::size_t t = 0; t < target.facet.size(); ++t) {
     const Target::Facet& facet = target.facet[t];
     const PartSpec& part = target.part[facet.part];
-    const double area = area_m2(target.corners(t));
+    const double area = corner_area_m2(target.corners(t));
     expected[part.material][part.two_sided ? 1 : 0] += area;
     if (area > 0) sum = sum + area * Vec<Body>{facet.nx, facet.ny, facet.nz};
   }

@@ -49,8 +49,7 @@ const Owned kProvenance = {
     "provenance",
     "job_id",
     {},
-    // Columns that may differ: a job that was taken over has no count of rays, and a hash of
-    // messages belongs to one version of irsig.
+    // A job taken over has no count of rays; a hash of messages belongs to one version of irsig.
     {"build_id", "worker_name", "rays", "seconds", "content_sha256"}};
 const Owned kTemperature = {"computed_temperature", "job_id"};
 const Owned kSilhouette = {"silhouette", "job_id"};
