@@ -325,6 +325,33 @@ AirSpectrum SunLight::lower_air_towards(Vec<Body> direction, std::size_t ring) c
   return out;
 }
 
+// The error is the distance of the cubic from the straight line, which errs more, and an eighth of
+// the third difference, which stays where both meet.
+SunLight::OnSurface SunLight::surface_towards(Vec<Body> direction, std::size_t ring) const {
+  const BandRows<float>& nodes = around().light->surface;
+  const double angle = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
+  const double turn = (angle < 0 ? angle + 1 : angle) * azimuths_;
+  const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths_ - 1);
+  const double g = std::min(1.0, turn - at);
+  const auto node = [&](std::uint32_t beside) {
+    return nodes.row(ring * azimuths_ + (at + azimuths_ + beside - 1) % azimuths_);
+  };
+  const float *before = node(0), *here = node(1), *next = node(2), *after = node(3);
+  OnSurface out;
+  out.radiance.reserve(nodes.bands);
+  out.error.reserve(nodes.bands);
+  for (std::size_t j = 0; j < nodes.bands; ++j) {
+    const auto a = static_cast<double>(before[j]), b = static_cast<double>(here[j]),
+               c = static_cast<double>(next[j]), d = static_cast<double>(after[j]);
+    const double line = b + g * (c - b), third = d - 3 * c + 3 * b - a;
+    const double second = (2 - g) * (a - 2 * b + c) + (1 + g) * (b - 2 * c + d);
+    const double cubic = std::max(0.0, line - g * (1 - g) / 6 * second);
+    out.radiance.push_back(cubic);
+    out.error.push_back(std::abs(cubic - line) + std::abs(third) / 8);
+  }
+  return out;
+}
+
 AirSpectrum SunLight::glint_towards(Vec<Body> direction, std::size_t ring, double f) const {
   AirSpectrum out(kAirBandCount, 0.0);
   if (surface_.kind != SurfaceBoundary::Kind::kRoughSea || !(surface_.wind_speed_m_s > 0))

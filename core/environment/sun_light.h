@@ -74,9 +74,16 @@ class SunLight {
   // averaged.
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
-  // Returns the sunlight that the air in front of the surface scatters in one direction: radiance at
-  // the target from a ring of ThermalSurroundings::lower, not averaged.  [W m^-2 sr^-1 um^-1]
+  // Returns the sunlight that the air in front of the surface scatters in one direction: radiance
+  // at the target from a ring of ThermalSurroundings::lower, not averaged.  [W m^-2 sr^-1 um^-1]
   [[nodiscard]] AirSpectrum lower_air_towards(Vec<Body> direction, std::size_t ring) const;
+  // Returns the sky's sunlight that the surface of a ring of ThermalSurroundings::lower reflects in
+  // one direction, cubic between the azimuths of the nodes, and its error; both on
+  // NodeWavelengths::used.  [W m^-2 sr^-1 um^-1]
+  struct OnSurface {
+    std::vector<double> radiance, error;
+  };
+  [[nodiscard]] OnSurface surface_towards(Vec<Body> direction, std::size_t ring) const;
   [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
   // Returns one sigma of an incompletely known cloud, relative: of the beam, as a mean over the
   // bands, and of the light that air and cloud scatter, which increases that of aerosol.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/environment/fit/interpolation_error.h"
@@ -440,40 +439,6 @@ void add(AirSpectrum& to, double weight, const AirSpectrum& of) {
   for (std::size_t b = 0; b < kAirBandCount; ++b) to[b] += weight * of[b];
 }
 
-// The sky's sunlight that a surface reflects in one direction, on NodeWavelengths::used: cubic
-// between the azimuths of the nodes, and its error.
-struct AcrossAzimuths {
-  std::vector<double> radiance, error;
-};
-
-// The error is the distance of the cubic from the straight line, which errs more, and an eighth of
-// the third difference, which stays where both meet.
-AcrossAzimuths surface_sunlight(const SunLight& sun, Vec<Body> direction, std::size_t ring) {
-  const BandRows<float>& nodes = sun.around().light->surface;
-  const std::uint32_t azimuths = sun.azimuths();
-  const double angle = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
-  const double turn = (angle < 0 ? angle + 1 : angle) * azimuths;
-  const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths - 1);
-  const double g = std::min(1.0, turn - at);
-  const auto node = [&](std::uint32_t beside) {
-    return nodes.row(ring * azimuths + (at + azimuths + beside - 1) % azimuths);
-  };
-  const float *before = node(0), *here = node(1), *next = node(2), *after = node(3);
-  AcrossAzimuths out;
-  out.radiance.reserve(nodes.bands);
-  out.error.reserve(nodes.bands);
-  for (std::size_t j = 0; j < nodes.bands; ++j) {
-    const auto a = static_cast<double>(before[j]), b = static_cast<double>(here[j]),
-               c = static_cast<double>(next[j]), d = static_cast<double>(after[j]);
-    const double line = b + g * (c - b), third = d - 3 * c + 3 * b - a;
-    const double second = (2 - g) * (a - 2 * b + c) + (1 + g) * (b - 2 * c + d);
-    const double cubic = std::max(0.0, line - g * (1 - g) / 6 * second);
-    out.radiance.push_back(cubic);
-    out.error.push_back(std::abs(cubic - line) + std::abs(third) / 8);
-  }
-  return out;
-}
-
 }  // namespace
 
 // Thermal light is cubic in the sine of the elevation: where one sees the target before the sea,
@@ -591,7 +556,7 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
       light[b] += w * air[b] * ratio.air[b];
       error[b] += w * sun->air_model_relative()[b] * air[b] * ratio.air[b];
     }
-    const AcrossAzimuths surface = surface_sunlight(*sun, sight.direction, ring + k);
+    const SunLight::OnSurface surface = sun->surface_towards(sight.direction, ring + k);
     for (std::size_t j = 0; j < wavelengths_.used.size(); ++j) {
       const std::uint32_t b = wavelengths_.used[j];
       const double seen = w * ratio.surface[b];
