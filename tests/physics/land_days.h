@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "core/geo/frames.h"
 #include "core/land/generate_terrain.h"
@@ -52,6 +53,17 @@ inline LandScene hills(double relief_m) {
         return static_cast<double>(raster->height_m[(columns - 1 - at(y)) * columns + at(x)]);
       },
       1400, spacing_m);
+}
+
+// Level land under a free horizon, of materials whose temperatures are computed or stated.
+inline LandKinds level_land(const std::vector<bool>& computed) {
+  LandKinds kinds;
+  kinds.materials = static_cast<std::uint32_t>(computed.size());
+  kinds.computed = computed;
+  kinds.on_objects.assign(computed.size(), false);
+  kinds.horizon.resize(1);
+  kinds.index_kinds();
+  return kinds;
 }
 
 inline LandHeatRequest land_day(double step_s, double turned_deg = 0) {

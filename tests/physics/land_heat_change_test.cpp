@@ -102,12 +102,7 @@ TEST(LandHeatChanges, OfTheModelHaveTheRootMeanSquareOfTheDay) {
 // Rationale: a stated temperature changes with its own key alone. Expected: exactly 0 by the
 // weather, beside a computed material that changes.
 TEST(LandHeatChanges, LeaveStatedLandAlone) {
-  LandKinds kinds;
-  kinds.materials = 2;
-  kinds.computed = {true, false};
-  kinds.on_objects = {false, false};
-  kinds.horizon.resize(1);
-  kinds.index_kinds();
+  const LandKinds kinds = level_land({true, false});
   LandHeatRequest request = land_day(1800);
   request.material.emplace_back();
   request.stated_k = {0, 300};
@@ -127,12 +122,7 @@ TEST(LandHeatChanges, LeaveStatedLandAlone) {
 
 // Rationale: differences need the same knots and the same computed land. Expected: an error.
 TEST(LandHeatChanges, RefuseOtherKnotsAndOtherLand) {
-  LandKinds kinds;
-  kinds.materials = 1;
-  kinds.computed = {true};
-  kinds.on_objects = {false};
-  kinds.horizon.resize(1);
-  kinds.index_kinds();
+  const LandKinds kinds = level_land({true});
   const LandHeatRequest request = land_day(1800);
   LandHeatRequest stated = request;
   stated.material = {std::nullopt};

@@ -31,12 +31,7 @@ namespace {
 // Rationale: level land under a free horizon is one wall. Expected: what the solver of one wall
 // finds for it.
 TEST(LandHeat, LevelLandIsOneWall) {
-  LandKinds kinds;
-  kinds.materials = 1;
-  kinds.computed = {true};
-  kinds.on_objects = {false};
-  kinds.horizon.resize(1);
-  kinds.index_kinds();
+  const LandKinds kinds = level_land({true});
   const LandHeatRequest r = land_day(600);
   const LandHeatResult land = solved(kinds, r);
   HeatRequest alone;
@@ -75,12 +70,7 @@ TEST(LandHeat, LevelLandIsOneWall) {
 // the solver unchanged. Expected: the solver of one wall finds the same.
 TEST(LandHeat, ACanopyOverAHeatedInsideIsOneWall) {
   constexpr double kFactor = 1.4, kAlpha = 0.75, kInnerH = 6;
-  LandKinds kinds;
-  kinds.materials = 1;
-  kinds.computed = {true};
-  kinds.on_objects = {false};
-  kinds.horizon.resize(1);
-  kinds.index_kinds();
+  const LandKinds kinds = level_land({true});
   LandHeatRequest r = land_day(600);
   r.convection_factor = kFactor;
   WallBuildUp& wall = r.material[0]->wall;
@@ -146,12 +136,7 @@ TEST(LandHeat, ACanopyOverAHeatedInsideIsOneWall) {
 // it. Expected: the closed form of level land without sun or wind, with a convection factor.
 TEST(LandHeat, AColdFaceHasTheConvectionFactor) {
   constexpr double kAirK = 290, kSky = 250, kFactor = 1.5;
-  LandKinds kinds;
-  kinds.materials = 1;
-  kinds.computed = {true};
-  kinds.on_objects = {false};
-  kinds.horizon.resize(1);
-  kinds.index_kinds();
+  const LandKinds kinds = level_land({true});
   const SceneHeatRequest weather = steady(kAirK, kSky);
   LandHeatRequest r;
   r.knot_s = weather.knot_s;
