@@ -31,7 +31,7 @@ struct LandCourse {
                                                                  std::vector<std::string>& warning,
                                                                  LandCourse& course);
 
-// By how much the inputs of a run change the temperatures of land.
+// Changes of the temperatures of land by the inputs of a run.
 struct LandChangesOfRun {
   std::vector<std::string> change_k;  // [input] as HeatField::land_change_k
   LandCourse course;                  // of the run without its inputs
