@@ -7,6 +7,28 @@
 
 namespace irsig {
 
+// The gas at one place of a ray, with what its temperature and composition are there. Neighbouring
+// steps share it.
+struct GasPoint {
+  GasSums sums;
+  bool holds_gas = false;
+  // Meaningful where there is gas.
+  double temperature_k = 0;
+  std::array<double, kPlumeSpecies> share{};  // of a species in the weight
+
+  GasPoint() = default;
+  explicit GasPoint(const GasSums& at) : sums(at), holds_gas(at.weight > 0) {
+    if (!holds_gas) return;
+    const double per_weight = 1 / at.weight;
+    temperature_k = at.weight_temperature * per_weight;
+    for (std::size_t k = 0; k < kPlumeSpecies; ++k)
+      share[k] = at.amount[k] * kWeightOfAmount[k] * per_weight;
+  }
+
+  static constexpr std::array<double, kPlumeSpecies> kWeightOfAmount = {1, 1, 1, kSootMolPerM3};
+  static_assert(kSoot == 3);
+};
+
 // A piece of a ray in hot gas: what is left of the ray once it was traced. Any number of bands and
 // conditions can be shaded from it (docs/decisions/0001): absorption from temperature, pressure,
 // amounts and length; emission from the temperature's mean, change and spread.
@@ -64,8 +86,6 @@ struct GasPiece {
   double least_k = 0, most_k = 0;
   std::array<double, kPlumeSpecies> least_fraction{}, most_fraction{};
 
-  // Takes the extremes of both pieces.
-  void widen(const GasPiece& a, const GasPiece& b);
   [[nodiscard]] bool is_fine(const SegmentSteps& steps) const;
 };
 
@@ -74,14 +94,33 @@ class SegmentBuilder {
  public:
   explicit SegmentBuilder(const SegmentSteps& steps) : steps_(steps) {}
   void add(const GasPiece& piece);
+  // Adds the gas between a and b, known there and in the middle, if it continues the open segment
+  // and both together are surely fine, whatever the course of the temperature. Returns false, and
+  // changes nothing, otherwise; add() decides then.
+  bool extend(double a, const GasPoint& at_a, const GasPoint& at_middle, double b,
+              const GasPoint& at_b);
   [[nodiscard]] std::vector<GasSegment> take();
 
  private:
+  // Sums over an open segment, to which further gas is added without a division. Temperatures are
+  // counted from `from_k`.
+  struct Open {
+    double start_m = 0, end_m = 0, first_pressure_pa = 0, from_k = 0;
+    GasSums sums;  // times length
+    // Integrals over the weight of the temperature, its square, its cube, and of it times the
+    // weight in front.
+    double first = 0, square = 0, cube = 0, ordered = 0;
+    double least_k = 0, most_k = 0;
+    std::array<double, kPlumeSpecies> least_fraction{}, most_fraction{};
+  };
+  [[nodiscard]] static Open open(const GasPiece& piece, double from_k);
+  [[nodiscard]] static GasPiece closed(const Open& of);
+  static void append(const Open& next, Open& to);  // both from the same temperature
+  [[nodiscard]] bool continues(double start_m, double end_m, double pressure_pa) const;
+
   const SegmentSteps& steps_;
   std::vector<GasSegment> out_;
-  std::array<GasPiece, 2> piece_;  // the open one, and place for what it becomes
-  std::size_t open_ = 0;
-  double first_pressure_pa_ = 0;
+  Open open_;
   bool is_open_ = false;
 };
 

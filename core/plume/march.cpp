@@ -1,6 +1,7 @@
 #include "core/plume/march.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -46,6 +47,22 @@ Span inside(const LatticeRay& ray, const Cell& low, const Cell& high, Span span)
 std::int32_t whole_in(double x, std::int32_t low, std::int32_t high) {
   return static_cast<std::int32_t>(
       std::clamp(std::floor(x), static_cast<double>(low), static_cast<double>(high)));
+}
+
+using StoredSums = std::array<double, std::tuple_size_v<StoredGas>>;
+
+// Adds up the gas of a cell's corners with weights, all numbers of a corner side by side.
+void add_weighted(const std::array<const StoredGas*, 8>& corner,
+                  const std::array<double, 8>& weight, StoredSums& sum) {
+  sum.fill(0);
+  for (std::size_t n = 0; n < corner.size(); ++n) {
+    const StoredGas& gas = *corner[n];
+    const double share = weight[n], own = share * static_cast<double>(gas[0]);
+    sum[0] += own;
+    sum[1] += own * static_cast<double>(gas[1]);
+    sum[2] += own * static_cast<double>(gas[2]);
+    for (std::size_t i = 3; i < sum.size(); ++i) sum[i] += share * static_cast<double>(gas[i]);
+  }
 }
 
 class Marcher {
@@ -178,16 +195,16 @@ class Marcher {
       const GasSums gas = field_.at_voxel(block, x, y, z);
       const auto constant = [&](double) { return gas; };
       IntervalMarcher marcher(constant, steps_, builder_);
-      marcher.add(a, gas, b, gas);
+      at_end_ = GasPoint(gas);
+      marcher.add(a, at_end_, b, at_end_);
       counts_.pieces += marcher.pieces();
-      at_end_ = gas;
       end_m_ = -kInfinity;  // the next cell has values of its own
       return;
     }
     find_corners(block, cell, x, y, z);
     const auto gas = [&](double t) { return between_corners(cell, t); };
-    const GasSums at_start = a == end_m_ ? at_end_ : gas(a);
-    at_end_ = gas(b);
+    const GasPoint at_start = a == end_m_ ? at_end_ : GasPoint(gas(a));
+    at_end_ = GasPoint(gas(b));
     end_m_ = b;
     IntervalMarcher marcher(gas, steps_, builder_);
     marcher.add(a, at_start, b, at_end_);
@@ -208,12 +225,11 @@ class Marcher {
       high = step == 1 ? shared : 0;
     }
     // The common face is the low one of this cell after a step up, the high one after a step down.
-    if (steps == 1)
-      for (unsigned n = 0; n < 8; ++n)
-        if ((n & shared) != high) corner_[n] = corner_[n ^ shared];
+    for (unsigned n = 0; n < 8; ++n)
+      if (steps == 1 && (n & shared) != high) corner_[n] = corner_[n ^ shared];
     for (unsigned n = 0; n < 8; ++n)
       if (steps != 1 || (n & shared) == high)
-        field_.put_voxel(block, x + (n >> 2), y + (n >> 1 & 1), z + (n & 1), corner_[n]);
+        corner_[n] = &field_.stored(block, x + (n >> 2), y + (n >> 1 & 1), z + (n & 1));
     corner_cell_ = cell;
     has_corners_ = true;
   }
@@ -221,18 +237,14 @@ class Marcher {
   GasSums between_corners(const Cell& cell, double t) const {
     double share[3];
     for (std::size_t a = 0; a < 3; ++a) share[a] = std::clamp(ray_.at(a, t) - cell[a], 0.0, 1.0);
-    GasSums out;
-    for (unsigned n = 0; n < 8; ++n) {
-      const double w = ((n & 4) != 0 ? share[0] : 1 - share[0]) *
-                       ((n & 2) != 0 ? share[1] : 1 - share[1]) *
-                       ((n & 1) != 0 ? share[2] : 1 - share[2]);
-      const GasSums& c = corner_[n];
-      out.weight += w * c.weight;
-      out.weight_temperature += w * c.weight_temperature;
-      out.weight_pressure += w * c.weight_pressure;
-      for (std::size_t s = 0; s < kPlumeSpecies; ++s) out.amount[s] += w * c.amount[s];
-    }
-    return out;
+    std::array<double, 8> weight;
+    for (unsigned n = 0; n < 8; ++n)
+      weight[n] = ((n & 4) != 0 ? share[0] : 1 - share[0]) *
+                  ((n & 2) != 0 ? share[1] : 1 - share[1]) *
+                  ((n & 1) != 0 ? share[2] : 1 - share[2]);
+    StoredSums sum;
+    add_weighted(corner_, weight, sum);
+    return {sum[0], sum[1], sum[2], {sum[3], sum[4], sum[5], sum[6]}};
   }
 
   const PlumeField& field_;
@@ -243,10 +255,10 @@ class Marcher {
   LatticeRay ray_{};
   Span span_{};
   MarchCounts counts_;
-  std::array<GasSums, 8> corner_;
+  std::array<const StoredGas*, 8> corner_{};
   Cell corner_cell_{};  // whose corners they are
   bool has_corners_ = false;
-  GasSums at_end_;  // of the cell before, at end_m_
+  GasPoint at_end_;  // of the cell before, at end_m_
   double end_m_ = -kInfinity;
 };
 
@@ -259,7 +271,8 @@ std::vector<GasSegment> march(const PlumeField& field, const PlumeRay& ray,
 
 void add_interval(const std::function<GasSums(double)>& gas, double start_m, double end_m,
                   const SegmentSteps& steps, SegmentBuilder& builder) {
-  IntervalMarcher(gas, steps, builder).add(start_m, gas(start_m), end_m, gas(end_m));
+  IntervalMarcher(gas, steps, builder)
+      .add(start_m, GasPoint(gas(start_m)), end_m, GasPoint(gas(end_m)));
 }
 
 }  // namespace irsig

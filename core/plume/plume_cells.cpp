@@ -45,14 +45,14 @@ void PlumeFieldMaker::build_filled(PlumeField::CellBlock& block) const {
 
 bool PlumeFieldMaker::is_uniform(const PlumeField::CellBlock& block) const {
   const bool linear = reading_.interpolation == PlumeInterpolation::kLinear;
-  const float* first = nullptr;
+  const StoredGas* first = nullptr;
   for (std::size_t n = 0; n < (linear ? 8U : 1U); ++n) {
     if (block.values[n] < 0) return false;
     const auto& values = field_->value_blocks_[static_cast<std::size_t>(block.values[n])];
     if (values.form != VoxelBlock::Form::kUniform) return false;
-    const float* own = field_->values_.data() + values.first * field_->channels_;
-    if (first == nullptr) first = own;
-    if (!std::equal(own, own + field_->channels_, first)) return false;
+    const StoredGas& own = field_->values_[values.first];
+    if (first == nullptr) first = &own;
+    if (own != *first) return false;
   }
   return true;
 }

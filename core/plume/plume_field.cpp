@@ -53,49 +53,29 @@ std::vector<PlumeField::Box> PlumeField::cell_boxes() const {
 
 std::size_t PlumeField::bytes() const {
   return cells_.bytes() + cell_blocks_.capacity() * sizeof(CellBlock) +
-         value_blocks_.capacity() * sizeof(ValueBlock) + values_.capacity() * sizeof(float);
+         value_blocks_.capacity() * sizeof(ValueBlock) + values_.capacity() * sizeof(StoredGas);
 }
 
-void PlumeField::put_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z,
-                           GasSums& out) const {
+const StoredGas& PlumeField::stored(const CellBlock& block, unsigned x, unsigned y,
+                                    unsigned z) const {
+  static constexpr StoredGas kNoGas{};
   const std::int32_t i = block.values[(x >> 3) << 2 | (y >> 3) << 1 | z >> 3];
-  if (i < 0) {
-    out = {};
-    return;
-  }
+  if (i < 0) return kNoGas;
   const ValueBlock& values = value_blocks_[static_cast<std::size_t>(i)];
   const unsigned offset = (x & 7) << 6 | (y & 7) << 3 | (z & 7);
   const std::uint64_t word = values.gas[offset >> 6], bit = std::uint64_t{1} << (offset & 63);
-  if ((word & bit) == 0) {
-    out = {};
-    return;
-  }
+  if ((word & bit) == 0) return kNoGas;
   std::uint64_t voxel = values.first;
   if (values.form == VoxelBlock::Form::kDense) voxel += offset;
   if (values.form == VoxelBlock::Form::kPacked)
     voxel += values.before[offset >> 6] + static_cast<unsigned>(std::popcount(word & (bit - 1)));
+  return values_[voxel];
+}
 
-  const float* v = values_.data() + voxel * channels_;
-  const auto value = [&](const PlumeQuantity& q) {
-    return q.channel < 0 ? q.constant : static_cast<double>(v[q.channel]);
-  };
-  const double temperature_k = value(temperature_), pressure_pa = value(pressure_);
-  double weight = 0;
-  for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
-    const PlumeQuantity& q = species_[s];
-    double amount = 0;
-    if (q.channel >= 0) {
-      amount = static_cast<double>(v[q.channel]);
-    } else if (q.constant > 0) {
-      const double all_mol_m3 = pressure_pa / (kGasConstantJMolK * temperature_k);
-      amount = q.constant * (s == kSoot ? 1 : all_mol_m3);
-    }
-    out.amount[s] = amount;
-    weight += amount * (s == kSoot ? kSootMolPerM3 : 1);
-  }
-  out.weight = weight;
-  out.weight_temperature = weight * temperature_k;
-  out.weight_pressure = weight * pressure_pa;
+GasSums PlumeField::at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const {
+  const StoredGas& gas = stored(block, x, y, z);
+  const auto at = [&](std::size_t i) { return static_cast<double>(gas[i]); };
+  return {at(0), at(0) * at(1), at(0) * at(2), {at(3), at(4), at(5), at(6)}};
 }
 
 absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeField::make(VoxelVolume volume,

@@ -27,6 +27,10 @@ struct GasSums {
 };
 inline constexpr double kSootMolPerM3 = 1800 / 0.012011;  // carbon atoms in solid soot
 
+// What is stored of a voxel: its weight, temperature [K] and pressure [Pa], its amounts as GasSums
+// has them, and a 0. Temperatures stay exact, so that gas of one temperature has that everywhere.
+using StoredGas = std::array<float, 8>;
+
 // Statistics and warnings of a field that was read.
 struct PlumeReport {
   std::uint64_t gas_voxels = 0;
@@ -48,8 +52,8 @@ struct PlumePoint {
 
 // Hot gas on a sparse lattice, placed in the body frame. Immutable: any number of threads may read.
 //
-// Memory: the values of the voxels that hold gas (of all 512 of a block where at least half do), 24
-// bytes a voxel with all channels, and 200 bytes a block.
+// Memory: 32 bytes for each voxel that holds gas (for all 512 of a block where at least half do),
+// and 200 bytes a block.
 class PlumeField {
  public:
   // Makes the field. INVALID_ARGUMENT names the grid, the value and the first voxel: not finite,
@@ -96,13 +100,10 @@ class PlumeField {
     return cell_blocks_[static_cast<std::size_t>(i)];
   }
   // Returns the gas of the voxel (x, y, z), each 0 to 8, counted from a cell block's first.
-  [[nodiscard]] GasSums at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const {
-    GasSums out;
-    put_voxel(block, x, y, z, out);
-    return out;
-  }
-  // Writes the gas of that voxel to `out`; marching does so for every cell.
-  void put_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z, GasSums& out) const;
+  [[nodiscard]] GasSums at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const;
+  // Returns that voxel as it is stored; marching asks for each corner of a cell.
+  [[nodiscard]] const StoredGas& stored(const CellBlock& block, unsigned x, unsigned y,
+                                        unsigned z) const;
 
  private:
   struct ValueBlock {
@@ -125,10 +126,7 @@ class PlumeField {
   std::vector<CellBlock> cell_blocks_;
   std::vector<PlumePoint> points_;
   std::vector<ValueBlock> value_blocks_;
-  std::size_t channels_ = 0;
-  std::vector<float> values_;  // [voxel][channel]: K, Pa; amounts as GasSums has them
-  PlumeQuantity temperature_, pressure_;
-  std::array<PlumeQuantity, kPlumeSpecies> species_;
+  std::vector<StoredGas> values_;  // [voxel]
   mutable std::once_flag half_once_;
   mutable absl::StatusOr<std::shared_ptr<const PlumeField>> half_;
 };

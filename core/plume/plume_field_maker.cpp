@@ -154,28 +154,27 @@ void PlumeFieldMaker::check_gas(const Voxel& v) {
   ++report.gas_voxels;
 }
 
-// Channels of the reading in its order, amounts in place of fractions.
-void PlumeFieldMaker::store(const Voxel& v, std::uint64_t voxels, float* to) {
-  const auto put = [&](const PlumeQuantity& q, double value) {
-    if (q.channel >= 0) to[q.channel] = static_cast<float>(value);
-  };
-  put(reading_.temperature, v.temperature_k);
-  put(reading_.pressure, v.pressure_pa);
+// Returns the gas of a voxel as it is stored, and counts it for that many voxels.
+StoredGas PlumeFieldMaker::store(const Voxel& v, std::uint64_t voxels) {
   const double all_mol_m3 = v.pressure_pa / (kGasConstantJMolK * v.temperature_k);
+  std::array<double, kPlumeSpecies> amount{};
+  double weight = 0;
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
-    const double amount = v.fraction[s] * (s == kSoot ? 1 : all_mol_m3);
-    put(reading_.species[s], amount);
-    field_->report_.amount[s] += amount * field_->voxel_volume_m3_ * static_cast<double>(voxels);
+    amount[s] = v.fraction[s] * (s == kSoot ? 1 : all_mol_m3);
+    weight += amount[s] * (s == kSoot ? kSootMolPerM3 : 1);
+    field_->report_.amount[s] += amount[s] * field_->voxel_volume_m3_ * static_cast<double>(voxels);
   }
+  return {static_cast<float>(weight),        static_cast<float>(v.temperature_k),
+          static_cast<float>(v.pressure_pa), static_cast<float>(amount[0]),
+          static_cast<float>(amount[1]),     static_cast<float>(amount[2]),
+          static_cast<float>(amount[3])};
 }
 
-// Values are kept where they lie, moved to the front: what is written is never more than what was
-// read.
-void PlumeFieldMaker::take_block(std::size_t b, std::size_t& read, std::size_t& written) {
+void PlumeFieldMaker::take_block(std::size_t b, std::size_t& read) {
   const VoxelBlock& block = volume_.block[b];
   for (const std::int32_t at : block.origin)
     if (at < -kMostIndex || at > kMostIndex) far_.add(block.origin, at);
-  const std::size_t in = volume_.channel.size(), out = channel_.size();
+  const std::size_t in = volume_.channel.size();
   const VoxelMask* masks = volume_.mask.data() + b * in;
   const VoxelMask held = held_by_any(volume_, b);
   const bool uniform = block.form == Form::kUniform, dense = block.form == Form::kDense;
@@ -211,13 +210,12 @@ void PlumeFieldMaker::take_block(std::size_t b, std::size_t& read, std::size_t& 
     values.before[w] = static_cast<std::uint16_t>(before);
     before += static_cast<unsigned>(std::popcount(values.gas[w]));
   }
-  values.first = written;
-  float* to = volume_.value.data() + written * out;
-  const std::size_t room = values.form == Form::kDense ? 512 : voxels.size();
-  std::fill(to, to + room * out, 0.0F);
+  std::vector<StoredGas>& stored_gas = field_->values_;
+  values.first = stored_gas.size();
+  stored_gas.resize(values.first + (values.form == Form::kDense ? 512 : voxels.size()));
   for (std::size_t v = 0; v < voxels.size(); ++v)
-    store(voxels[v], uniform ? 512 : 1, to + (values.form == Form::kDense ? offsets[v] : v) * out);
-  written += room;
+    stored_gas[values.first + (values.form == Form::kDense ? offsets[v] : v)] =
+        store(voxels[v], uniform ? 512 : 1);
   origin_.push_back(block.origin);
   field_->value_blocks_.push_back(values);
 }
@@ -296,19 +294,13 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeFieldMaker::make() {
   RETURN_IF_ERROR(match_channels());
   RETURN_IF_ERROR(check_lattice());
   field_->interpolation_ = reading_.interpolation;
-  field_->temperature_ = reading_.temperature;
-  field_->pressure_ = reading_.pressure;
-  field_->species_ = reading_.species;
-  field_->channels_ = channel_.size();
-  std::size_t read = 0, written = 0;
-  for (std::size_t b = 0; b < volume_.block.size(); ++b) take_block(b, read, written);
+  std::size_t read = 0;
+  for (std::size_t b = 0; b < volume_.block.size(); ++b) take_block(b, read);
   RETURN_IF_ERROR(faults());
   if (origin_.empty())
     return refuse(fmt::format("no gas: in the {} active voxels co2, h2o, co and soot are all 0",
                               field_->report_.warm_without_gas));
-  volume_.value.resize(written * channel_.size());
-  volume_.value.shrink_to_fit();
-  field_->values_ = std::move(volume_.value);
+  field_->values_.shrink_to_fit();
   volume_ = {};
   sort_values();
   for (std::size_t b = 1; b < origin_.size(); ++b)

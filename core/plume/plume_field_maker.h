@@ -43,8 +43,8 @@ class PlumeFieldMaker {
                                const std::array<std::int32_t, 3>& origin);
   [[nodiscard]] bool has_gas(const Voxel& voxel);
   void check_gas(const Voxel& voxel);
-  void take_block(std::size_t b, std::size_t& read, std::size_t& written);
-  void store(const Voxel& voxel, std::uint64_t voxels, float* to);
+  void take_block(std::size_t b, std::size_t& read);
+  [[nodiscard]] StoredGas store(const Voxel& voxel, std::uint64_t voxels);
   [[nodiscard]] absl::Status faults() const;
   void sort_values();
   void build_cells();

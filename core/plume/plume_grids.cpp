@@ -30,8 +30,7 @@ std::string names_of(const Unit (&units)[N]) {
 
 class Checker {
  public:
-  Checker(PlumeReading& reading, Problems& wrong)
-      : reading_(reading), wrong_(wrong) {}
+  Checker(PlumeReading& reading, Problems& wrong) : reading_(reading), wrong_(wrong) {}
 
   template <std::size_t N>
   PlumeQuantity check(const char* name, const GridOrConstant& said, const Unit (&units)[N],
@@ -41,8 +40,8 @@ class Checker {
     const Unit* unit = std::find_if(std::begin(units), std::end(units),
                                     [&](const Unit& u) { return u.name == said.unit; });
     if (unit == std::end(units)) {
-      wrong_.add(keyed_problem(
-          name, fmt::format("unit \"{}\", expected {}", said.unit, names_of(units))));
+      wrong_.add(
+          keyed_problem(name, fmt::format("unit \"{}\", expected {}", said.unit, names_of(units))));
       return out;
     }
     out.scale = unit->scale;
@@ -61,8 +60,8 @@ class Checker {
                               (most - out.offset) / out.scale, unit->name)));
     } else if (std::find(reading_.grid.begin(), reading_.grid.end(), said.grid) !=
                reading_.grid.end()) {
-      wrong_.add(keyed_problem(
-          name, fmt::format("grid \"{}\" is another quantity already", said.grid)));
+      wrong_.add(
+          keyed_problem(name, fmt::format("grid \"{}\" is another quantity already", said.grid)));
     } else {
       out.channel = static_cast<int>(reading_.grid.size());
       reading_.grid.push_back(said.grid);

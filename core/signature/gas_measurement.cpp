@@ -21,6 +21,11 @@ constexpr double kShareOfGoal = 0.5;
 // classes of gas, so many, or until every column is so nearly a sum of them.
 constexpr double kTolerance = 1e-3, kToleranceOfGoal = 0.1, kAlike = 1e-3;
 constexpr std::size_t kNodes = 24, kClasses = 6;
+// Columns for what the hull reflects, a small part of what is sent.
+constexpr std::size_t kNodesOnHull = 8;
+// Samples of a replicate that see the field and its half resolution: of their difference two digits
+// are known.
+constexpr std::uint64_t kVoxelSamples = 64;
 // Reflected rays of each first vertex, where those alone count that meet gas.
 constexpr std::uint32_t kSplit = 4;
 
@@ -100,11 +105,17 @@ absl::StatusOr<bool> GasMeasurement::find() {
 }
 
 void GasMeasurement::measure(const std::vector<double>& sent_w_sr) {
+  const std::uint64_t of_pilot = samples_;
   samples_ = samples(sent_w_sr);
-  keep(run(gas_, *aimed_, samples_, 2, reflections(false)).weights);
-  if (!image_plan_.empty())
+  // A pilot that has as many samples as are taken at most is a measurement: no result of its own
+  // has decided their number.
+  if (!on_hull_ || samples_ != of_pilot || samples_ < most_samples())
+    keep(run(gas_, *aimed_, samples_, 2, reflections(false)).weights);
+  if (!image_plan_.empty()) {
+    pixel_samples_ = gas_picture_settings({}, image_plan_).pixel_samples;
     pictures_of_gas_ =
         run(gas_, whole_view(*aimed_), 1, kPicture, reflections(false), image_plan_).pictures;
+  }
   measured_ = true;
 }
 
@@ -141,10 +152,19 @@ TracedView GasMeasurement::run(std::shared_ptr<const RayMedium> gas, const Aimed
     settings.roulette_survival_scale = 8;
     settings.split = kSplit;
   }
-  if (!pictures.empty()) settings = picture_settings(settings, pictures);
+  if (!pictures.empty()) settings = gas_picture_settings(settings, pictures);
   TracedView traced = trace_view(scene_, view, geometry, settings, pictures);
   rays_ += traced.counts.rays;
   return traced;
+}
+
+PathSettings GasMeasurement::gas_picture_settings(const PathSettings& settings,
+                                                  const ImagePlan& pictures) const {
+  PathSettings out = picture_settings(settings, pictures);
+  // Gas changes little within a pixel, and each of its rays is marched.
+  if (!request_.image && out.pixel_samples > kLeastPixelSamples)
+    out = picture_settings(settings, pictures, out.pixel_samples / 2);
+  return out;
 }
 
 ColumnTests GasMeasurement::tests_for(const std::vector<GasColumn>& columns) {
@@ -281,7 +301,8 @@ absl::Status GasMeasurement::choose_nodes(const std::vector<GasColumn>& columns,
     const double asked = request_.accuracy.relative_error,
                  tolerance =
                      asked > 0 ? std::min(kTolerance, kToleranceOfGoal * asked) : kTolerance;
-    const std::vector<double> weight = column_weights(of_set, sums, tolerance, kNodes);
+    const std::vector<double> weight =
+        column_weights(of_set, sums, tolerance, on_hull_ ? kNodesOnHull : kNodes);
     for (std::size_t c = 0; c < weight.size(); ++c) {
       if (!(weight[c] > 0)) continue;
       chosen.push_back(columns[place[c]]);
@@ -391,7 +412,7 @@ absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
   const auto sent = [&](const std::shared_ptr<const PlumeField>& field) {
     return run(std::make_shared<const GasOnView>(field, scene_.target.centre, tests, most_absorbed_,
                                                  class_tests_),
-               view, pilots_.second, 3, 0)
+               view, kVoxelSamples, 3, 0)
         .weights;
   };
   const std::vector<PathWeights> fine = sent(field_), coarse = sent(*half);
@@ -408,6 +429,12 @@ absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
     voxel_error_.push_back(all > 0 ? std::hypot(change.value, change.stderr_) / all : 0);
   }
   return absl::OkStatus();
+}
+
+std::uint64_t GasMeasurement::most_samples() const {
+  const std::uint64_t most = request_.accuracy.max_samples_per_replicate;
+  // Of what the hull reflects no more than of all else that it does.
+  return on_hull_ ? std::min(most, std::max(pilots_.second, plan_.samples_per_replicate)) : most;
 }
 
 std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr) {
@@ -427,11 +454,8 @@ std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr)
     }
     return most;
   };
-  // Of what the hull reflects no more than of all else that it does.
-  const std::uint64_t most = on_hull_ ? std::max(pilots_.second, plan_.samples_per_replicate)
-                                      : accuracy.max_samples_per_replicate;
   const double goal = kShareOfGoal * accuracy.relative_error, second = scatter(weights_);
-  const std::uint64_t limit = std::min(most, accuracy.max_samples_per_replicate);
+  const std::uint64_t limit = most_samples();
   // How fast the scatter falls with the samples is not asked where that changes nothing.
   std::uint64_t out = std::min(pilots_.second, limit);
   if (limit > pilots_.second &&

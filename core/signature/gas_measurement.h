@@ -96,6 +96,10 @@ class GasMeasurement {
   // Returns a row's pictures from those that were traced.
   [[nodiscard]] GasPicture picture_of(std::size_t image, std::uint32_t band) const;
 
+  // Returns the settings of a picture's run: half of a thumbnail's samples of opaque parts.
+  [[nodiscard]] PathSettings gas_picture_settings(const PathSettings& settings,
+                                                  const ImagePlan& pictures) const;
+
   static ColumnTests tests_for(const std::vector<GasColumn>& columns);
 
   [[nodiscard]] std::uint32_t reflections(bool pilot) const;
@@ -158,6 +162,8 @@ class GasMeasurement {
   // the same rays, and the error of that change.
   absl::Status find_voxel_errors(const ColumnTests& tests);
 
+  // Returns the most samples of each replicate that are taken, whatever the accuracy asks for.
+  [[nodiscard]] std::uint64_t most_samples() const;
   // Samples of each replicate for an emission that is known well enough in every band, at the
   // target.
   std::uint64_t samples(const std::vector<double>& also_sent_w_sr);
@@ -245,6 +251,7 @@ class GasMeasurement {
   bool measured_ = false;                 // they are not a pilot's
   std::uint64_t rays_ = 0;
   ImagePlan image_plan_;
+  std::uint32_t pixel_samples_ = 0;
   std::vector<double> emitted_relative_;  // [picture] GasPicture::emitted_relative
   TracedPictures pictures_of_gas_;
   SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());

@@ -111,6 +111,9 @@ GasPicture GasMeasurement::picture_of(std::size_t image, std::uint32_t band) con
     add(-static_cast<double>(pictures_of_gas_.kind_sum[absorbed]),
         pictures_of_gas_.kind_stderr[absorbed], out.absorbed);
   }
+  for (PixelSums* part : {&out.change, &out.emitted, &out.absorbed})
+    if (!part->w_sr.empty())
+      add_unmet(image_plan_.width_px, image_plan_.height_px, pixel_samples_, *part);
   out.emitted_relative = emitted_relative_[image];
   out.absorbed_relative = class_error_[band];
   return out;

@@ -13,6 +13,11 @@ struct PixelSums {
   std::vector<double> w_sr, variance;
 };
 
+// Adds to the variances of a part of a picture what the samples of a pixel may not have met of its
+// neighbours' light (below), where that part has fewer samples than the rest.
+void add_unmet(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t samples,
+               PixelSums& part);
+
 // Standard errors of the pixels of a view's pictures. The variance of a pixel is that of its few
 // groups of samples (pixel_groups), in mean over it and those of its eight neighbours that the
 // target fills as it does: wholly, in part or not at all. To it is added what no sample of a pixel
