@@ -1,4 +1,4 @@
--- The tables and views of a signature database, format 27. schema/README.md explains every table to its users.
+-- The tables and views of a signature database, format 28. schema/README.md explains every table to its users.
 --
 -- A name that ends in a unit is a number in that unit. The same name stands for the same quantity in the messages
 -- (schema/*.proto), in exports and on plot axes; core/accuracy/quantities.h explains every quantity of a row. Values
@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 27;
+PRAGMA user_version = 28;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.
@@ -84,6 +84,7 @@ CREATE TABLE sweep (
   conditions INTEGER NOT NULL CHECK (conditions > 0),
   bands INTEGER NOT NULL CHECK (bands > 0),
   model_sha256 TEXT NOT NULL,
+  longitude_deg REAL CHECK (abs(longitude_deg) <= 360),          -- of the target's place; NULL: not stated
   thumbnail_px INTEGER CHECK (thumbnail_px >= 0),                -- long side of the images; 0: none; NULL: not stated
   profile_rows INTEGER NOT NULL DEFAULT 0 CHECK (profile_rows >= 0),  -- of each signature: points x reflection counts
   image_layers TEXT NOT NULL DEFAULT '',                         -- names of [image] layers, separated by commas
@@ -664,7 +665,9 @@ CREATE INDEX computed_temperature_by_part ON computed_temperature (part_id);
 CREATE VIEW signature_view AS
 SELECT s.signature_id,
        (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 AS row,
-       w.name AS sweep, c.season, c.time_utc, b.name AS band, b.lambda_min_um, b.lambda_max_um,
+       w.name AS sweep, c.season, c.time_utc,
+       strftime('%H:%M', c.time_utc, printf('%+.3f minutes', 4 * w.longitude_deg)) AS mean_solar_time,
+       b.name AS band, b.lambda_min_um, b.lambda_max_um,
        v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m, s.sun_azimuth_deg, s.sun_zenith_deg,
        s.intensity_w_sr, s.intensity_stderr_w_sr, s.numerical_error_w_sr,
        CASE WHEN s.numerical_error_w_sr = 0 THEN 0.0

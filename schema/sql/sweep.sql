@@ -10,13 +10,14 @@ SELECT name FROM sweep WHERE sweep_sha256 = ?1;
 SELECT resolved_sweep FROM sweep WHERE sweep_sha256 = ?1;
 
 -- name: insert_sweep
-INSERT INTO sweep (name, sweep_sha256, viewpoints, conditions, bands, model_sha256, thumbnail_px, resolved_sweep)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8);
+INSERT INTO sweep (name, sweep_sha256, viewpoints, conditions, bands, model_sha256, thumbnail_px, resolved_sweep,
+                   longitude_deg)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
 
 -- name: update_sweep
 UPDATE sweep
 SET sweep_sha256 = ?2, viewpoints = ?3, conditions = ?4, bands = ?5, model_sha256 = ?6, thumbnail_px = ?7,
-    resolved_sweep = ?8
+    resolved_sweep = ?8, longitude_deg = ?9
 WHERE sweep_id = ?1;
 
 -- name: set_profile_rows

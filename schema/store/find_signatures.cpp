@@ -36,6 +36,7 @@ class SignatureReader {
     s.signature_id = at().integer();
     s.row = at().count();
     for (std::string* text : {&s.sweep, &s.season, &s.time_utc, &s.band}) *text = at().text();
+    s.mean_solar_time = text_if_known();
     for (double* number :
          {&s.lambda_min_um, &s.lambda_max_um, &s.aspect_azimuth_deg, &s.aspect_elevation_deg,
           &s.range_m, &s.sun_azimuth_deg, &s.sun_zenith_deg})
@@ -76,6 +77,7 @@ class SignatureReader {
                                                                    "season",
                                                                    "time_utc",
                                                                    "band",
+                                                                   "mean_solar_time",
                                                                    "lambda_min_um",
                                                                    "lambda_max_um",
                                                                    "aspect_azimuth_deg",

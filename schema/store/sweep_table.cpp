@@ -136,6 +136,9 @@ class SweepUpdate {
     const schema::Output& output = sweep_.sweep().output();
     const auto thumbnail_px =
         if_key_stated(output.has_thumbnail_px(), &schema::Output::thumbnail_px, output);
+    const schema::Place& place = sweep_.sweep().place();
+    const auto longitude_deg =
+        if_key_stated(place.has_longitude_deg(), &schema::Place::longitude_deg, place);
     const absl::StatusOr<std::int64_t> known = database_.integer(sql::sweep_id_by_name, name);
     if (!known.ok() && !absl::IsNotFound(known.status())) return known.status();
     if (known.ok()) {
@@ -143,11 +146,11 @@ class SweepUpdate {
       if (sweep_.has_shard()) IRSIG_STORE_TRY(check_shard());
       return database_.run(sql::update_sweep, sweep_id_, sha256, sweep_.viewpoint_size(),
                            sweep_.condition_size(), sweep_.sweep().band_size(),
-                           sweep_.model_sha256(), thumbnail_px, Blob{bytes});
+                           sweep_.model_sha256(), thumbnail_px, Blob{bytes}, longitude_deg);
     }
     IRSIG_STORE_TRY(database_.run(sql::insert_sweep, name, sha256, sweep_.viewpoint_size(),
                                   sweep_.condition_size(), sweep_.sweep().band_size(),
-                                  sweep_.model_sha256(), thumbnail_px, Blob{bytes}));
+                                  sweep_.model_sha256(), thumbnail_px, Blob{bytes}, longitude_deg));
     sweep_id_ = database_.last_insert_rowid();
     return absl::OkStatus();
   }

@@ -141,6 +141,7 @@ class Views(unittest.TestCase):
         rows = self.rows()
         self.assertEqual([int(r["row"]) for r in rows], list(range(1, 40 * 2 * 2 + 1)))
         self.assertEqual(rows[0]["time_utc"], "2025-12-21T01:30:00Z")
+        self.assertEqual(rows[0]["mean_solar_time"], "10:10")  # 130 deg east
         for r in rows:
             self.assertGreater(float(r["intensity_w_sr"]), 0)
             self.assertGreaterEqual(float(r["numerical_error_w_sr"]), float(r["intensity_stderr_w_sr"]))

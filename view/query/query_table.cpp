@@ -144,6 +144,7 @@ std::vector<RowColumn> further_columns() {
   append({
       stored("lambda_min_um", &S::lambda_min_um, false),
       stored("lambda_max_um", &S::lambda_max_um, false),
+      stored("mean_solar_time", &S::mean_solar_time, true),
       stored("sun_azimuth_deg", &S::sun_azimuth_deg, false),
       stored("sun_zenith_deg", &S::sun_zenith_deg, false),
   });

@@ -149,6 +149,8 @@ struct StoredSignature {
   std::uint64_t
       row;  // 1-based place in its sweep: ((viewpoint * conditions) + condition) * bands + band + 1
   std::string sweep, season, time_utc, band;
+  // "HH:MM" of the mean sun at the target's longitude; empty: no place is stated.
+  std::string mean_solar_time;
   double lambda_min_um, lambda_max_um;
   double aspect_azimuth_deg, aspect_elevation_deg, range_m;
   double unit_x, unit_y, unit_z;  // unit vector target -> sensor, body frame
