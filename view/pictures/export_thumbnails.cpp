@@ -22,6 +22,7 @@
 #include "core/base/sobol.h"
 #include "core/base/status_macros.h"
 #include "view/base/atomic_file.h"
+#include "view/base/on_all_cores.h"
 #include "view/base/progress.h"
 #include "view/base/table.h"
 #include "view/pictures/export_journal.h"
@@ -38,9 +39,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Images between two entries of the journal: what is written again after an end in between. Images
-// of 128 pixels: 1000 of 40 kB, with silhouettes 70 MB, and as many that are read meanwhile. Of
+// of 128 pixels: 128 of 40 kB, with silhouettes 9 MB, and as many that are read meanwhile. Of
 // larger ones fewer.
-constexpr std::size_t kAtOnce = 1000;
+constexpr std::size_t kAtOnce = 128;
 constexpr std::size_t kPixelsAtOnce = kAtOnce * 128 * 128;
 
 constexpr std::uint64_t kFnvBasis = 14695981039346656037u;
@@ -373,8 +374,33 @@ class ThumbnailFolder {
     return std::ldexp(static_cast<double>(hash), -64) < asked_.validation;
   }
 
+  // An object of a class in an image: what is seen of it, and the whole.
+  struct FoundObject {
+    std::size_t category;
+    SeenObject seen;
+    std::optional<WholeObject> whole;
+  };
+
+  static std::vector<FoundObject> find_objects(const StoredSilhouette& silhouette,
+                                               const std::vector<CocoCategory>& classes) {
+    std::vector<FoundObject> out;
+    for (std::size_t c = 0; c < classes.size(); ++c) {
+      const auto has = [&](const std::string& part) { return classes[c].has(part); };
+      auto seen = seen_object(silhouette, has);
+      if (!seen) continue;
+      auto whole = whole_object(silhouette, *seen, has);
+      out.push_back({c + 1, *std::move(seen), std::move(whole)});
+    }
+    return out;
+  }
+
   absl::Status write_objects(const std::vector<RowImage>& some) {
     const std::vector<CocoCategory> classes = categories();
+    std::vector<std::vector<FoundObject>> found(some.size());
+    RETURN_IF_ERROR(on_all_cores(some.size(), [&](std::size_t i) {
+      found[i] = find_objects(some[i].silhouette, classes);
+      return absl::OkStatus();
+    }));
     std::array<std::string, kGrowing.size()> lines;
     for (std::size_t i = 0; i < some.size(); ++i) {
       const StoredSignature& s = some[i].signature;
@@ -388,15 +414,10 @@ class ThumbnailFolder {
                       json_string(s.band), json_number(s.aspect_azimuth_deg),
                       json_number(s.aspect_elevation_deg), json_number(s.range_m));
       lines[validation ? kValidationImages : kTrainImages] += coco_entry(image, more) + "\n";
-      for (std::size_t c = 0; c < classes.size(); ++c) {
-        const auto has = [&](const std::string& part) { return classes[c].has(part); };
-        const auto object = seen_object(some[i].silhouette, has);
-        if (!object) continue;
+      for (const FoundObject& object : found[i])
         lines[validation ? kValidationObjects : kTrainObjects] +=
-            coco_entry(++journal_.annotations, image, c + 1, *object,
-                       whole_object(some[i].silhouette, *object, has)) +
+            coco_entry(++journal_.annotations, image, object.category, object.seen, object.whole) +
             "\n";
-      }
     }
     for (std::size_t file = kTrainImages; file < kGrowing.size(); ++file)
       RETURN_IF_ERROR(append(static_cast<Growing>(file), lines[file]));
