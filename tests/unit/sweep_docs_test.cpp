@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
 #include "core/effects/effects.h"
 #include "tests/unit/sweep_text.h"
 
