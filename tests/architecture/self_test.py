@@ -10,6 +10,7 @@ import check_links
 import check_loaded
 import check_papers
 import check_performance_page
+import check_prose
 import check_sentences
 import check_unity
 import check_words
@@ -246,6 +247,21 @@ class Sentences(TreeTest):
     def test_fragments(self):
         self.assertEqual(len(self.sentences("Short. " * 40)), 1)
         self.assertEqual(self.sentences(("a " * 15 + ". ") * 4), [])
+
+
+class Prose(TreeTest):
+    def prose(self, changes):
+        return check_prose.check(self.tree(changes))
+
+    def test_tables_code_and_records_do_not_count(self):
+        many = "a " * check_prose.MOST
+        self.assertEqual(self.prose({"docs/a.md": f"| {many}|\n\n```\n{many}\n```\n\n    {many}\n", "docs/decisions/b.md": many,
+                                     "README.md": many}), [])
+
+    def test_all_pages_together_have_a_limit(self):
+        half = "a " * (check_prose.MOST // 2)
+        self.assertEqual(self.prose({"docs/a.md": half, "docs/b/c.md": half}), [])
+        self.assertEqual(len(self.prose({"docs/a.md": half + "- a\n    a\n", "docs/b/c.md": half})), 1)
 
 
 class Loaded(unittest.TestCase):
