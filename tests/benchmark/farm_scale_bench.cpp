@@ -56,7 +56,7 @@ void until(const std::string& what, const std::function<bool()>& fact, int pause
   }
 }
 
-// What the workers of a process are doing, in a file that both processes have in memory.
+// State of the workers of a process, in a file that both processes have in memory.
 struct Board {
   std::atomic<std::int64_t> computing, computed, begun;  // workers, jobs, workers with a first job
 };
@@ -194,7 +194,7 @@ class Coordinator {
   [[nodiscard]] std::string listens_on() const { return listen_; }
   [[nodiscard]] std::string database() const { return absl::StrCat(folder_, "/", name_, ".sigdb"); }
 
-  // Of all that have served this database.
+  // Returns the CPU time of all coordinators that have served this database.
   [[nodiscard]] double cpu_s() const {
     std::ifstream in(absl::StrCat("/proc/", process_->pid(), "/stat"));
     std::string text;
@@ -455,7 +455,7 @@ int main(int argc, char** argv) {
   app.add_option("--folder", o.folder, "where databases are written")->capture_default_str();
   app.add_option("--coordinator-executable", coordinator_executable)->capture_default_str();
   app.add_flag("--require", require, "exit code 1 where what is asked is not met");
-  // Of the processes that it starts:
+  // Options of the processes that it starts:
   app.add_option("--crew", crew.name)->group("");
   app.add_option("--coordinator", crew.coordinator)->group("");
   app.add_option("--tls", crew.tls)->group("");

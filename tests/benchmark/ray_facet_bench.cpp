@@ -166,7 +166,8 @@ void compare(const HitJudge& judge, const Mesh& mesh, std::size_t rays) {
   }
 }
 
-// What ROBUST and the guard at edges and vertices cost on rays as the path tracer sends them.
+// Measures the cost of ROBUST and of the guard at edges and vertices, on rays as the path tracer
+// sends them.
 void cost(const HitJudge& judge) {
   struct Packets {
     const char* name;

@@ -75,7 +75,7 @@ Smoke hot_spot(std::uint64_t seed) {
   return out;
 }
 
-// The same across, layers along the line of sight.
+// Makes smoke that is homogeneous across, in layers along the line of sight.
 Smoke layers(std::uint64_t seed) {
   Random random(seed);
   Smoke out = empty_smoke(8 + random.below(2) * 8, random.log_between(3e-4, 3e-3));

@@ -139,7 +139,7 @@ TEST(BoxCavity, AWorldOfOneTemperatureIsBlack) {
       expect_within_t(row.radiance_w_m2_sr, planck_band_radiance_w_m2_sr(8, 14, 306), 4,
                       walls + " isothermal", 1e-4, walls == "ward" ? 3e-3 : 0);
       EXPECT_LT(result->row[0].source_radiance_temperature_k.value, 299);
-      // What was cut off after one reflection is what the others bring.
+      // The bound after one reflection is the contribution of the others.
       EXPECT_NEAR(
           result->row[1].truncation_bound_w_m2_sr,
           row.radiance_w_m2_sr.value - result->row[1].radiance_w_m2_sr.value,

@@ -87,7 +87,7 @@ TEST(CloudSky, OpaqueWaterCloudsAsLowtranHasThem) {
   RecordProperty("rms_3p5_4p1_k", std::to_string(std::sqrt(short_wave / count)));
 }
 
-// What a cirrus adds to the clear sky lies between LOWTRAN7's two ways of scattering, +-10 %.
+// The addition of a cirrus to the clear sky lies between LOWTRAN7's two ways of scattering, +-10 %.
 TEST(CloudSky, CirrusAddsAsMuchAsInLowtran) {
   const ReferenceTable table("clouds_lowtran.csv");
   const CloudSpec cirrus{CloudPhase::kIce, 5000, 6000, 0.0067, 64};

@@ -147,7 +147,7 @@ std::vector<double> less(std::vector<double> a, const std::vector<double>& b) {
   return a;
 }
 
-// Of all that a line shows under all conditions.
+// Compares all light that a line shows under all conditions with its bounds.
 void expect_bounded(const Environment& e, const Environment::Line& l, const std::string& name,
                     Tightness& tight) {
   auto look = e.sight_line(l);
@@ -404,7 +404,7 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
           EXPECT_EQ(radiance_of(three.around), all_node);
           EXPECT_EQ(three.background_apparent, all.background_apparent);
           EXPECT_EQ(all.joined_lines_bound, 0);
-          // What planes reflect: the cosine to their normal, which lies level or straight up.
+          // Planes reflect with the cosine to their normal, which lies level or straight up.
           double largest = 0;
           for (const Vec<Body> normal :
                {Vec<Body>{0, 0, -1}, Vec<Body>{1, 0, 0}, Vec<Body>{0, -1, 0}, Vec<Body>{0, 0, 1}}) {

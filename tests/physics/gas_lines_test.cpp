@@ -46,7 +46,7 @@ Atmosphere air(AfglProfile profile = AfglProfile::kUsStandard1976) {
   return *Atmosphere::make(spec);
 }
 
-// Of the air in front, what is not carbon dioxide.
+// Returns the transmittance of the air in front without its carbon dioxide.
 double others(const AbsorberAmounts& amounts, std::size_t band) {
   double t = 1;
   for (const Gas gas : {Gas::kH2o, Gas::kO3, Gas::kN2o, Gas::kCh4, Gas::kCo}) {

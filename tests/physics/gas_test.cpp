@@ -24,7 +24,7 @@ GasState gas(double temperature_k, double h2o, double co2, double co, double soo
   return {temperature_k, 101325, h2o, co2, co, soot};
 }
 
-// Of the sum over the bands of emissivity times the blackbody's radiance.
+// Returns the emissivity over all bands, weighted with the blackbody's radiance.
 double total_emissivity(const std::vector<GasLayer>& path, double temperature_k) {
   const auto spectrum = gas_spectrum(path);
   EXPECT_TRUE(spectrum.ok()) << spectrum.status();

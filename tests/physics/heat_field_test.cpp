@@ -33,7 +33,7 @@ double forced_w_m2_k(double wind_m_s) {
          (std::log(kWindHeightM / kRoughnessM) * std::log(10 * kWindHeightM / kRoughnessM));
 }
 
-// What a radiometer with the emissivity set to 1 shows.
+// Returns the reading of a radiometer with the emissivity set to 1.
 double radiometric_k(double surface_k, double long_wave_w_m2) {
   return std::pow(kEmissivity * std::pow(surface_k, 4) +
                       (1 - kEmissivity) * long_wave_w_m2 / kStefanBoltzmannWM2K4,

@@ -126,8 +126,8 @@ TEST(LineHorizon, IsWhereRaysFromTheSensorPassAndMeetTheSea) {
   }
 }
 
-// What a sphere of the equivalent radius hides from lifted straight lines is what the ray that
-// touches the surface passes below.
+// A sphere of the equivalent radius hides from lifted straight lines all that the ray which touches
+// the surface passes below.
 TEST(LineHorizon, TheEquivalentSphereHidesAsMuch) {
   const GrazingRay ray(air());
   for (const double sensor_m : {5.0, 20.0, 1000.0}) {
@@ -253,7 +253,8 @@ TEST(Behind, SkyBelowTheHorizontalAsSummedOverEveryStep) {
         at = line_of(10, kHorizonHeightM, along_m);
       }
       const std::vector<double> seen = behind(*e, at, z, 1);
-      // Of other heights of passing the horizon is another, and so is the same part of it.
+      // A line that passes at another height has another horizon, and sees the corresponding part
+      // of it.
       const double el = line.elevation_deg * kRadPerDeg;
       const double height_m =
           along_m > 0 ? kHorizonHeightM +
@@ -364,7 +365,7 @@ TEST(Behind, TurningTheWorldStaysWithinItsBound) {
   EXPECT_LT(worst, 0.04);
 }
 
-// What waves that shade each other would change is nothing at noon and a third at 2 deg.
+// Waves that shade each other would change nothing at noon and a third at 2 deg.
 TEST(Behind, GrazingGlitterHasAModelError) {
   const auto towards = [](double elevation_deg, double azimuth_deg) {
     const double e = elevation_deg * kRadPerDeg, a = azimuth_deg * kRadPerDeg;

@@ -480,7 +480,7 @@ TEST(Image, SunlitIsWhatNoShadowCovers) {
       EXPECT_EQ(whole > 1000, lit_m2[k] > 0);
     }
   }
-  // Of few rows the same bits, and layers of first hits do not change the image.
+  // A selection of few rows has equal bits, and layers of first hits do not change the image.
   const ViewResult all = simulated(*simulator, r);
   r.selected_condition = {1};
   r.image->layer = {};

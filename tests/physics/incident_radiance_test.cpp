@@ -241,13 +241,13 @@ TEST(IncidentRadiance, SidesThatAreNotWantedAreDark) {
   }
   expected *= static_cast<double>(of_node.size());
   EXPECT_NEAR(bound, expected, 1e-12 * expected);
-  // What is dark stays so.
+  // Dark nodes stay dark.
   EXPECT_EQ(e.around.only(false, true).only(true, true).radiance(0)[3], 0);
   EXPECT_GT(e.around.only(false, true).only(true, true).radiance(sky)[3], 0);
   EXPECT_EQ(e.around.only(true, false).only(true, true).radiance(sky)[3], 0);
 }
 
-// What is kept of a condition's sunlight is not a view's: it is the same object under any line.
+// The stored sunlight of a condition belongs to no view: it is one object under any line.
 TEST(IncidentRadiance, BitsDoNotDependOnWhichViewAsksFirst) {
   const Scenes fresh;
   for (const std::uint32_t c : {1u, 0u, 6u}) {

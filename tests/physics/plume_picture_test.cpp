@@ -19,7 +19,7 @@ using namespace fixture;
 
 constexpr double kRangeM = 1e5;
 
-// Of this size, `at` its middle in the body frame: ahead, to starboard, down.
+// Makes a slab of this size, with its middle `at` in the body frame: ahead, to starboard, down.
 std::shared_ptr<const PlumeField> slab(Vec<Body> at, double length_m = 1, double width_m = 4,
                                        double height_m = 4) {
   UniformPlume spec;
@@ -166,7 +166,7 @@ TEST(PlumePicture, IsAtMostEightTimesTheTarget) {
   // On one side only.
   EXPECT_NEAR(view.image_width_px * view.pixel_rad * kRangeM, 4.5, 0.01);
   for (const SignatureResult& row : view.row) {
-    // Of the gas, from 1 m to 41 m, 3 m.
+    // The frame shows 3 m of the gas, which reaches from 1 m to 41 m.
     const double shown_w_sr = row.cause_w_sr[static_cast<std::size_t>(Cause::kEmitted)].value +
                               3.0 / 40 * row.plume_emitted_w_sr;
     EXPECT_NEAR(sum_w_sr(view, row), shown_w_sr, 0.02 * shown_w_sr);
@@ -176,7 +176,7 @@ TEST(PlumePicture, IsAtMostEightTimesTheTarget) {
   }
 }
 
-// What is selected does not change a row's picture; conditions without gas have the same frame.
+// A selection does not change a row's picture; conditions without gas have an equal frame.
 TEST(PlumePicture, IsTheSameHoweverAJobIsCut) {
   const auto simulator = disk(grey(1), 1);
   ViewRequest r = request(*simulator, 0, 0, kRangeM, {500});

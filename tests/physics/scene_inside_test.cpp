@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDayS = 86400, kHourS = 3600;
 
-// The same weather all day. Knots every 10 minutes, outputs every hour.
+// Returns a day of constant weather, with knots every 10 minutes and outputs every hour.
 SceneHeatRequest day_of(const HeatWeather& weather) {
   SceneHeatRequest r;
   for (int k = 0; k <= 144; ++k) {

@@ -120,7 +120,7 @@ TEST(BandClutter, PairsAreJudgedWithTheirCovariance) {
     const BandSearch search = search_in(row_in(clutter), pairing);
     return search.candidate({}, window_of(search, 3, 4.05), window_of(search, 4.05, 5));
   };
-  // Of one mode m and unit noise: |s|^2 - (s m)^2 / (1 + |m|^2).
+  // With one mode m and unit noise it is |s|^2 - (s m)^2 / (1 + |m|^2).
   const double along = s1 * m1 + s2 * m2;
   const double matched = std::sqrt(s1 * s1 + s2 * s2 - along * along / (1 + m1 * m1 + m2 * m2));
   EXPECT_NEAR(pair_merit(Pairing::kMatched).merit, matched, 1e-9);

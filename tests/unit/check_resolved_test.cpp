@@ -1,5 +1,5 @@
-// What is submitted passes the checks of sweep files: every example does, and what no file could
-// say does not.
+// Submissions pass the checks of sweep files: every example does, and a sweep that no file could
+// state does not.
 #include "jobs/check_resolved.h"
 
 #include <gmock/gmock.h>

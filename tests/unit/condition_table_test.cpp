@@ -114,7 +114,7 @@ wind_speed_m_s = 15
   EXPECT_THAT(sea_k, ElementsAre(288, 290, 288));
 }
 
-// The same conditions, written as seasons at times and as a table, are the same jobs.
+// Conditions written as seasons at times and as a table are equal jobs.
 TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
   const std::string target = absl::StrCat(kTableTarget, kWeather);
   const auto crossed =

@@ -1,4 +1,4 @@
-// What changes every day in the same way, at any instant and at knots.
+// Tests schedules that repeat every day, at any instant and at knots.
 #include "core/thermal/day_schedule.h"
 
 #include <gtest/gtest.h>

@@ -188,7 +188,7 @@ TEST(ForeignPly, BinaryInAnyOrder) {
   EXPECT_DOUBLE_EQ(foreign_area_m2("a.ply", bytes, 1), 2);
 }
 
-// What a .gltf with its buffer in another place is told.
+// Tests the message for a .gltf whose buffer is in another place.
 TEST(ForeignGltf, ABufferThatIsNotThere) {
   const TestFolder folder;
   const auto said = [&](const std::string& uri) {

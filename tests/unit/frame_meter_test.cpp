@@ -1,5 +1,5 @@
-// What a client of HTTP/2 may make its server do (coordinator/frame_meter.h), frame by frame and in
-// pieces of any size.
+// Tests the work that a client of HTTP/2 may ask of its server (coordinator/frame_meter.h), frame
+// by frame and in pieces of any size.
 #include "coordinator/frame_meter.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ std::string frame(std::uint8_t type, std::uint8_t flags, std::uint32_t stream,
   // Whatever it is, it is not a frame: it would be one of a header block.
   return out.append(payload_bytes, static_cast<char>(kContinuation));
 }
-// Of the client's n-th call.
+// Return frames of the client's n-th call.
 std::string call(std::uint32_t n) { return frame(kHeaders, kEndHeaders, 2 * n + 1, 20); }
 std::string cancel(std::uint32_t n) { return frame(kReset, 0, 2 * n + 1, 4); }
 std::string answer(std::uint32_t n) {

@@ -561,7 +561,7 @@ TEST_F(HostileClient, WhatIsStoredStays) {
   }
 }
 
-// What breaks off leaves nothing: the same lease takes the whole result, the same sweep is stored.
+// A transfer that breaks off leaves nothing: the lease takes the whole result, the sweep is stored.
 TEST_F(HostileClient, WhatIsCutOffLeavesNothing) {
   const schema::ResolvedSweep sweep = frigate_sweep(2);
   const std::string bytes = sweep.SerializeAsString();

@@ -133,7 +133,7 @@ TEST_F(ImportByAnother, EveryEndIsAnError) {
   expect("kill -XCPU $$", kInvalidArgument, "more than 40 s of the processor");
   expect("kill -ALRM $$", kInvalidArgument, "longer than 400 s");
   expect("kill -KILL $$", kInternal, "killed by signal 9");
-  // What comes back is no mesh.
+  // The answer is no mesh.
   expect("exec cat", kInternal, "said nothing");
   expect("exec cat >/dev/null", kInternal, "said nothing");
   expect("printf 'irsig mesh 1\\n'", kInternal, "said nothing");

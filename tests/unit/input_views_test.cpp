@@ -112,7 +112,7 @@ TEST(InputViews, OfAGreyPlateAreClosedForms) {
   EXPECT_NEAR(row.input_uncertainty_w_sr(),
               std::hypot(gain(row, "part_temperature_k"), gain(row, "emissivity")), 1e-9 * i);
 
-  // Of both sides the slope and the curvature: of B, by differences that are central, too.
+  // Both sides give slope and curvature: of B, by differences that are central, too.
   const auto both = view_of(resolved(dark + "[uncertainty]\npart_temperature_k = 5\n"
                                             "sides = \"both\"\n"))
                         .row(0);
@@ -140,7 +140,7 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
   EXPECT_LT(sky.stderr(), 0.03 * sky.value());
   EXPECT_NEAR(sky.value(), area_m2 * 0.2 * 0.5 * (plate_w_m2_sr(254) - plate_w_m2_sr(250)),
               4 * sky.stderr() + 1e-6 * sky.value());
-  // What the paint emits more it reflects less.
+  // Paint that emits more reflects as much less.
   const auto& paint = input(row, "emissivity").contribution_w_sr();
   EXPECT_NEAR(paint.value(), area_m2 * 0.02 * (plate_w_m2_sr(300) - 0.5 * plate_w_m2_sr(250)),
               4 * paint.stderr() + 1e-6 * paint.value());

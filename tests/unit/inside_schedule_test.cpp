@@ -1,4 +1,4 @@
-// What is behind a wall over the day, from the sweep file to temperatures.
+// Tests temperatures behind a wall over the day, from the sweep file to temperatures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -108,7 +108,7 @@ TEST(LandObjects, ABoxIsMetByItsClosedFormAtAnyDistance) {
                          std::abs(hit->distance - *expected.distance) * length(direction) * cosine);
       EXPECT_EQ(hit->material, 3u);
       EXPECT_LT(dot(hit->normal, direction), 0);
-      // What is nearer than the object is not met.
+      // A ray that ends before the object does not meet it.
       EXPECT_FALSE(objects.first_hit(origin, direction, 0.999 * hit->distance).has_value());
       EXPECT_FALSE(objects.hidden(origin, direction, 0.999 * hit->distance));
     }

@@ -1,4 +1,4 @@
-// What stands beside a recorded image lies on the imager's pixels.
+// Masks beside a recorded image lie on the imager's pixels.
 #include "view/pictures/recorded_image.h"
 
 #include <gtest/gtest.h>

@@ -25,7 +25,7 @@ TargetShape plate(double at_x_m, double width_m, double bottom_m, double top_m) 
       {true}};
 }
 
-// Of a rectangle a x b at a distance d from the foot of its corner.
+// Returns the solid angle of a rectangle a x b at a distance d from the foot of its corner.
 double corner_sr(double a, double b, double d) {
   return std::atan(a * b / (d * std::sqrt(a * a + b * b + d * d)));
 }

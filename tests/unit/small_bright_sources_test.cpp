@@ -1,4 +1,4 @@
-// What could shine without being met: which of it is bounded by what it could send, which is
+// Tests light that could shine without being met: some is bounded by what it could send, some is
 // allowed for as what a sample could miss.
 
 #include <gtest/gtest.h>

@@ -131,7 +131,7 @@ TEST_F(StoreAsset, ASubmissionReplacesADamagedFile) {
   is_damaged(add(sweep_, {}).status(), "(a file of the sweep \"ship\")");
   EXPECT_EQ(add(sweep_, {{sweep_.model_sha256(), model_}})->to_compute, 0U);
   EXPECT_EQ(writer_->asset(sweep_.model_sha256()).value(), model_);
-  // The same of a file that comes in pieces; of another length, too.
+  // A file that comes in pieces is checked likewise; one of another length, too.
   ASSERT_EQ(
       sqlite_text(path_, "UPDATE asset SET bytes = x'00' WHERE " + is_model() + "; SELECT 'short'"),
       "short");

@@ -226,7 +226,7 @@ TEST_F(StoreOpen, AnOlderFileIsRefusedAndStaysAsItIs) {
   EXPECT_THAT(refused("DROP VIEW provenance"), ::testing::EndsWith("the irsig that wrote it"));
 }
 
-// Of a killed run, too: its journal belongs to the irsig that wrote it.
+// The journal stays after a killed run, too: it belongs to the irsig that wrote it.
 TEST_F(StoreOpen, TheJournalOfAnOlderFileStays) {
   ASSERT_NO_FATAL_FAILURE(write());
   {
@@ -297,7 +297,7 @@ TEST_F(StoreOpen, EveryQuantityIsAColumnAndAField) {
   EXPECT_EQ(numbers, std::to_string(kQuantities.size() + 2)) << "and the sun's two angles";
 }
 
-// What is bound by name comes back under its name.
+// A quantity that is bound by name comes back under its name.
 TEST_F(StoreOpen, EveryQuantityComesBackAsItWasStored) {
   ASSERT_NO_FATAL_FAILURE(write());
   std::string script = "UPDATE signature SET ";
@@ -337,7 +337,7 @@ TEST_F(StoreOpen, ADatabaseWithDefinitionsOfSomebodyElseIsRefused) {
     }
     EXPECT_EQ(bytes_of(path_), before) << change;
   }
-  // What SQLite notes for itself is no definition.
+  // Tables that SQLite makes for itself are no definitions.
   std::ofstream(path_, std::ios::binary) << good;
   ASSERT_EQ(sqlite_text(path_, "ANALYZE; SELECT 'analyzed'"), "analyzed");
   EXPECT_TRUE(StoreReader::open(path_).ok());
