@@ -329,7 +329,7 @@ void measure_farm(const Options& o, const std::string& folder, Table& table) {
   table.asked("the coordinator's CPU meanwhile",
               (coordinator.cpu_s() - cpu_s) / seconds_since(start), "core", 1, false);
 
-  // Without a word: the connections stay open.
+  // The workers vanish without a word: the connections stay open.
   vanish.signal(SIGSTOP);
   start = Clock::now();
   until(
@@ -360,7 +360,7 @@ void measure_farm(const Options& o, const std::string& folder, Table& table) {
     const double share = static_cast<double>(computing()) / o.workers;
     if (share < 0.95) recovered_s = seconds_since(start);
     worst = std::min(worst, share);
-    // Not so often that asking is work for it.
+    // Questions are rare enough to be no work for the coordinator.
     const bool asks = !all_are_back && seconds_since(asked) > 0.5;
     if (asks) asked = Clock::now();
     if (asks && coordinator.workers() == o.workers) {

@@ -31,7 +31,7 @@ struct Process {
   std::string name;  // at most 15 characters
 };
 
-// From /proc/<pid>/stat: "pid (name) state ppid ...".
+// Reads the state from /proc/<pid>/stat: "pid (name) state ppid ...".
 std::vector<Process> children_of(pid_t parent) {
   std::vector<Process> out;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {

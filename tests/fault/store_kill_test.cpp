@@ -117,7 +117,7 @@ TEST(StoreKill, NothingAcknowledgedIsLost) {
       }
     }
     reader->reset();
-    // In a copy: another SQLite program that closes it last takes the journal away.
+    // Read a copy: another SQLite program that closes the file last takes the journal away.
     const TestFolder elsewhere;
     const std::string copy = elsewhere.file("copy.sigdb");
     std::filesystem::copy_file(path, copy);

@@ -49,7 +49,7 @@ class FarmMessages : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  // As the coordinator takes it; nothing of it stays.
+  // Submits bytes as the coordinator takes them; nothing of them stays.
   absl::Status submit(const std::string& bytes) {
     auto status = check_wire_size(bytes, *schema::ResolvedSweep::descriptor(), kMostMemory);
     if (!status.ok()) return status;

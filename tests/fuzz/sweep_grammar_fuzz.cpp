@@ -217,7 +217,8 @@ bool is_small(const schema::ResolvedSweep& sweep) {
           sweep.sweep().heat().element_size_m() > 0.5);
 }
 
-// As load_sweep does, with steps between which the files are counted. Returns what is wrong.
+// Does the work of load_sweep, with steps between which the files are counted. Returns what is
+// wrong.
 std::string read_as_plan_does(const std::string& path, bool build, bool compute, Counts& counts) {
   ++counts.files;
   auto file = load_sweep_file(path);

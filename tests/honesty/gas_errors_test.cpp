@@ -155,7 +155,7 @@ double exact(const Smoke& smoke, double from_um, double to_um) {
       for (int z = 0; z < kSide; ++z) {
         double through = 1;
         for (int x = smoke.depth - 1; x >= 0; --x) {
-          // As the lattice holds it: single precision.
+          // The lattice holds single precision.
           const Voxel& v = smoke.at(x, y, z);
           if (!(v.soot > 0)) continue;
           const double left = std::exp(-absorbs * static_cast<double>(static_cast<float>(v.soot)));

@@ -88,7 +88,7 @@ class Sky {
     }
   }
 
-  // In the interval that ends with a record, at any instant of it.
+  // Returns the weather at any instant of the interval that ends with a record.
   [[nodiscard]] wall::Weather at(std::size_t upper, double t, Vec<Body> normal) const {
     const Record &a = scene_.record[upper - 1], &b = scene_.record[upper];
     const double f = (t - a.unix_s) / (b.unix_s - a.unix_s), sine = sine_of_sun(t);

@@ -35,7 +35,7 @@ struct Band {
   double lines, coarse_lines, continua, empty_lines, aerosol;  // optical depths
 
   [[nodiscard]] double depth() const { return -std::log(transmittance); }
-  // In ln(-ln T), where a relative error of the depth is an absolute one.
+  // Returns the difference in ln(-ln T), where a relative error of the depth is an absolute one.
   [[nodiscard]] double difference() const { return std::log(depth() / -std::log(reference)); }
   // Returns the variance for air as the reference has it: with its aerosol.
   [[nodiscard]] double variance(const Sigmas& s) const {

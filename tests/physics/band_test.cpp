@@ -220,7 +220,7 @@ TEST(Response, ApparentTemperatureInvertsTheGrid) {
         << band.name;
     EXPECT_TRUE(std::isnan(radiance_temperature_k(band, grid, 1.001 * most))) << band.name;
   }
-  // Without a response: the closed form over the limits.
+  // Without a response it is the closed form over the limits.
   const BandGrid grid = make_band_grid(mwir()).value();
   EXPECT_EQ(radiance_temperature_k(mwir(), grid, 2.3105), radiance_temperature_k(3, 5, 2.3105));
 }

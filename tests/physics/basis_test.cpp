@@ -183,7 +183,7 @@ TEST(Truncation, ReflectanceOf0_999) {
     if (n == 5000) {
       EXPECT_LT(s.truncation_bound_w_sr, 1e-3 * limit * scale);
     }
-    // Where it is known to be geometric: not the seven times of the rigorous bound.
+    // The series is known to be geometric: the bound is not the seven times of the rigorous one.
     if (n == 16 || n == 64) {
       EXPECT_LT(s.truncation_bound_w_sr, 2 * missing);
     }

@@ -220,7 +220,8 @@ TEST(Bright, ThroughAHoleAsMuchIsSeenAsItIsWide) {
   }
 }
 
-// With rays of their own and without: the same, though the second stands for 16 m2 / 2^21.
+// The value is the same with rays of their own and without, though a ray without stands for 16 m2 /
+// 2^21.
 TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
   constexpr std::uint64_t kSeeds = 16;
   const std::vector<RareLightScene> scenes = {
@@ -258,7 +259,7 @@ TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
               student_t_bound(31, scenes.size()) * std::hypot(std::sqrt(variance), without.stderr_))
         << scene.name << ": " << sum << " +- " << std::sqrt(variance) << ", without "
         << without.value << " +- " << without.stderr_;
-    // And the second is no excuse: it is known to 3 %.
+    // The second estimate is no excuse: it is known to 3 %.
     EXPECT_LT(without.stderr_, 0.03 * without.value) << scene.name;
   }
 }

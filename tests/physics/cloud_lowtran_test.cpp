@@ -41,7 +41,7 @@ struct NamedCloud {
   const char* name;
   CloudSpec spec;
 };
-// As LOWTRAN7 has them: liquid water paths with its interpolation between levels.
+// Clouds are LOWTRAN7's: liquid water paths with its interpolation between levels.
 const std::vector<NamedCloud> kClouds = {
     {"cumulus", {CloudPhase::kWater, 660, 2700, 1.664, 11.5}},
     {"altostratus", {CloudPhase::kWater, 2400, 3000, 0.345, 6.8}},

@@ -120,7 +120,7 @@ std::vector<double> over_all_directions(const DirectionNodes& nodes,
   return sum;
 }
 
-// How close what is comes to what it can be.
+// Collects how close values come to their bounds.
 class Tightness {
  public:
   void expect(const char* what, const std::string& where, const std::vector<double>& is,
@@ -368,7 +368,7 @@ TEST(EnvironmentLooks, BoundsAndLightOfManyConditionsInAnyOrder) {
   EXPECT_FALSE(e->sight_line(line(1000, -5, 0)).ok());
 }
 
-// In quarters of a micrometre: |difference| / reflected, largest.
+// Returns the largest |difference| / reflected of the quarters of a micrometre.
 double largest_fraction(const std::vector<double>& is, const std::vector<double>& should,
                         const std::vector<double>& of) {
   const std::vector<double> um = wavelengths();

@@ -251,7 +251,8 @@ TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
   EXPECT_GT(product, 0.5);
 }
 
-// By how much a ray from the sensor points lower at the target than the straight line. [rad]
+// Returns the angle by which a ray from the sensor points lower at the target than the straight
+// line. [rad]
 double lift_of(double range_m, double elevation_deg) {
   if (range_m == 0) return 0;
   const LightPath path = *look_between(afgl_profile(AfglProfile::kMidlatitudeSummer),

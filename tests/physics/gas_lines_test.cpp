@@ -64,7 +64,8 @@ struct Radiances {
   double exact = 0, ours = 0, product = 0;
 };
 
-// From the eye: air of the given optical depth line by line, then layers.
+// Returns the radiances of air of the given optical depth line by line, then of layers, from the
+// eye.
 Radiances radiances(const std::vector<Layer>& layers, const std::vector<double>& cold_depth,
                     const AbsorberAmounts& amounts) {
   Radiances out;

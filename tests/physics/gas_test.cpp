@@ -99,8 +99,8 @@ TEST(Gas, AColumnMayBeCut) {
   }
 }
 
-// From an optical depth of 1e-12 to more than 1e4, also behind cold gas: never more than the
-// blackbody, always growing, and as weak as S/d u where it is thin.
+// Emissivity from an optical depth of 1e-12 to more than 1e4, also behind cold gas, is never more
+// than the blackbody's, always grows, and is as weak as S/d u where the gas is thin.
 TEST(Gas, FromThinToThick) {
   const double nu = gas_band_centre_cm1(225);  // 2305 cm-1
   const GasState hot = gas(1000, 0, 1, 0);

@@ -104,7 +104,7 @@ Score score_of(const Field& field, const std::vector<double>& surface_k) {
   return out;
 }
 
-// At the middle of each half-hour: the mean of its two ends.
+// Returns the value at the middle of each half-hour: the mean of its two ends.
 std::vector<double> by_layers(const Field& field) {
   HeatRequest request =
       request_of({{0.64, kConductivity, kDensity, kHeat}, {1.4, kConductivity, kDensity, kHeat}},

@@ -320,7 +320,8 @@ TEST(HardHeat, StrangeInputsGiveNumbers) {
   EXPECT_GE(accepted, 100);
 }
 
-// To the last bit: alone, among others that need more levels, in another group, in another order.
+// Results are equal to the last bit: alone, among others that need more levels, in another group,
+// in another order.
 TEST(HardHeat, AnElementDoesNotDependOnItsNeighbours) {
   constexpr std::size_t kMany = 600;
   HeatRequest many =

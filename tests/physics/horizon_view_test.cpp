@@ -199,7 +199,7 @@ TEST(HorizonView, TheSunsDiskIsCutByTheApparentHorizon) {
                   refraction,
                   {SurfaceBoundary::Kind::kRoughSea, 292, 1, 5},
                   nullptr};
-    // Where the sea ends, and where a ray that leaves there for the sun goes in the end.
+    // The place where the sea ends, and the end of a ray that leaves there for the sun.
     double above = 90, below = 91;
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (above + below);

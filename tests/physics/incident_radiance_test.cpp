@@ -228,7 +228,8 @@ TEST(IncidentRadiance, SidesThatAreNotWantedAreDark) {
   const double bound = none.changed(e.end_change, 0, weight, of_node);
   EXPECT_GE(bound, largest * (1 - 1e-9));
   EXPECT_LE(bound, 1.5 * largest);
-  // To the last bit of it: thermal light and the sun's each by its largest change in a band.
+  // The bound is exact to the last bit: thermal light and the sun's each by its largest change in a
+  // band.
   const IncidentRadiance::Shapes& shapes = none.shapes();
   double expected = 0;
   for (std::size_t i = 0; i < 50; ++i) {

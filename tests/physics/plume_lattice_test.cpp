@@ -49,7 +49,8 @@ std::unique_ptr<Simulator> small_disk() {
   return simulator_of(scene);
 }
 
-// In each band, along the line of sight from ahead at this distance from the axis.
+// Returns the radiance in each band along the line of sight from ahead at this distance from the
+// axis.
 std::vector<double> optical_depth(const Simulator& simulator, const PlumeField& field,
                                   double radius_m) {
   std::vector<double> um;

@@ -57,7 +57,7 @@ struct Point {
   double co2 = 0, h2o = 0, temperature_k = 0;  // mol/m3, K
 };
 
-// At index coordinates, by the definition.
+// Returns the value at index coordinates, by the definition.
 Point linear_at(const DenseField& field, double x, double y, double z) {
   const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y)),
             k = static_cast<int>(std::floor(z));
@@ -202,7 +202,7 @@ TEST(PlumeMarch, IsTheIntegralOfTheLinearField) {
 
 TEST(PlumeMarch, IsTheIntegralOfTheConstantField) {
   expect_good(compare(PlumeInterpolation::kConstant, 0, {}));
-  // Nothing merged: exact.
+  // No segments are merged: the result is exact.
   const Worst exact = compare(PlumeInterpolation::kConstant, 0.5, {.temperature_step = 0});
   EXPECT_LT(exact.error, 1e-6);
 }

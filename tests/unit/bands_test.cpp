@@ -156,7 +156,7 @@ TEST(BandMargins, OfAContrastThatIsNothingInOtherMerits) {
   EXPECT_FALSE(whole({Merit::kAbove, 10, 1e-6}).known);
 }
 
-// So many times the samples as make the difference of two windows two sigma, of all that errs.
+// The factor on the samples makes the difference of two windows two sigma, of all that errs.
 TEST(BandMargins, SamplesThatWouldTell) {
   const auto second = [](double error, double model) {
     TargetContrast t = contrast(1);

@@ -126,7 +126,7 @@ TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
       with_csv(absl::StrCat("name = \"t\"\ncondition_file = \"c.csv\"", target, kSummer),
                "time\n06:00Z\n12:00Z\n");
   for (const auto* sweep : {&crossed, &table, &csv}) ASSERT_TRUE(sweep->ok()) << sweep->status();
-  // Where a condition stands in the file is in its indices alone.
+  // The place of a condition in the file is in its indices alone.
   const auto keys = [](schema::ResolvedSweep sweep) {
     for (schema::Condition& c : *sweep.mutable_condition()) {
       c.clear_season_index();

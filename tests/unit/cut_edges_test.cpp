@@ -24,7 +24,7 @@ struct Measure {
   std::map<std::uint32_t, double> area;
   Vec<Body> sum;
   double longest = 0;
-  // How often each edge is met, by direction: of a closed surface once in each.
+  // Number of times that each edge is met, by direction: of a closed surface once in each.
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edge;
 };
 Measure measured(const Mesh& mesh) {

@@ -228,7 +228,7 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   EXPECT_EQ(scaled->range.high, 80);
 }
 
-// Those that are filled in part show the target's own radiance, or nothing of it; a target smaller
+// Pixels that are filled in part show the target's own radiance, or nothing of it; a target smaller
 // than a pixel is shown all the same; gas has no silhouette.
 TEST(RadiancePicture, PixelsShowTheTargetAlone) {
   Stored stored;

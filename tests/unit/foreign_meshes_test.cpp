@@ -52,7 +52,7 @@ std::vector<Corners> foreign_box() {
   return out;
 }
 
-// As OBJ; `behind` stands behind each corner of a face.
+// Writes OBJ; `behind` stands behind each corner of a face.
 std::string box_obj(const std::string& behind = "", const std::string& line_end = "\n") {
   std::string out;
   for (int i = 0; i < 8; ++i) {

@@ -55,7 +55,7 @@ TEST(FrameMeter, CallsThatAreAnsweredAreNotCounted) {
     ASSERT_TRUE(worker.sends(call(n) + frame(kData, kEndStream, 2 * n + 1, 100)).ok()) << n;
     ASSERT_EQ(totals.streams, 1U);
     ASSERT_TRUE(worker.gets(answer(n)).ok());
-    // Who learns of the end before it has said all resets what is no more.
+    // A client that learns of the end before it has sent all resets a stream that is no more.
     ASSERT_TRUE(worker.sends(cancel(n)).ok());
     ASSERT_EQ(totals.streams, 0U);
   }

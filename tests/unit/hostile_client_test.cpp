@@ -605,7 +605,7 @@ TEST_F(HostileClient, WhatIsCutOffLeavesNothing) {
   EXPECT_TRUE(complete(worker.worker_id(), job.fencing_token(), result).ok());
 }
 
-// So many submissions at a time; the next ones are told to wait, and nobody is held up.
+// Only so many submissions run at a time; the next ones are told to wait, and nobody is held up.
 TEST_F(HostileClient, AFloodOfSubmissionsIsTurnedAway) {
   constexpr int kFlood = 40, kTogether = 4;
   struct Open {

@@ -125,7 +125,7 @@ TEST_F(ImportByAnother, EveryEndIsAnError) {
     EXPECT_THAT(std::string(status.message()), HasSubstr(text)) << script;
   };
   using enum absl::StatusCode;
-  // Nothing is read from these: whoever sends must survive that.
+  // These read nothing: the sender must survive that.
   expect("exit 0", kInternal, "said nothing");
   expect("exit 3", kInvalidArgument, "exit code 3");
   expect("kill -SEGV $$", kInvalidArgument, "crashed on it (signal 11)");

@@ -165,7 +165,7 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
     for (auto& effect : *view->mutable_row(0)->mutable_effect()) effect.clear_time_s();
   EXPECT_EQ(same.SerializeAsString(), plain.SerializeAsString());
 
-  // By hand, with the same seed.
+  // The same is computed by hand, with the same seed.
   const auto by_hand = [&](const char* from, const char* to) {
     return view_of(resolved(absl::StrReplaceAll(kPlate, {{from, to}})))
                .row(0)
@@ -333,7 +333,7 @@ TEST(InputViews, OfWallsAreWhatOtherRunsSay) {
         << sweep.heat(1).input(i).name();
   }
 
-  // And so is the row: by hand, other emissivities apart, on the same paths.
+  // The row is the same: by hand, other emissivities apart, on the same paths.
   const auto row = view_of(sweep).row(0);
   const auto plain = view_of(resolved(sheet)).row(0);
   EXPECT_EQ(plain.intensity_w_sr().value(), row.intensity_w_sr().value());

@@ -274,7 +274,7 @@ TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
   EXPECT_EQ(environment_from_sweep(*sweep, grids).status().code(), absl::StatusCode::kOutOfRange);
 }
 
-// In the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
+// Makes plates in the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
 constexpr const char* kPlates = R"(
 v 0 0 0
 v 0 4 0

@@ -87,7 +87,7 @@ TEST(LandObjects, ABoxIsMetByItsClosedFormAtAnyDistance) {
     int met = 0;
     double worst_m = 0;
     for (int i = 0; i < 20'000; ++i) {
-      // From the target's surroundings and from close by.
+      // Rays begin in the target's surroundings and close by.
       const Vec<Enu> goal{place.x_m + 9 * uniform(random), place.y_m + 9 * uniform(random),
                           5 + 5 * uniform(random)};
       const Vec<Enu> origin =

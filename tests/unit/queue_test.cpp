@@ -37,7 +37,7 @@ TEST_F(FarmTest, AWorkerWaitsWhileOthersComputeTheLastJob) {
   EXPECT_EQ(lease(b)->state(), schema::LeaseReply::STATE_FINISHED);
 }
 
-// By its job and content, whoever holds the lease; failures by the lease.
+// A result counts by its job and content, whoever holds the lease; failures count by the lease.
 TEST_F(FarmTest, AResultIsTakenByWhatItIs) {
   submit(2);
   const auto a = worker("a"), b = worker("b");
@@ -61,7 +61,7 @@ TEST_F(FarmTest, AResultIsTakenByWhatItIs) {
   EXPECT_EQ(*returns(b, of_b, result), State::STATE_NOT_WANTED);
 }
 
-// Who computed it, and how long that took, is no content.
+// The worker and its time are no content.
 TEST_F(FarmTest, EqualContentIsKnownAgain) {
   submit(1);
   const auto a = worker("a"), b = worker("b");
@@ -506,7 +506,7 @@ TEST_F(FarmTest, WhatWaitsForOtherJobsHoldsNothingUp) {
   EXPECT_EQ(job(worker("b")).job().sweep_sha256(), views->sweep_sha256);
 }
 
-// As a pilot does: sweeps that differ in nothing that temperatures depend on.
+// A pilot's sweeps differ in nothing that temperatures depend on.
 TEST_F(FarmTest, TemperaturesAreComputedOnceForAllSweepsThatShareThem) {
   const auto id = worker("a");
   std::vector<std::string> computed;

@@ -65,7 +65,7 @@ TEST(SweepImager, IsStoredAsItIsStated) {
   EXPECT_EQ(std::get<CountsOfTemperatures>(imager->gain).white_k, 400);
   // The coordinator's check passes the sweep.
   EXPECT_EQ(check_resolved(*sweep), absl::OkStatus());
-  // So does what a pilot makes of it.
+  // The pilot's sweep passes it, too.
   schema::ResolvedSweep pilot = *sweep;
   pilot.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
   EXPECT_EQ(check_resolved(pilot), absl::OkStatus());

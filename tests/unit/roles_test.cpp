@@ -147,7 +147,7 @@ TEST_F(Roles, EachCallNeedsItsOwn) {
     for (const Role role : kRoles)
       if ((which >> static_cast<unsigned>(role) & 1U) != 0) roles.insert(role);
     const std::string name = absl::StrCat("who", which);
-    // Without a role it is of a coordinator, and the handshake refuses it.
+    // A certificate without a role is a coordinator's, and the handshake refuses it.
     if (roles.empty()) continue;
     issue(name, {}, roles);
     for (const auto& [call, code] : all_calls(name)) {

@@ -56,7 +56,8 @@ TEST(SmallBrightSources, GrowsWithoutACliff) {
   }
 }
 
-// From bright to dark, in whatever order they come; numbers without a leading bit are the darkest.
+// Places come out from bright to dark, in whatever order they go in; numbers without a leading bit
+// are the darkest.
 TEST(SmallBrightSources, TheOrderOfPlacesDoesNotMatter) {
   const double radiance[] = {1e-310, 4e-308, 1e-3, 0.7, 0.9, 1, 1.24, 1.26, 5, 1e200};
   SmallBrightSources up, down;

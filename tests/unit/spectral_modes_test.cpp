@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kReplicates = 32;
 
-// So many random spectra mixed at random, as paths over few sources are; `noise` of each wavelength
-// alone.
+// Mixes so many random spectra at random, as paths over few sources do; `noise` is of each
+// wavelength alone.
 SpectralSet mixed(std::size_t bins, std::size_t rank, double noise, double scale, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

@@ -107,7 +107,7 @@ TEST_F(StoreAsset, NobodyGetsTheBytesOfADamagedFile) {
   is_damaged(read().status(), what);
   is_damaged(slice(), what);
   is_damaged(merge(), what);
-  // Who needs no file goes on.
+  // A worker that needs no file goes on.
   EXPECT_EQ(read(SweepFiles::kNone)->resolved.sweep().name(), "ship");
   EXPECT_EQ(read(SweepFiles::kTemperatures)->heat.size(), 2U);
 }

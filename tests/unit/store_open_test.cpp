@@ -1,4 +1,4 @@
-// Which files are opened, which are refused, and what stays behind.
+// Tests which files are opened, which are refused, and which stay behind.
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -136,7 +136,7 @@ TEST_F(StoreOpen, AnEmptyFileBecomesADatabase) {
 TEST_F(StoreOpen, AFailedCreationLeavesNothing) {
   EXPECT_TRUE(absl::IsNotFound(StoreWriter::open(folder_.file("missing/a.sigdb")).status()));
   EXPECT_TRUE(folder_.names().empty());
-  // As a directory of the database's own name: SQLite cannot make its journal there.
+  // A directory stands in the place of the journal: SQLite cannot make it there.
   std::filesystem::create_directory(path_ + "-journal");
   EXPECT_FALSE(StoreWriter::open(path_).ok());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb-journal"});
@@ -291,7 +291,7 @@ TEST_F(StoreOpen, EveryQuantityIsAColumnAndAField) {
               field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE)
         << name;
   }
-  // And no number of a row is in the file without being in the catalogue.
+  // Every number of a row in the file is in the catalogue.
   const std::string numbers =
       sqlite_text(path_, "SELECT count(*) FROM pragma_table_info('signature') WHERE type = 'REAL'");
   EXPECT_EQ(numbers, std::to_string(kQuantities.size() + 2)) << "and the sun's two angles";

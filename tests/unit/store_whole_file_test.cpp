@@ -220,7 +220,7 @@ TEST_F(StoreWholeFile, TheJournalIsFoundThroughLinks) {
     ASSERT_OK(merge(link));
     EXPECT_EQ(rows(folder_.file("merged.sigdb")), 8U) << name;
   }
-  // And while it is written.
+  // It is so while the file is written, too.
   auto writer = StoreWriter::open(elsewhere.file("link.sigdb")).value();
   ASSERT_OK(writer->begin());
   ASSERT_OK(writer->release_all());
