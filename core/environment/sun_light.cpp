@@ -18,8 +18,8 @@ namespace {
 // averaged.
 constexpr int kHatSines = 4, kHatAzimuths = 6;
 
-// What is looked at of a cell, at a band of each quarter of a micrometre, errs by so much less than
-// what may be found between.
+// Errors found in a cell, at a band of each quarter of a micrometre, are by so much less than those
+// that may be found between.
 constexpr double kBetweenLooks = 1.5;
 constexpr double kSomeSunlight = 0.1;
 

@@ -116,8 +116,8 @@ class OwnBands {
   std::vector<double> decay_;
 };
 
-// What a layer's water takes from each band where it is thin, and how its absorption is spread over
-// the band's wavenumbers: a curve of LorenzCurves, from the lines' density of narrow_band.h.
+// Absorption of a layer's water in each band where it is thin, and its spread over the band's
+// wavenumbers: a curve of LorenzCurves, from the lines' density of narrow_band.h.
 class WaterShapes {
  public:
   explicit WaterShapes(GasBands bands) {

@@ -11,7 +11,7 @@
 namespace irsig {
 namespace {
 
-// Of the error that is wanted: light that is bounded by less is not worth rays of its own.
+// Fraction of the wanted error: light that is bounded by less is not worth rays of its own.
 constexpr double kBoundedOfFacets = 0.1;
 
 // Returns the leading modes of the errors of the three intensities' spectra.
@@ -255,7 +255,7 @@ std::vector<FacetBrightness> facet_brightness(const MeasuredView& view) {
   if (effects.max_reflections == 0) return {};
   const UndersampledSources& from = *setup.undersampled;
   const std::vector<SunDirection>& suns = setup.sources.geometry().sun;
-  // Of each sun and each set of parts: the most of any row, per error that is wanted.
+  // For each sun and each set of parts, the most of any row, per error that is wanted.
   std::vector<double> of_sun(suns.size(), 0.0), of_parts(from.parts_above().size(), 0.0);
   for (const Row& row : view.row) {
     const double wanted = stderr_wanted_w_sr(view, row);

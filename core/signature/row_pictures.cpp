@@ -297,7 +297,7 @@ class RowPictures {
     return out;
   }
 
-  // Of the in-band radiance of a blackbody that is as bright. [W/(m2 sr K)]
+  // Returns the change of the in-band radiance of a blackbody that is as bright. [W/(m2 sr K)]
   [[nodiscard]] double change_per_k(std::size_t row, double radiance_w_m2_sr) const {
     const Row& of = view_.row[row];
     const BandGrid& grid = of.on_axis.grid;
@@ -335,7 +335,7 @@ class RowPictures {
     }
   }
 
-  // What of a rectangle lies beside another, as rectangles.
+  // Returns the part of a rectangle beside another, as rectangles.
   static std::vector<PlaneRectangle> outside(const PlaneRectangle& of,
                                              const PlaneRectangle& frame) {
     std::vector<PlaneRectangle> out;

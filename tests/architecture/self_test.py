@@ -201,7 +201,8 @@ class Words(TreeTest):
         for text in ("// Returns the error\n// Of a row.\n", "double a;  // error\n           // What is\n", "// Often so.\n"):
             with self.subTest(text=text):
                 self.assertEqual(self.words({"core/base/base.h": text}), [])
-        self.assertEqual(self.words({"tests/unit/base.h": "// Of a row.\n"}), [])
+        self.assertEqual(len(self.words({"tests/unit/base.cpp": "// Of a row.\n"})), 1)
+        self.assertEqual(self.words({"tests/unit/base.h": "// Mean.\ndouble f();\n"}), [])
 
     def test_long_lines(self):
         self.assertEqual(self.words({"docs/a.md": "a " * 60 + "\n"}), [])

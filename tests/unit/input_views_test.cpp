@@ -165,7 +165,7 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
     for (auto& effect : *view->mutable_row(0)->mutable_effect()) effect.clear_time_s();
   EXPECT_EQ(same.SerializeAsString(), plain.SerializeAsString());
 
-  // The same is computed by hand, with the same seed.
+  // Returns the view computed by hand, with the same seed.
   const auto by_hand = [&](const char* from, const char* to) {
     return view_of(resolved(absl::StrReplaceAll(kPlate, {{from, to}})))
                .row(0)

@@ -23,7 +23,7 @@ Vec<Body> vertex(const Target& target, std::size_t i) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-// Whether some vertex is hidden, or is not.
+// Returns true if some vertex is hidden (or, if asked for, is not).
 bool any_vertex(bool hidden, const Target& target, const Plane& plane, Vec<Body> sensor) {
   for (std::size_t i = 0; i < target.vertex.size() / 3; ++i)
     if (hidden_by(plane, vertex(target, i), sensor) == hidden) return true;
