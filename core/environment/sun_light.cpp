@@ -379,7 +379,7 @@ double SunLight::diffuse_per_sr() const {
                  : 0;
 }
 
-// In some bands.
+// Finds the errors in some bands.
 void SunLight::find_node_errors(Sky& out, std::span<const std::size_t> bands) const {
   constexpr int kSteps = 4;
   const std::vector<AirSpectrum>& sky = out.node;
@@ -412,8 +412,8 @@ void SunLight::find_node_errors(Sky& out, std::span<const std::size_t> bands) co
     }
 }
 
-// In the three quarters of a micrometre where scattered sunlight has the largest part, each by one
-// band.
+// Finds the errors in the three quarters of a micrometre where scattered sunlight has the largest
+// part, each by one band.
 void SunLight::find_errors(Sky& out) const {
   const std::vector<AirSpectrum>& sky = out.node;
   out.interpolation = weather_.sky_interpolation;

@@ -370,7 +370,7 @@ GasThroughAir GasPath::through(const ForegroundAir& air) const {
     for (std::size_t b = 0; b < n; ++b) {
       whole_from[b] = air.others_[b] * from[b];
       whole_by[b] = air.others_[b] * by[b];
-      // Without soot: as the error was compared.
+      // The error was compared without soot.
       rest_from[b] = soot[b] > 0 ? whole_from[b] / soot[b] : 0;
       joint_through[b] = 1;
     }

@@ -8,7 +8,7 @@
 namespace irsig {
 namespace {
 
-// How much finer a step is where its temperature may rise and fall.
+// Factor by which a step is finer where its temperature may rise and fall.
 constexpr double kRisesAndFalls = 4;
 
 }  // namespace

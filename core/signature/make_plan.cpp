@@ -136,9 +136,9 @@ bool saw_enough(const MeasuredView& pilot, std::uint64_t n) {
   return true;
 }
 
-// From this many samples per replicate on it is worth while to look for what may be rare and
-// bright: the frigate at 0.2 % takes 1024 to 2816, a plate of 16 m2 with a mirror of 5 cm 150 000
-// at 1 %. The first pilot overrates what is needed, and so has to ask for more.
+// Samples per replicate from which on it is worth while to look for what may be rare and bright:
+// the frigate at 0.2 % takes 1024 to 2816, a plate of 16 m2 with a mirror of 5 cm 150 000 at 1 %.
+// The first pilot overrates the need, and so has to ask for more.
 constexpr std::uint64_t kRareSamples = 4096, kRareFromFirst = 16384;
 // And what is found is aimed at if a pilot then asks for so many times fewer rays.
 constexpr double kWorthAiming = 4;

@@ -107,7 +107,7 @@ void add_shares(SignatureResult& r) {
   }
 }
 
-// From counts of rays and the table's figures for the air; of the whole view.
+// Estimates the cost of the whole view from counts of rays and the table's figures for the air.
 void estimate_times(const PathCounts& counts, double reflected_fraction, bool atmosphere,
                     std::vector<LedgerEntry>& ledger) {
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };

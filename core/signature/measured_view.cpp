@@ -28,7 +28,7 @@ std::array<SpectralSet, kIntensities> modes_of(std::span<const RowTally> tally) 
   return out;
 }
 
-// By reciprocity: where light that the sensor would send out ends, for each band.
+// Finds for each band where light that the sensor would send out ends, by reciprocity.
 std::vector<EnergyLedger> energy_of(const ViewSetup& setup, std::span<const PathWeights> weights,
                                     std::span<const SummedWeights> sums) {
   std::vector<EnergyLedger> out;

@@ -203,8 +203,8 @@ class RowPictures {
       const double over = error_over_goal();
       const std::uint32_t most = request_.image->most_samples;
       if (!(over > 1) || std::uint64_t{samples} * window_.squares() >= most) return;
-      // By no more than what costs a third again if it is still too few: errors of few samples are
-      // themselves uncertain, and fall faster on edges.
+      // The count grows by no more than what costs a third again if it is still too few: errors of
+      // few samples are themselves uncertain, and fall faster on edges.
       const double wanted = std::min(
           {samples * over * over, 4.0 * samples, static_cast<double>(most) / window_.squares()});
       while (samples < wanted) samples *= 2;

@@ -40,7 +40,7 @@ double highest_m(const Target& target, const Plane& plane) {
 
 absl::Status check_above_land(const Target& target, const LandScene& scene, double above_m,
                               double bend_per_m, Vec<Body> sensor, const Viewpoint& viewpoint) {
-  // Not owned: the land outlives this call.
+  // The land is not owned: it outlives this call.
   const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
                   above_m - target.centre.z, target.centre, {}, bend_per_m);
   if (const auto object = land.object_around(sensor))

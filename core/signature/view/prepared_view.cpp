@@ -351,7 +351,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
     return out;
   }
   const bool reflected = effects.surroundings();
-  // Not so that it could depend on which conditions are asked for.
+  // The choice must not depend on the conditions that are asked for.
   bool with_azimuths = false;
   for (std::uint32_t c = 0; c < effects.sun.size(); ++c)
     with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).visible > 0;
