@@ -40,7 +40,7 @@ void print_line(std::ostream& out, const char* what, const std::optional<double>
 
 std::string whole(double count) { return fmt::format("{:.0f}", count); }
 
-// What the done jobs of a sweep took together.
+// Sums over the done jobs of a sweep.
 struct JobSums {
   std::vector<double> cpu_s;  // [job]
   double total_s = 0, wall_s = NAN, rays = 0;
@@ -291,7 +291,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
     fmt::print(out, "warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
 }
 
-// The same for programs: one line a sweep, each number in a column.
+// Returns the report for programs: one line a sweep, each number in a column.
 std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::uint64_t bytes) {
   std::vector<std::pair<std::string, Cell>> out;
   const auto add = [&](std::string name, Cell cell) {

@@ -16,8 +16,8 @@
 namespace irsig {
 namespace {
 
-// Of pixels, relative, before anything was measured of their class; least that is stated: rounding
-// of the float16 that is shown, and differences that so few pixels do not show.
+// Relative error of pixels before anything was measured of their class, and the least that is
+// stated: rounding of the float16 that is shown, and differences that so few pixels do not show.
 constexpr double kUnknownError = 0.08, kLeastError = 0.002;
 // Errors of other views over those of the view in which they were measured: 1 covered 85 % of a
 // ship's pixels from another side (tests/system/fly_test.py).
@@ -29,7 +29,7 @@ constexpr double kTrialInView = 2.6;  // of the target's radius, on both sides t
 constexpr std::uint32_t kRestingSamples = 8, kMostRestingSamples = 256;
 // Pictures that are measured side by side: each takes the memory of a job.
 constexpr std::uint32_t kMostSideBySide = 4;
-// Of each replicate of the row that is measured beside an image.
+// Samples of each replicate of the row that is measured beside an image.
 constexpr std::uint64_t kRowSamples = 64;
 constexpr std::size_t kMostStages = 6;
 constexpr auto kRestBegins = std::chrono::milliseconds(150);
@@ -282,7 +282,7 @@ void LiveSession::learn(Stage& stage, const LiveAsk& ask, const LiveFrame& truth
   for (std::size_t i = 0; i < frame.met.size(); ++i) {
     const auto is = static_cast<double>(truth.radiance_w_m2_sr[i]);
     if (frame.edge[i] != 0 || !(is > 0)) continue;
-    // What the scatter of samples states already is not stated twice.
+    // The stated error does not repeat what the scatter of samples states.
     const double off = std::abs(static_cast<double>(frame.radiance_w_m2_sr[i]) - is),
                  scatter = static_cast<double>(frame.spread[i]);
     difference[frame.met[i]].push_back(std::sqrt(std::max(0.0, off * off - scatter * scatter)) /

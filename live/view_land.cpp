@@ -1,4 +1,4 @@
-// What rays of a frame meet of land and what stands on it, and its light.
+// Finds the hits of a frame's rays on land and on objects of it, and their light.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// What rays of a frame meet of the target, and its light.
+// Finds the hits of a frame's rays on the target, and their light.
 #include <algorithm>
 #include <cmath>
 

@@ -44,8 +44,23 @@ page, work = pathlib.Path("docs/evidence/accuracy.md"), pathlib.Path(sys.argv[1]
 text = page.read_text()
 
 
+# Captions of tables explain their columns each time; the page does it once, in "How the tables read".
+CAPTIONS = (
+    (r"CPU time to a target \(.*?with set-up: (.*?) once a sweep\s+\(.*?\)\s+and (.*?) for each view\s+\(.*?pilots\.",
+     r"CPU time to a target. Set-up: \1 once a sweep, \2 for each view"),
+    (r"(Error after equal CPU times) \(.*?\)", r"\1"),
+    (r"(Effects chosen by the program and all effects): .*?\)", r"\1"),
+    (r"(Slope of the random error) against.*?0\.1 %(?=\n\n)", r"\1"),
+    (r"(Spectral step): relative error.*? um(?=\n\n)", r"\1"),
+    (r"(Deviation from the finest mesh \(.*?\)), over.*?\(rms\)", r"\1"),
+    (r"(The limit of ever more facets N): .*?(?=\n\n)", r"\1"),
+)
+
+
 def put(name, tables):
     global text
+    for told, short in CAPTIONS:
+        tables = re.sub(told, short, tables, flags=re.S)
     mark = re.compile(rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)", re.S)
     text, count = mark.subn(lambda m: m.group(1) + tables.strip() + "\n" + m.group(2), text)
     if count != 1:

@@ -66,7 +66,7 @@ absl::Status check_land_kelvin(const schema::Sweep& sweep, const schema::HeatRun
   return absl::OkStatus();
 }
 
-// What is asked of one run, and at which of its outputs each time wanted stands.
+// Request of one run, and the outputs at which the wanted times stand.
 struct AskedOfLand {
   LandHeatRequest request;
   std::vector<std::size_t> output_of_time;

@@ -15,7 +15,7 @@ double goal_w_sr(const RowPilot& row, double relative_error) {
   return std::max(relative_error * row.value_w_sr, row.floor_w_sr);
 }
 
-// What is unseen falls as 1 / n.
+// The undersampling error falls as 1 / n.
 double unseen_at(const ViewPilot& pilot, const RowPilot& row, std::uint64_t n) {
   return row.unseen_w_sr * static_cast<double>(pilot.samples.back()) / static_cast<double>(n);
 }
@@ -78,7 +78,7 @@ double slope_of(const ViewPilot& pilot) {
          (work(pilot, pilot.samples.back()) - work(pilot, pilot.samples.front()));
 }
 
-// As measured at the stages, linear between them; beyond them by the power law.
+// The costs are measured at the stages, linear between them, and follow the power law beyond them.
 double cpu_s_at(const ViewPilot& pilot, std::uint64_t n) {
   const std::vector<std::uint64_t>& samples = pilot.samples;
   if (n >= samples.back())
@@ -226,7 +226,7 @@ SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
     cost.kept_by_bias_fraction = bias / rows;
     cost.kept_by_limit_fraction = limit / rows;
   }
-  // Whoever is free takes the next job.
+  // A free worker takes the next job.
   std::priority_queue<double, std::vector<double>, std::greater<>> free_at;
   for (std::uint64_t w = 0; w < workers; ++w) free_at.push(start_s);
   for (std::uint64_t job = 0; job < views * jobs_per_view; ++job) {

@@ -107,7 +107,7 @@ Measured weighted_sum(std::span<const double> weight, std::span<const Measured> 
 Measured with_rest(Measured known, double numerical_error, BoundOf rest) {
   const double square = numerical_error * numerical_error - known.stderr_ * known.stderr_ -
                         known.undersampling_stderr * known.undersampling_stderr;
-  // Not std::max: an error that was not computed (NaN) stays so.
+  // std::max would lose an error that was not computed (NaN).
   const double bias = square < 0 ? 0.0 : std::sqrt(3 * square);
   known.of(rest) = 0;
   const double missing = bias - known.bias_bound();

@@ -9,7 +9,7 @@ namespace irsig {
 namespace {
 
 constexpr std::size_t kStoredBytes = 8192, kSpectra = 3, kBytes = sizeof(std::int16_t);
-// Of a bin's variance, what rounding of up to 4096 modes may add.
+// Fraction of a bin's variance that rounding of up to 4096 modes may add.
 constexpr double kRounding = 1e-3;
 
 std::int16_t number_at(std::string_view encoded, std::size_t at) {
@@ -72,8 +72,8 @@ std::size_t stored_modes(std::size_t bins) {
 }
 
 std::string encoded_modes(const SpectralSet& modes, std::span<const double> stderr_) {
-  // Of each bin, what its modes have of its variance is 1 at most, but where that is nothing but
-  // rounding, or too small to be squared: two sums need not agree then.
+  // The modes of a bin carry at most all of its variance. Where the variance is rounding alone, or
+  // too small to be squared, the two sums need not agree.
   std::vector<double> unit(stderr_.size(), 0.0);
   for (std::size_t i = 0; i < unit.size(); ++i) {
     double length = 0;

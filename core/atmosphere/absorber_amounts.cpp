@@ -41,7 +41,7 @@ void for_parts(const BandChoice& bands, const Each& each) {
   }
 }
 
-// With room for the table's entries of no band.
+// The array has room for the table's entries of no band.
 using Transmittances = std::array<double, kAirBandCount + 1>;
 
 }  // namespace

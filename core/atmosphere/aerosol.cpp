@@ -295,7 +295,7 @@ bool by_wind(const AerosolSpec& spec) {
   return spec.kind == AerosolKind::kNavyMaritime && spec.visibility_m == 0;
 }
 
-// What the height table is asked with.
+// Returns the visibility with which the height table is read.
 double visibility_km(const AerosolSpec& spec, double surface_humidity_percent) {
   if (!by_wind(spec)) return 1e-3 * spec.visibility_m;
   return 3.912 / (navy_visible_per_km(navy_mix(spec, surface_humidity_percent)) +

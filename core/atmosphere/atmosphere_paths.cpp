@@ -122,7 +122,7 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
     scattering->cloud_depth.assign(kAirBandCount, 0.0);
     scattering->cloud_asymmetry.assign(kAirBandCount, 0.0);
   }
-  // What there was before is taken from what there is afterwards.
+  // The amounts before are subtracted from those afterwards.
   for (const BandChoice::Range& r : bands.ranges()) {
     for (std::size_t band = r.first; scattering && band < r.last; ++band) {
       scattering->molecular_depth[band] = molecular[band];

@@ -84,7 +84,7 @@ void saturate(AirLevel& level, CloudPhase phase) {
   const double t = level.temperature_k;
   const bool ice = phase == CloudPhase::kIce && t < 273.16;
   const double vapour_pa = ice ? saturation_pressure_over_ice_pa(t) : saturation_pressure_pa(t);
-  // Of hot, thin air that never saturates the vapour pressure would exceed the air's.
+  // The vapour pressure of hot, thin air that never saturates would exceed the air's.
   level.gas.h2o_ppmv = 1e6 * std::min(vapour_pa / level.pressure_pa, 0.5);
 }
 
@@ -140,7 +140,7 @@ CloudOptics cloud_optics(const CloudSpec& spec, ForwardPeak peak) {
 std::vector<double> cloud_levels_m(const AirProfile& profile, const CloudSpec& spec) {
   const double ground_m = profile.level.front().height_m;
   std::vector<double> out;
-  // Of particles much larger than the wavelength.
+  // The formula is that of particles much larger than the wavelength.
   constexpr double kWaterKgM3 = 1000;
   const double depth = 1.5 * spec.water_path_kg_m2 / (kWaterKgM3 * 1e-6 * spec.effective_radius_um);
   for (const double f : level_positions(depth))

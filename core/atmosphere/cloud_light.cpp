@@ -82,7 +82,7 @@ void CloudLight::set_levels(const Atmosphere& atmosphere) {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       if (!chosen(bands_, b)) continue;
       grey[b] += layer.grey_depth[b];
-      // What underflows is opaque by its grey absorbers alone, too.
+      // A band that underflows is opaque by its grey absorbers alone, too.
       const double depth = t[b] > 0 ? -std::log(t[b]) : 0;
       level.depth[b] = std::max({grey[b], depth, level_.back().depth[b]});
       level.scattering[b] = level_.back().scattering[b] + layer.cloud_depth[b];
@@ -131,8 +131,8 @@ CloudLight::CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, 
     const PathLayers down(
         *clear, look(profile, base_m, 180 - kDiffuseZenithDeg, kInfinity, refraction), bands);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      // What the air below scatters comes from ground and cloud, about as warm as the ground. The
-      // air also sends light down, which the ground reflects.
+      // Light that the air below scatters comes from ground and cloud, about as warm as the ground.
+      // The air also sends light down, which the ground reflects.
       const double t = down.transmittance[b];
       const double air =
           down.thermal_w_m2_sr_um[b] + down.surroundings_fraction[b] * ground.planck[b];

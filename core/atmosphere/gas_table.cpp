@@ -129,7 +129,7 @@ class TableReader {
       line.k_plain.push_back(number(take_word(words)));
       sum += line.weight.emplace_back(number(take_word(words)));
     }
-    // As exact a 1 as doubles allow: transmittance is 1 at zero range.
+    // The weights add up to 1 as exactly as doubles allow: transmittance is 1 at zero range.
     for (double& w : line.weight) w /= sum;
     // The plain amount's own scaling, where it has one.
     line.plain = {0, line.scaled[1], line.scaled[2]};

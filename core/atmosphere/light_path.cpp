@@ -204,7 +204,7 @@ class Tracer {
     return out;
   }
 
-  // From an observer who may be above the air.
+  // The observer may be above the air.
   [[nodiscard]] double travelled(const LightPath& path, double height_m) const {
     double sum = 0;
     for (const double s : path.step_m) sum += s;

@@ -134,8 +134,8 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
     set_sum(sum, sum, b.amounts, bands_);
     return true;
   }
-  // As if all thinned out over 3 km: water does over 2, dry air over 8, and over the short way
-  // between the heights the difference does not matter.
+  // The step assumes that all thins out over 3 km: water does over 2, dry air over 8, and over the
+  // short way between the heights the difference does not matter.
   constexpr double kScaleM = 3000;
   const bool turbid = a.height_m >= turbid_base_m_ && b.height_m <= turbid_top_m_;
   const double f = turbid
@@ -269,8 +269,8 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
     mean_of_decay(seen, seen_near, seen_far, scatters.grey_depth, bands_);
     for (const BandChoice::Range& r : bands_.ranges()) {
       for (std::size_t b = r.first; b < r.last; ++b) {
-        // What the layer absorbs, and with it emits: where near air has taken the lines out, most
-        // of what is left is scattered.
+        // The layer emits what it absorbs: where near air has taken the lines out, most of the rest
+        // is scattered.
         const double scattering = scatters.aerosol_depth[b] + scatters.molecular_depth[b];
         const double absorbed = t_near[b] - t_far[b] - scattering * mean[b];
         const double absorbed_seen = seen_near[b] - seen_far[b] - scattering * seen[b];

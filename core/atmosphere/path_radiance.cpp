@@ -126,7 +126,8 @@ void add_cloud_source(AirSpectrum& planck_near, AirSpectrum& planck_far,
     for (std::size_t b = r.first; b < r.last; ++b) {
       const double cloud = scattering.cloud_depth[b];
       if (cloud <= 0) continue;
-      // Of all that takes light away, but scattering by air and aerosol, the cloud's scattering.
+      // Fraction of the cloud's scattering in all that takes light away, but for scattering by air
+      // and aerosol.
       const double others = scattering.aerosol_depth[b] + scattering.molecular_depth[b];
       const double whole = t_near[b] > 0 && t_far[b] > 0 ? std::log(t_near[b] / t_far[b]) : 0;
       const double rest = std::max(whole, scattering.grey_depth[b]) - others;
@@ -351,8 +352,8 @@ double transmittance_error(const AbsorberAmounts& amounts, double t, std::size_t
                                   kAerosolRelativeError * aerosol) /
                        depth;
   double out = 0.5 * (std::exp(-depth * std::exp(-error)) - std::exp(-depth * std::exp(error)));
-  // Of a dark path far more can pass than the half of both sides says: what three sigma less depth
-  // let through are three errors, too.
+  // Through a dark path far more can pass than half of both sides: the light that three sigma less
+  // depth let through is three errors, too.
   for (const double sigmas : {2.0, 3.0})
     out = std::max(out, (std::exp(-depth * std::exp(-sigmas * error)) - t) / sigmas);
   return std::hypot(out, kDarkError * (1 - t));

@@ -10,7 +10,7 @@ namespace {
 // Without absorption the equations have a double root.
 constexpr double kLargestAlbedo = 1 - 1e-9;
 
-// What a layer does to diffuse fluxes, and what it sends out itself.
+// Response of a layer to diffuse fluxes, and its own emission.
 struct Response {
   double reflectance, transmittance;
   double up, down;  // emitted, and scattered out of the sun's beam

@@ -38,7 +38,7 @@ bool limit_all(const ApartLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   close_range(3, ~0U, 0);  // what another thread of the parent had open for a moment
   alarm(static_cast<unsigned>(limits.wall_s));
-  // At the hard limit of the processor the kernel sends SIGKILL, as others do: before it, SIGXCPU.
+  // At the hard limit of processor time the kernel sends SIGKILL, as others do; before it, SIGXCPU.
   return (!kLimitAddresses || limit(RLIMIT_AS, limits.memory_bytes)) &&
          limit(RLIMIT_CPU, limits.cpu_s, limits.cpu_s + 5) && limit(RLIMIT_CORE, 0) &&
          limit(RLIMIT_FSIZE, 0);

@@ -24,7 +24,7 @@ absl::Status cannot(const std::string& what, int error) {
   return absl::InternalError(absl::StrCat("cannot ", what, ": ", std::strerror(error)));
 }
 
-// Both ends of a two-way connection. No other process that is started meanwhile inherits them.
+// Ends of a two-way connection. No other process that is started meanwhile inherits them.
 class Connection {
  public:
   Connection() {
@@ -114,7 +114,7 @@ std::string exchange(int with, std::string_view bytes, std::uint64_t most_bytes)
   return out;
 }
 
-// How it ended, as waitpid says it; -1 if that cannot be known.
+// Returns the status by waitpid; -1 if it cannot be known.
 int end_of(pid_t pid) {
   int status = 0;
   pid_t ended = -1;

@@ -64,7 +64,7 @@ absl::StatusOr<Opened> open_regular(const std::string& path) {
   return Opened{std::move(opened), static_cast<std::uint64_t>(file.st_size)};
 }
 
-// What it has, at most so many bytes.
+// Returns the bytes of the file; an error if there are more than most_bytes.
 absl::StatusOr<std::string> read_most(const Opened& file, std::uint64_t most_bytes) {
   constexpr std::uint64_t kStep = 1 << 16;
   std::string out;

@@ -39,7 +39,7 @@ PixelGrid transposed(const PixelGrid& grid) {
 }
 
 double mean_of(const std::vector<double>& values) {
-  // As differences from the first: exactly 0 of equal values.
+  // Differences from the first value are exactly 0 where all are equal.
   double sum = 0;
   for (const double v : values) sum += v - values.front();
   return values.front() + sum / static_cast<double>(values.size());
@@ -106,7 +106,7 @@ ClutterStatistics clutter_of(const ClutterField& field, std::span<const double> 
   out.patch_m = side_px * field.pixel_m;
   out.mean.value = mean_of(grid.value);
   subtract_mean(grid.value);
-  // In units of the largest deviation: small numbers can be squared then.
+  // In units of the largest deviation, small numbers can be squared.
   double unit = 0;
   for (const double v : grid.value) unit = std::max(unit, std::abs(v));
   if (!(unit > 0)) return out;
@@ -123,8 +123,9 @@ ClutterStatistics clutter_of(const ClutterField& field, std::span<const double> 
   out.sigma = {unit * std::sqrt(spread.variance), unit * sums_of_sigma.stderr_of_mean()};
   out.correlation_m.value = field.pixel_m * std::sqrt(spread.area_px / std::numbers::pi);
 
-  // Of z = deviation / sigma, skewness g = mean of z^3: z^3 - g - 3 z - 3/2 g (z^2 - 1). The
-  // correlation area r = mean(v S) / mean(v^2), S the sum around a pixel: (v S - r v^2) / sigma^2.
+  // Influence functions. With z = deviation / sigma, that of the skewness g = mean of z^3 is z^3 -
+  // g - 3 z - 3/2 g (z^2 - 1). With S the sum around a pixel, that of the correlation area r =
+  // mean(v S) / mean(v^2) is (v S - r v^2) / sigma^2.
   const PixelGrid around = sums_around(grid, inside);
   double cubes = 0, products = 0;
   for (std::size_t p = 0; p < pixels; ++p) {

@@ -60,7 +60,7 @@ class Padded {
   [[nodiscard]] std::size_t columns() const { return columns_; }
   [[nodiscard]] std::size_t rows() const { return rows_; }
   Complex& at(std::size_t column, std::size_t row) { return value_[row * columns_ + column]; }
-  // At the same frequency with the other sign.
+  // Returns the value at the same frequency with the other sign.
   [[nodiscard]] const Complex& opposite(std::size_t column, std::size_t row) const {
     return value_[(rows_ - row) % rows_ * columns_ + (columns_ - column) % columns_];
   }
@@ -164,7 +164,7 @@ LagSums::Integral LagSums::integral(const Ellipse& inside) const {
 
 double LagSums::stderr_of_mean() const {
   const double values = static_cast<double>(columns_) * static_cast<double>(rows_);
-  // Not below that of independent pixels: an integral that is cut off may be too small.
+  // The area is at least that of independent pixels: an integral that is cut off may be too small.
   return std::sqrt(std::max(integral(first_zeros()).sum, covariance(0, 0)) / values);
 }
 

@@ -20,7 +20,7 @@ void add(const RowBounds::Bound& b, RowBounds::Bound& sum) {
   sum.contrast += b.contrast;
 }
 
-// Of sky and what is below the horizon together: each path ends in one of them.
+// Returns the bound of sky and surface together: each path ends in one of them.
 RowBounds::Bound around(const RowBounds& row) {
   const RowBounds::Bound &sky = row.effect[index_of(Effect::kSkyReflected)],
                          &lower = row.effect[index_of(Effect::kLowerReflected)];
@@ -43,7 +43,7 @@ EffectPlanner::EffectPlanner(std::vector<RowBounds> rows, std::size_t bands,
 }
 
 bool EffectPlanner::fits(const RowBounds::Bound& bound, const Room& room) {
-  // Not so written that NaN would fit.
+  // The condition is written so that NaN does not fit.
   return bound.source <= room.source && bound.apparent <= room.aperture &&
          bound.contrast <= room.aperture;
 }
@@ -76,7 +76,7 @@ void EffectPlanner::decide() {
     for (auto& condition : off_) {
       condition[index_of(Effect::kHotPartsReflected)] =
           condition[index_of(Effect::kInterReflection)];
-      // What sky and sea scatter of the sun is part of their radiance.
+      // Sunlight that sky and sea scatter is part of their radiance.
       if (condition[index_of(Effect::kSkyReflected)] ||
           condition[index_of(Effect::kLowerReflected)])
         condition[index_of(Effect::kDiffuseSun)] = true;
@@ -123,8 +123,8 @@ void EffectPlanner::decide() {
     }
 }
 
-// What is reflected of sky and sea, the sunlight that they scatter included, where the target's own
-// light alone is worth following.
+// Leaves out the reflected light of sky and sea, with the sunlight that they scatter, where the
+// target's own light alone is worth following.
 void EffectPlanner::leave_out_surroundings() {
   for (const Effect e : {Effect::kSkyReflected, Effect::kLowerReflected, Effect::kDiffuseSun})
     if (choice_.keeps(e)) return;

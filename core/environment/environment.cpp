@@ -73,7 +73,7 @@ absl::Status check(const WeatherSpec& w) {
 // depends on the heights alone, so that moved inputs have as many.
 //   dip  sine of the largest dip, by height
 std::vector<float> limb_rings(const std::map<double, double>& dip) {
-  // Of many heights a few stand for all: the error of interpolating between rings is measured.
+  // A few of many heights stand for all: the error of interpolating between rings is measured.
   constexpr std::size_t kMostHeights = 6;
   constexpr std::array kOfDip = {0.35, 0.65, 0.85, 0.95, 0.999};
   std::vector<float> out;
@@ -218,7 +218,7 @@ struct Environment::Parts {
   }
 };
 
-// What of the view is computed so far.
+// Parts of the view that are computed so far.
 struct Environment::SightLine::Parts {
   const Environment::Parts& of;
   Line line;
@@ -481,8 +481,8 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
 }
 
 double Environment::bytes_per_condition() const {
-  // What the sun does to the nodes, kept from view to view; its ratios behind the line's air, and
-  // what stands behind the target with its errors, in as many directions as a ship has that ends at
+  // Bytes of the sun's light at the nodes, kept from view to view, of its ratios behind the line's
+  // air, and of the background with its errors, in as many directions as a ship has that ends at
   // the horizon.
   constexpr double kBehind = 40;
   const DirectionNodes& nodes = parts_->nodes;

@@ -248,7 +248,7 @@ IncidentRadiance::Integrals IncidentRadiance::integrals(std::size_t first,
   Integrals out;
   for (auto* list : {&out.source, &out.apparent, &out.interpolation})
     list->assign(count() * columns, 0.0);
-  // Of sunlight behind the line's air.
+  // Sunlight behind the line's air.
   std::vector<BandRows<double>> air(sun_.size(), {columns, n}), surface = air;
   for (std::uint32_t ring = 0; ring < rings_; ++ring) {
     if (is_dark(ring)) continue;
@@ -311,7 +311,7 @@ IncidentRadiance::Binned IncidentRadiance::binned(std::size_t first, std::span<c
     }
     share_first.push_back(share.size());
   }
-  // Of a ring's sunlight behind the line's air.
+  // A ring's sunlight behind the line's air.
   std::vector<std::vector<double>> seen_air(sun_.size(), std::vector<double>(share.size())),
       seen_surface = seen_air;
   Binned out;

@@ -157,7 +157,7 @@ void ConditionBounds::scatter(double slant) {
     }
     sum = light * (sum + molecular);
 
-    // What the surface reflects of it; a grey one evenly over its hemisphere.
+    // The surface reflects sunlight; a grey one evenly over its hemisphere.
     const double sun_reflected =
         is_grey ? reflectance * std::max(0.0, -direction.z) * std::numbers::inv_pi * sun[b] : 0;
     sky *= weather.overshoot;

@@ -69,7 +69,7 @@ InSight in_sight(const WeatherSpec& spec, const AirProfile& profile, double sens
   return middle.path.ok() ? middle : top;
 }
 
-// Of the target's places, as the profile counts; 0: none is stated.
+// Returns the highest of the target's places, as the profile counts; 0: none is stated.
 double highest_m(const SensorLine& line, double reference_m) {
   double out = 0;
   for (const SensorLine::End& end : line.end) {

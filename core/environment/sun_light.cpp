@@ -18,8 +18,8 @@ namespace {
 // averaged.
 constexpr int kHatSines = 4, kHatAzimuths = 6;
 
-// What is looked at of a cell, at a band of each quarter of a micrometre, errs by so much less than
-// what may be found between.
+// Errors found in a cell, at a band of each quarter of a micrometre, are by so much less than those
+// that may be found between.
 constexpr double kBetweenLooks = 1.5;
 constexpr double kSomeSunlight = 0.1;
 
@@ -379,7 +379,7 @@ double SunLight::diffuse_per_sr() const {
                  : 0;
 }
 
-// In some bands.
+// Finds the errors in some bands.
 void SunLight::find_node_errors(Sky& out, std::span<const std::size_t> bands) const {
   constexpr int kSteps = 4;
   const std::vector<AirSpectrum>& sky = out.node;
@@ -412,8 +412,8 @@ void SunLight::find_node_errors(Sky& out, std::span<const std::size_t> bands) co
     }
 }
 
-// In the three quarters of a micrometre where scattered sunlight has the largest part, each by one
-// band.
+// Finds the errors in the three quarters of a micrometre where scattered sunlight has the largest
+// part, each by one band.
 void SunLight::find_errors(Sky& out) const {
   const std::vector<AirSpectrum>& sky = out.node;
   out.interpolation = weather_.sky_interpolation;

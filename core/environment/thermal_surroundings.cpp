@@ -44,8 +44,8 @@ struct Gathered {
   [[nodiscard]] double mean_cosine() const { return cosine / share; }
 };
 
-// What a line of slopes against wind that goes on above kMostSlopeWindMS would change of what a
-// rough sea emits, relative, for each m/s: by the integral over slopes 0.6 % at 1 deg of elevation,
+// Returns the relative change of a rough sea's emission if the line of slopes against wind went on
+// above kMostSlopeWindMS, for each m/s: by the integral over slopes 0.6 % at 1 deg of elevation,
 // 0.3 % at 10 deg, 0.1 % at 20 deg, from 22 to 40 m/s at 10 um.
 double held_slopes_relative(double wind_m_s, double sine) {
   constexpr double kPerMS = 0.007, kGoneAtSine = 0.423;
@@ -274,7 +274,7 @@ GroundBelow ThermalSurroundings::ground() const {
   GroundBelow out{surface_planck, AirSpectrum(kAirBandCount, 1 - spec_.emissivity)};
   if (spec_.kind == SurfaceBoundary::Kind::kRoughSea ||
       spec_.kind == SurfaceBoundary::Kind::kFlatSea) {
-    // Of diffuse light, about that of a ray 53 deg from the vertical.
+    // Diffuse light has about the reflectance of a ray 53 deg from the vertical.
     constexpr double kDiffuseCosine = 0.6;
     out.reflectance.assign(kAirBandCount, 0.0);
     reflect(out.reflectance, kDiffuseCosine);

@@ -41,7 +41,7 @@ struct ViewLight::Solar {
 
   [[nodiscard]] AirSpectrum irradiance() const {
     AirSpectrum out = leg.imported ? sun.irradiance : sun.outside;
-    // Of the whole disk.
+    // The irradiance is that of the whole disk.
     const double share = leg.imported ? 1 : sun.visible;
     for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] *= near_end[b] / share;
     return out;
@@ -351,7 +351,7 @@ void ViewLight::add_land(ViewEnvironment& out, const SunLight* sun, const SunLig
   }
 }
 
-// What is imported holds for one place: the others differ from it as the embedded model has it.
+// An imported path holds for one place: the others differ from it as in the embedded model.
 void ViewLight::add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun) {
   if (end_.empty()) return;
   const auto emitted = [&](const SensorPath& leg, std::size_t b) {
@@ -519,7 +519,7 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
   const AirSpectrum dark(kAirBandCount, 0.0);
   Behind out{dark, dark, dark, dark};
   std::vector<double> sine;
-  // Of the rings those that meet the surface.
+  // Take the rings that meet the surface.
   const std::size_t first = light_.limb_rings();
   for (std::size_t r = first; r < light_.lower.size(); ++r)
     sine.push_back(light_.lower[r].sin_elevation);

@@ -111,7 +111,8 @@ WeatherBounds::WeatherBounds(const WeatherSpec& spec, const Atmosphere& atmosphe
       atmosphere.amounts(look(profile, height_m, 0, kInfinity, spec.refraction));
   scattering_up = scattering_optical_depth(up);
   molecular = up.grey(GreyAbsorber::kMolecularScattering);
-  // What a target in the air sees between the horizontal and the horizon has passed lower air.
+  // Light that a target in the air sees between the horizontal and the horizon has passed lower
+  // air.
   if (spec.above_surface_m > 0) {
     molecular = atmosphere.amounts(look(profile, bottom_m, 0, kInfinity, spec.refraction))
                     .grey(GreyAbsorber::kMolecularScattering);

@@ -34,7 +34,7 @@ double kelvin_of(double value, TemperatureUnit unit) {
 
 bool is_plausible(double kelvin) { return kelvin >= kColdestFieldK && kelvin <= kHottestFieldK; }
 
-// What a value that is beyond all temperatures may have been meant as.
+// Returns the unit in which a value beyond all temperatures would be one; empty if there is none.
 std::string perhaps(double value, TemperatureUnit unit) {
   for (const auto& [other, name] : {std::pair{TemperatureUnit::kKelvin, "K"},
                                     {TemperatureUnit::kCelsius, "degC"},

@@ -116,8 +116,8 @@ class OwnBands {
   std::vector<double> decay_;
 };
 
-// What a layer's water takes from each band where it is thin, and how its absorption is spread over
-// the band's wavenumbers: a curve of LorenzCurves, from the lines' density of narrow_band.h.
+// Absorption of a layer's water in each band where it is thin, and its spread over the band's
+// wavenumbers: a curve of LorenzCurves, from the lines' density of narrow_band.h.
 class WaterShapes {
  public:
   explicit WaterShapes(GasBands bands) {
@@ -370,7 +370,7 @@ GasThroughAir GasPath::through(const ForegroundAir& air) const {
     for (std::size_t b = 0; b < n; ++b) {
       whole_from[b] = air.others_[b] * from[b];
       whole_by[b] = air.others_[b] * by[b];
-      // Without soot: as the error was compared.
+      // The error was compared without soot.
       rest_from[b] = soot[b] > 0 ? whole_from[b] / soot[b] : 0;
       joint_through[b] = 1;
     }

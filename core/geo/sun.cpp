@@ -85,10 +85,11 @@ absl::StatusOr<SunPosition> sun_position(const UtcTime& utc, double latitude_deg
         absl::StrCat("time ", format_rfc3339_utc(utc), " is outside the range of ERFA"));
   }
 
-  // From the observer to where the sun's centre was when the light left it. place.eh points from
-  // its present place to the observer, place.em is their distance in au. (Within a light time, 8
-  // minutes, the sun moves by 7 km around the solar system's centre of mass: 3e-6 deg.) Aberration
-  // and the rotation to the horizon follow; the sun does not deflect the light of its own centre.
+  // The vector goes from the observer to the place of the sun's centre when the light left it.
+  // place.eh points from the centre's present place to the observer, place.em is their distance in
+  // au. (Within a light time, 8 minutes, the sun moves by 7 km around the solar system's centre of
+  // mass: 3e-6 deg.) Aberration and the rotation to the horizon follow; the sun does not deflect
+  // the light of its own centre.
   const auto sun_au_day = sun_velocity(date1, date2);
   const double light_time_day = place.em * kAstronomicalUnitM / kLightSpeedMS / kDayS;
   double towards_sun[3];

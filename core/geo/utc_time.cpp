@@ -34,7 +34,7 @@ class Reader {
     return value;
   }
 
-  // One of the characters; 0 if none.
+  // Returns the next character if it is one of these; 0 if not.
   char any_of(std::string_view characters) {
     if (text_.empty() || characters.find(text_.front()) == std::string_view::npos) return 0;
     const char c = text_.front();
@@ -91,7 +91,8 @@ void shift_day(UtcTime& time, int by) {
   }
 }
 
-// Whether ERFA's table has a leap second at the end of this day; for a time of 23:59:60 or later.
+// Returns true if ERFA's table has a leap second at the end of this day. For times of 23:59:60 and
+// later.
 bool is_leap_second(const UtcTime& utc) {
   double date1 = 0.0;
   double date2 = 0.0;
@@ -118,7 +119,7 @@ absl::StatusOr<UtcTime> parse_rfc3339(std::string_view text) {
   if (!hour || !in.any_of(":")) return refuse(text, kExpected);
   const auto minute = in.digits(2);
   if (!minute) return refuse(text, kExpected);
-  // Without seconds, as ISO 8601 has it.
+  // ISO 8601 allows a time without seconds.
   const auto second = in.any_of(":") ? in.seconds() : std::optional<double>(0);
   if (!second) return refuse(text, kExpected);
   if (in.at_end()) return refuse(text, absl::StrCat("it has no offset; ", kExpected));

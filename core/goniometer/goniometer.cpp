@@ -33,7 +33,7 @@ Vec<Body> direction(double zenith_deg, double azimuth_deg) {
   return {std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)};
 }
 
-// What every view shares.
+// Data that all views share.
 struct Bench {
   const GoniometerSpec& spec;
   const Target& target;
@@ -162,7 +162,7 @@ absl::Status check(const GoniometerScene& scene, const GoniometerSpec& spec) {
   return absl::OkStatus();
 }
 
-// Where the fields of view lie on the reference plane, against the mesh's extent.
+// Compares the fields of view on the reference plane with the mesh's extent.
 absl::Status check_border(const Bench& bench, const Mesh& mesh, GoniometerResult& result) {
   Vec<Body> low = mesh.vertex.front(), high = low;
   for (const Vec<Body>& v : mesh.vertex) {
@@ -277,7 +277,7 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
   }
   RETURN_IF_ERROR(check_border(bench, scene.mesh, out));
 
-  // One job for each view that is different from the others.
+  // Each view that is different from the others is a job.
   struct Job {
     std::size_t zenith, azimuth;
   };

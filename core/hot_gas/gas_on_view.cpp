@@ -8,10 +8,10 @@
 namespace irsig {
 namespace {
 
-// Of the classes' products with each other, relative to their mean square: keeps shares of columns
-// that are nearly sums of one another from growing with opposite signs. A sphere before a wall of
-// its temperature leaves 0.5 % at 3-5 um with 1e-4 to 1e-10, and at 8-12 um 0.1 % with 1e-4, 0.06 %
-// with less; shares that must not be negative leave 1.5 % there.
+// Ridge of the fit, relative to the mean square of the classes' products with each other. It keeps
+// shares of columns that are nearly sums of one another from growing with opposite signs. A sphere
+// before a wall of its temperature leaves 0.5 % at 3-5 um with 1e-4 to 1e-10, and at 8-12 um 0.1 %
+// with 1e-4, 0.06 % with less; shares that must not be negative leave 1.5 % there.
 constexpr double kRidge = 1e-5;
 
 }  // namespace

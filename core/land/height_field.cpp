@@ -154,7 +154,7 @@ std::optional<double> HeightField::z_m(double x_m, double y_m) const {
 
 namespace {
 
-// What a hit states of its triangle.
+// Returns the hit with its place in its triangle, and the normal.
 LandHit described(const HeightTile& tile, const Crossing& at, Vec<Enu> point_m) {
   LandHit out{.distance = at.t,
               .inset = at.inset,

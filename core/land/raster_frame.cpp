@@ -23,7 +23,7 @@ RasterFrame::RasterFrame(const HeightRaster& raster, const GeodeticPosition& ori
       rows_(raster.rows),
       longitude_deg_(origin.longitude_deg) {
   const double middle = raster.x0 + 0.5 * (raster.columns - 1) * raster.x_step;
-  // Of the origin's longitudes, the one nearest to the raster's middle.
+  // The origin's longitude is taken within 180 degrees of the raster's middle.
   raster_longitude_deg_ = middle + std::remainder(origin.longitude_deg - middle, 360.0);
 }
 

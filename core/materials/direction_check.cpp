@@ -125,8 +125,8 @@ DirectionCheck check_directions(const Material& drawn_from, const Material& stat
     e += expected[i];
     c += counted[i];
     if (e < 10 && i + 1 < expected.size()) continue;
-    // What is left at the end and too little joins the last test's slack: its expectation is below
-    // 10 only if all the rest is.
+    // A last bin with too small an expectation joins the slack of the last test: its expectation is
+    // below 10 only if all the rest is.
     if (e < 10 && bins > 0) {
       statistic += (c - e) * (c - e) / std::max(e, 10.0);
       break;

@@ -336,7 +336,7 @@ Material::Sampled Material::model_sample(float cos_o, float u_lobe, float u, flo
   if (!(d.density_per_sr > 0) || out.z <= 0) return out;
   out.at = {static_cast<float>(d.at.cos_i), cos_o, static_cast<float>(d.at.cos_h),
             static_cast<float>(d.at.sin2_h), static_cast<float>(d.at.cos_d)};
-  // What multiplies the BRDF; with it where that is one number.
+  // The factor multiplies the BRDF; where the BRDF is one number, the weight contains it.
   const double factor = d.at.cos_i / d.density_per_sr;
   out.weight = static_cast<float>(factor);
   if (grey_) {

@@ -21,7 +21,7 @@ constexpr std::uint32_t kDirections = 1u << 15;  // chi-square, per angle
 constexpr std::uint32_t kPoints = 1u << 11, kReplicates = 16;
 
 float cos_deg(double theta_deg) {
-  // Not cos(x): at 90 deg - 1e-6 deg that keeps two digits in float.
+  // cos(x) would keep two digits in float at 90 deg - 1e-6 deg.
   return static_cast<float>(std::sin((90 - theta_deg) * std::numbers::pi / 180));
 }
 

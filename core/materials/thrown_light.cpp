@@ -29,7 +29,7 @@ ThrownLight::ThrownLight(const Material& material) {
     double all = 0;
     for (int n = 0; n < kThrown; ++n) {
       const double turn = 2 * std::numbers::pi * lattice(n, 1 / (kRoot * kRoot * kRoot));
-      // By reciprocity a direction for light: of a path the other way.
+      // By reciprocity a direction of a path stands for light the other way.
       const Material::Sampled to =
           material.sample(static_cast<float>(cos_i), static_cast<float>(lattice(n, 1 / kRoot)),
                           static_cast<float>(lattice(n, 1 / (kRoot * kRoot))),

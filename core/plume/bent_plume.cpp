@@ -123,7 +123,7 @@ absl::StatusOr<std::vector<PlumeStation>> bent_plume(const PlumeExit& exit, cons
   State y = model.start();
   std::vector<PlumeStation> out{model.station(y, 0)};
   for (double s = 0; s < length_m;) {
-    // What is left is not a step of a rounding error.
+    // The last step is not a rounding error.
     double h = step_fraction * out.back().radius_m;
     if (s + 1.5 * h >= length_m) h = length_m - s;
     y = step(model, y, h);

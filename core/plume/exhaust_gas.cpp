@@ -20,7 +20,7 @@ absl::StatusOr<ExhaustGas> exhaust_gas(const ExhaustSpec& spec, double temperatu
     return refuse("soot", spec.soot_g_per_kg, "0 to 100 g/kg");
   constexpr double kCarbonKgMol = 12.011e-3, kHydrogenKgMol = 1.008e-3, kSootKgM3 = 1800;
   constexpr double kOxygenInAir = 0.2095;
-  // Of one mole of carbon in the fuel.
+  // Amounts are per mole of carbon in the fuel.
   const double fuel_kg = kCarbonKgMol + spec.hydrogen_per_carbon * kHydrogenKgMol;
   const double soot_kg = 1e-3 * spec.soot_g_per_kg * fuel_kg, soot_mol = soot_kg / kCarbonKgMol;
   const double co2 = 1 - spec.carbon_as_co - soot_mol;

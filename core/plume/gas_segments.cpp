@@ -8,7 +8,7 @@
 namespace irsig {
 namespace {
 
-// How much finer a step is where its temperature may rise and fall.
+// Factor by which a step is finer where its temperature may rise and fall.
 constexpr double kRisesAndFalls = 4;
 
 }  // namespace
@@ -69,7 +69,8 @@ TemperatureCourse course_of(const GasSegment& s) {
   TemperatureCourse out;
   out.is_flat = s.temperature_spread_k < kFlat * s.temperature_k;
   if (out.is_flat) return out;
-  // Of a straight line 1; of a jump with shares p and 1 - p before and behind it 3 p (1 - p).
+  // The ratio is 1 for a straight line, and 3 p (1 - p) for a jump with shares p and 1 - p before
+  // and behind it.
   const double straight = std::min(1.0, change * change / (12 * variance));
   if (straight >= kMiddle) {
     out.half_step_k = change * (2 + (straight - kMiddle) / (1 - kMiddle)) / 6;

@@ -94,7 +94,7 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
     return absl::InvalidArgumentError(
         fmt::format("voxel_m {:g}, expected 1e-6 to 1e4", plume.voxel_m));
   ASSIGN_OR_RETURN(const Extent half, extent_of(plume));
-  // As a field of it would be refused.
+  // Refuse what a field would be refused for.
   PlumeGrids said;
   said.temperature = {"", plume.temperature_k, "K"};
   said.pressure = {"", plume.pressure_pa, "Pa"};

@@ -21,7 +21,7 @@ void add(const GasSums& voxel, double times, GasSums& sum) {
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) sum.amount[s] += times * voxel.amount[s];
 }
 
-// Of sums over eight voxels, the empty ones among them.
+// Returns the values of sums over eight voxels, the empty ones among them.
 Values values_of(const GasSums& eight) {
   const double temperature_k = eight.weight_temperature / eight.weight;
   double pressure_pa = eight.weight_pressure / eight.weight;

@@ -29,7 +29,7 @@ struct Span {
   double start, end;
 };
 
-// Of the box [low, high + 1] of cells; empty where start >= end.
+// Returns the span in the box [low, high + 1] of cells; empty where start >= end.
 Span inside(const LatticeRay& ray, const Cell& low, const Cell& high, Span span) {
   for (std::size_t a = 0; a < 3; ++a) {
     const double l = low[a], h = static_cast<double>(high[a]) + 1;

@@ -14,9 +14,9 @@ Vec<Body> between(const std::vector<Vec<Body>>& vertex, const CutVertex& v) {
   return (1 - v.share) * vertex[v.from] + v.share * vertex[v.to];
 }
 
-// One round: cuts each edge once where `fraction_of` says so, a share in (0, 1) of the way from its
-// higher vertex to its lower one, so that it is the same whichever facet asks, also where a file
-// has a vertex twice; else 0. Whether any was.
+// Makes one round: cuts each edge once where `fraction_of` returns a fraction in (0, 1), else not.
+// The fraction counts from the edge's higher vertex to its lower one, so that it is the same
+// whichever facet asks, also where a file has a vertex twice. Returns true if any edge was cut.
 template <typename ShareOf>
 bool cut_once(const ShareOf& fraction_of, Mesh& mesh, std::vector<CutVertex>& made) {
   absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cut_of;

@@ -128,7 +128,8 @@ BrightFacets choose_bright(const Target& target, const AimedView& view,
   const Grouping grouping(target, view.frame);
   std::vector<Group> groups;
   {
-    // Of different parts one may be much brighter than the other: apart, if there are few.
+    // One of several parts may be much brighter than the others: they stand apart, if there are
+    // few.
     std::vector<std::vector<std::uint32_t>> of_part(target.part.size());
     for (const std::uint32_t f : chosen) of_part[target.facet[f].part].push_back(f);
     std::erase_if(of_part, [](const auto& part) { return part.empty(); });

@@ -57,7 +57,7 @@ double hottest_k(const ConditionSpec& condition) {
                            condition.part_temperature_k.end());
 }
 
-// What the target's materials can do with light that comes from anywhere.
+// Limits of the target's materials for light that comes from anywhere.
 struct SurfaceLimits {
   double gathered = 1;     // light on a facet, that from other facets included / from outside
   double matt_per_sr = 0;  // the largest DHR / pi
@@ -119,7 +119,7 @@ bool dark(const std::vector<double>& spectrum) {
   return std::all_of(spectrum.begin(), spectrum.end(), [](double x) { return x == 0; });
 }
 
-// What nothing in the scene causes; all other bounds are unknown.
+// Returns bounds of 0 for effects that nothing in the scene causes; all other bounds are unknown.
 RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request, std::size_t c) {
   RowBounds row;
   for (const EffectInfo& e : effect_table())

@@ -355,7 +355,7 @@ double GasMeasurement::luck_relative(std::size_t which_band) const {
       square += off * off;
     }
   }
-  // Of the mean of both sets.
+  // The error is that of the mean of both sets.
   return all > 0 ? std::sqrt(square) / all : 0;
 }
 
@@ -433,7 +433,7 @@ absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
 
 std::uint64_t GasMeasurement::most_samples() const {
   const std::uint64_t most = request_.accuracy.max_samples_per_replicate;
-  // Of what the hull reflects no more than of all else that it does.
+  // Light that the hull reflects of the gas gets no more samples than its other reflected light.
   return on_hull_ ? std::min(most, std::max(pilots_.second, plan_.samples_per_replicate)) : most;
 }
 
@@ -456,7 +456,7 @@ std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr)
   };
   const double goal = kShareOfGoal * accuracy.relative_error, second = scatter(weights_);
   const std::uint64_t limit = most_samples();
-  // How fast the scatter falls with the samples is not asked where that changes nothing.
+  // The fall of the scatter with the samples is not computed where it changes nothing.
   std::uint64_t out = std::min(pilots_.second, limit);
   if (limit > pilots_.second &&
       samples_needed(pilots_.first, second, pilots_.second, second, goal, limit) > pilots_.second)

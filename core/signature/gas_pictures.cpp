@@ -67,7 +67,8 @@ void GasMeasurement::show_emission(std::vector<double> tests, const std::vector<
   }
   std::copy(tests.begin(), tests.end(),
             plan.gas.begin() + static_cast<std::ptrdiff_t>(image * gas_->measures()));
-  // Of single rays: what test gases say of the nodes' columns, which are real rays of the view.
+  // Error of single rays: the test gases' sums against the nodes' columns, which are real rays of
+  // the view.
   double squares = 0, off = 0;
   for (std::size_t set = 0; set < nodes_.size(); ++set)
     for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {

@@ -17,7 +17,7 @@ namespace {
 
 using Change = GasRow::Change;
 
-// Of what a pilot knows of what is left out.
+// Sigmas of a pilot's estimate that a bound of left-out light adds.
 constexpr double kGasSigmas = 4;
 
 void add_change(const Change& more, Change& to) {
@@ -37,7 +37,7 @@ void add_on_hull(const GasRow& more, GasRow& to) {
   to.lines_w_sr += more.lines_w_sr;
   to.source_model_error_w_sr += more.source_model_error_w_sr;
   to.model_error_w_sr += more.model_error_w_sr;
-  // As much of what is reflected as of what is seen.
+  // Reflected and seen light have equal relative errors.
   if (to.emitted_w_sr > 0) to.voxel_error_w_sr *= 1 + more.emitted_w_sr / to.emitted_w_sr;
   if (to.apparent_emitted_w_sr > 0)
     to.apparent_voxel_error_w_sr *= 1 + more.apparent_emitted_w_sr / to.apparent_emitted_w_sr;
@@ -50,7 +50,7 @@ void add_bound(const RowBounds::Bound& more, RowBounds::Bound& to) {
   to.contrast += more.contrast;
 }
 
-// What leaving a measured row out can change: with few rays as with many.
+// Returns the largest change by leaving a measured row out, with few rays as with many.
 RowBounds::Bound limit_of(const GasRow& row) {
   const auto most = [](const Change& c) {
     return std::abs(c.in_band.value) + kGasSigmas * c.in_band.stderr_ + c.bound_w_sr;
@@ -98,7 +98,7 @@ class GasOfField {
   absl::StatusOr<std::vector<GasRow>> rows(std::size_t which) {
     const std::uint32_t condition = request_.selected_condition[condition_[which]];
     ASSIGN_OR_RETURN(auto seen, rows_of(seen_ ? &in_sight_ : nullptr, which));
-    // Of few rays, and of as many as are wanted; made when they are asked for.
+    // Rows of few rays, and of as many as are wanted, are made when they are asked for.
     std::optional<std::vector<GasRow>> few, all;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const std::uint32_t band = request_.selected_band[i];
@@ -140,7 +140,7 @@ class GasOfField {
       RowBounds::Bound plume = limit_of(row), lines{false, 0, row.lines_w_sr, row.lines_w_sr};
       const bool product = request_.effects.without(Effect::kHotLineCorrelation) && !without_;
       if (without_) {
-        // What was measured says only what it could have been.
+        // The measured row only bounds the light that is left out.
         add_bound(left_out, plume);
         const GasRow measured = std::exchange(row, nothing_of(bins(band)));
         row.rays = measured.rays;
@@ -190,7 +190,7 @@ class GasOfField {
     ASSIGN_OR_RETURN(rows, gas.rows(which));
     return absl::OkStatus();
   }
-  // Of gas that no reflected ray has met: as hot and black as it may be.
+  // Returns the bound for gas that no reflected ray has met: as hot and black as it may be.
   [[nodiscard]] RowBounds::Bound unmet(std::uint32_t band) const {
     if (met_) return {};
     const BandGrid& grid = scene_.axis.band(band).grid;

@@ -13,7 +13,7 @@ namespace {
 
 using Change = GasRow::Change;
 
-// What may be left of steps that were extrapolated, of the extrapolation.
+// Fraction of the extrapolation that may be left after steps were extrapolated.
 constexpr double kOfSteps = 0.25;
 
 }  // namespace
@@ -236,7 +236,7 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   if (on_hull_) {
     out.contrast = out.apparent;
   } else {
-    // Of what is beyond the contrast is all that there is, and negative.
+    // Beyond the target the contrast has all of this light, with the negative sign.
     const Taken beyond = taken_by(sensor.classes, stored, classes, &RowTally::contrast_spectrum,
                                   &RowTally::contrast, -1, through, band);
     out.contrast = change(

@@ -19,7 +19,7 @@ std::vector<std::size_t> shining(const LandBackground& land, const ConditionSour
   return out;
 }
 
-// Of the window, by the land's materials.
+// Returns the fractions of the window by the land's materials.
 std::vector<double> material_fractions(const ClutterField& field,
                                        const std::vector<SourceId>& source,
                                        const SourceLayout& layout, const Land& land) {

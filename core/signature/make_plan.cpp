@@ -21,7 +21,8 @@
 namespace irsig {
 namespace {
 
-// How much of the room for omissions later reflections may take: little, since they cost little.
+// Fraction of the room for omissions that later reflections may take: little, since they cost
+// little.
 constexpr double kOfLaterReflections = 0.25;
 
 // Samples per replicate of the pilot of the emission alone. What none of them may have met is to be
@@ -82,7 +83,7 @@ void carry_out(const EffectPlanner& planner, const ViewRequest& request, const T
   if (request.max_reflections == 0) without_allowed_reflections(plan.ledger);
 }
 
-// Of the silhouette, surely seen from behind.
+// Returns the fraction of the silhouette that is surely seen from behind.
 double backface_fraction_at_least(const MeasuredView& pilot) {
   const double share = backface_fraction(pilot);
   const PathCounts& counts = pilot.totals.counts;
@@ -127,17 +128,17 @@ std::vector<double> errors_of(const MeasuredView& pilot) {
   return out;
 }
 
-// Whether what a pilot cannot have met is small against the errors that are wanted: a scatter of 0
-// proves nothing where all that shines is a hot spot round the corner.
+// Returns true if the light that a pilot cannot have met is small against the errors that are
+// wanted: a scatter of 0 proves nothing where all that shines is a hot spot round the corner.
 bool saw_enough(const MeasuredView& pilot, std::uint64_t n) {
   for (const Row& row : pilot.row)
     if (undersampling_error_w_sr(pilot.setup, row, n) > goal_w_sr(pilot, row)) return false;
   return true;
 }
 
-// From this many samples per replicate on it is worth while to look for what may be rare and
-// bright: the frigate at 0.2 % takes 1024 to 2816, a plate of 16 m2 with a mirror of 5 cm 150 000
-// at 1 %. The first pilot overrates what is needed, and so has to ask for more.
+// Samples per replicate from which on it is worth while to look for what may be rare and bright:
+// the frigate at 0.2 % takes 1024 to 2816, a plate of 16 m2 with a mirror of 5 cm 150 000 at 1 %.
+// The first pilot overrates the need, and so has to ask for more.
 constexpr std::uint64_t kRareSamples = 4096, kRareFromFirst = 16384;
 // And what is found is aimed at if a pilot then asks for so many times fewer rays.
 constexpr double kWorthAiming = 4;
@@ -232,8 +233,8 @@ absl::Status count_target_paths(MeasuredView& pilot, const AccuracySpec& accurac
   return absl::OkStatus();
 }
 
-// What reading the air's lines at fewer rings can change in each row: `relative` of what is
-// reflected of sky and sea, with the sun in them.
+// Returns the largest change of each row by reading the air's lines at fewer rings: `relative` of
+// the reflected light of sky and sea, with the sun in them.
 template <typename Relative>
 std::vector<RowBounds::Bound> fewer_lines_bounds(const std::vector<RowBounds>& rows,
                                                  std::size_t bands, const Relative& relative) {
@@ -257,8 +258,8 @@ bool fewer_lines_may_fit(const std::vector<RowBounds>& rows, std::size_t bands,
   return planner.take_room(fewer_lines_bounds(rows, bands, [](std::size_t) { return 0.03; }));
 }
 
-// Whether anything that costs much could be left out if the pilot of the emission came out at its
-// best.
+// Returns true if anything that costs much could be left out if the pilot of the emission came out
+// at its best.
 bool worth_a_pilot(const std::vector<RowBounds>& best_case, std::size_t bands,
                    const ViewRequest& request) {
   EffectPlanner planner(best_case, bands, request.effects);
@@ -423,7 +424,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   plan.samples_per_replicate = accuracy.samples_per_replicate;
   if (goal) plan.absolute_floor_w_m2_sr = absolute_floors(scene, request, surroundings);
 
-  // What is left out follows from a pilot of the emission alone, unless nothing could be.
+  // A pilot of the emission alone decides what is left out, unless nothing could be.
   const std::uint64_t emission_size = emission_samples(accuracy.relative_error);
   std::optional<MeasuredView> emission;
   std::shared_ptr<const PreparedView> emission_view;

@@ -16,7 +16,7 @@
 namespace irsig {
 namespace {
 
-// What is stored of the air between target and sensor, and the models' errors.
+// Adds the stored values of the air between target and sensor, and the models' errors.
 void add_path(const Row& row, SignatureResult& r) {
   const ViewEnvironment& e = row.light->environment();
   const BandGrid& grid = row.on_axis.grid;
@@ -78,7 +78,7 @@ void add_path(const Row& row, SignatureResult& r) {
   r.contrast_model_error_w_sr = std::hypot(r.contrast_model_error_w_sr, choice.contrast);
 }
 
-// What of the intensity each effect was measured to be, where the causes tell.
+// Adds the measured part of each effect in the intensity, where the causes tell it.
 void add_shares(SignatureResult& r) {
   for (LedgerEntry& e : r.effect) {
     if (e.state != EffectState::kOn) continue;
@@ -107,7 +107,7 @@ void add_shares(SignatureResult& r) {
   }
 }
 
-// From counts of rays and the table's figures for the air; of the whole view.
+// Estimates the cost of the whole view from counts of rays and the table's figures for the air.
 void estimate_times(const PathCounts& counts, double reflected_fraction, bool atmosphere,
                     std::vector<LedgerEntry>& ledger) {
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };

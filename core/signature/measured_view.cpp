@@ -11,7 +11,7 @@
 namespace irsig {
 namespace {
 
-// Of the error that is wanted: light that is bounded by less is not worth rays of its own.
+// Fraction of the wanted error: light that is bounded by less is not worth rays of its own.
 constexpr double kBoundedOfFacets = 0.1;
 
 // Returns the leading modes of the errors of the three intensities' spectra.
@@ -28,7 +28,7 @@ std::array<SpectralSet, kIntensities> modes_of(std::span<const RowTally> tally) 
   return out;
 }
 
-// By reciprocity: where light that the sensor would send out ends, for each band.
+// Finds for each band where light that the sensor would send out ends, by reciprocity.
 std::vector<EnergyLedger> energy_of(const ViewSetup& setup, std::span<const PathWeights> weights,
                                     std::span<const SummedWeights> sums) {
   std::vector<EnergyLedger> out;
@@ -255,7 +255,7 @@ std::vector<FacetBrightness> facet_brightness(const MeasuredView& view) {
   if (effects.max_reflections == 0) return {};
   const UndersampledSources& from = *setup.undersampled;
   const std::vector<SunDirection>& suns = setup.sources.geometry().sun;
-  // Of each sun and each set of parts: the most of any row, per error that is wanted.
+  // For each sun and each set of parts, the most of any row, per error that is wanted.
   std::vector<double> of_sun(suns.size(), 0.0), of_parts(from.parts_above().size(), 0.0);
   for (const Row& row : view.row) {
     const double wanted = stderr_wanted_w_sr(view, row);

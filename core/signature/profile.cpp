@@ -23,7 +23,7 @@ std::uint64_t hash_of(std::uint64_t state, std::initializer_list<double> values)
   return state;
 }
 
-// What a unit weight of each source is worth in one band: [source] grey, [source][node] else.
+// Radiance of a unit weight of each source in one band: [source] grey, [source][node] else.
 struct PointTable {
   std::vector<double> source, apparent;
   double path_w_m2_sr = 0;  // what the air adds to a footprint
@@ -55,7 +55,7 @@ class LineShading {
   }
 
   [[nodiscard]] const ViewSources& sources() const { return sources_; }
-  // Of a table, for one source.
+  // Returns the number of a table's columns for one source.
   [[nodiscard]] std::size_t columns() const { return columns_; }
   [[nodiscard]] const ConditionSources& light(std::size_t row) const {
     return sources_.wanted(row / bands_);
@@ -197,8 +197,9 @@ class PointMeasurement {
     }
   }
 
-  // What is still on its way after N reflections has not been emitted or met the sky before: with
-  // emissivity + DHR = 1, all that later orders bring, and what is left after the last.
+  // Adds the light that is still on its way after N reflections, and has not been emitted or met
+  // the sky before: with emissivity + DHR = 1, all that later orders bring, and the rest after the
+  // last.
   void add_beyond(const PathWeights& weights, const PathTracer& tracer,
                   std::vector<double>& beyond) const {
     const std::size_t nodes = tracer.nodes();
@@ -225,9 +226,9 @@ class PointMeasurement {
   std::uint64_t seed_ = 0;
 };
 
-// What no sample of a footprint may have met: as if two of all of them had met the brightest there
-// is, or nothing, in the place of the mean. Scatter alone is 0 where all samples fall on one side
-// of an edge that cuts the footprint's rim.
+// Returns the error by light that no sample of a footprint may have met: as if two of all samples
+// had met the brightest there is, or nothing, in place of the mean. Scatter alone is 0 where all
+// samples fall on one side of an edge that cuts the footprint's rim.
 double undersampling_stderr(const PointTable& table, double radiance, double samples) {
   return 2 / samples * std::max(table.brightest_w_m2_sr - radiance, radiance);
 }

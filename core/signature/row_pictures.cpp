@@ -203,8 +203,8 @@ class RowPictures {
       const double over = error_over_goal();
       const std::uint32_t most = request_.image->most_samples;
       if (!(over > 1) || std::uint64_t{samples} * window_.squares() >= most) return;
-      // By no more than what costs a third again if it is still too few: errors of few samples are
-      // themselves uncertain, and fall faster on edges.
+      // The count grows by no more than what costs a third again if it is still too few: errors of
+      // few samples are themselves uncertain, and fall faster on edges.
       const double wanted = std::min(
           {samples * over * over, 4.0 * samples, static_cast<double>(most) / window_.squares()});
       while (samples < wanted) samples *= 2;
@@ -297,7 +297,7 @@ class RowPictures {
     return out;
   }
 
-  // Of the in-band radiance of a blackbody that is as bright. [W/(m2 sr K)]
+  // Returns the change of the in-band radiance of a blackbody that is as bright. [W/(m2 sr K)]
   [[nodiscard]] double change_per_k(std::size_t row, double radiance_w_m2_sr) const {
     const Row& of = view_.row[row];
     const BandGrid& grid = of.on_axis.grid;
@@ -335,7 +335,7 @@ class RowPictures {
     }
   }
 
-  // What of a rectangle lies beside another, as rectangles.
+  // Returns the part of a rectangle beside another, as rectangles.
   static std::vector<PlaneRectangle> outside(const PlaneRectangle& of,
                                              const PlaneRectangle& frame) {
     std::vector<PlaneRectangle> out;

@@ -155,7 +155,7 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
     IRSIG_CHECK(which < blackbody_.size());
     return light(emitted_[blackbody_[which]], emitted_apparent_[blackbody_[which]]);
   };
-  // Which of those that shine; another condition's: behind the last.
+  // Index among the suns that shine; a sun of another condition is behind the last.
   const auto lit = static_cast<std::size_t>(
       std::find_if(sun_.begin(), sun_.end(),
                    [&](const LitSun& sun) { return sun.index == at.index; }) -

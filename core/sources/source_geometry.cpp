@@ -26,7 +26,7 @@ bool hidden_by(const Plane& plane, Vec<Body> point, Vec<Body> sensor) {
   const double up = -towards.z / range_m + plane.lift_rad;
   const double b = (point.x * towards.x + point.y * towards.y) / range_m + (radius + h) * up;
   const double c = point.x * point.x + point.y * point.y + 2 * radius * h + h * h;
-  // Where the line enters the sphere; behind the sensor it may well do so.
+  // Distance at which the line enters the sphere; it may lie behind the sensor.
   return b < 0 && b * b > c && c / (-b + std::sqrt(b * b - c)) < range_m;
 }
 

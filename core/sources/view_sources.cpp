@@ -41,7 +41,7 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
   }
   geometry_.boundary = boundary_of(request.condition.front(), request.surface_z_m + lowest_m,
                                    horizon ? &*horizon : nullptr);
-  // Of several heights none hides anything (check_in_sight).
+  // With targets at several heights the Earth hides nothing (check_in_sight).
   if (lowest_m < highest_m) {
     if (Plane* plane = std::get_if<Sea>(&geometry_.boundary)) plane->earth_radius_m = 0;
     if (Plane* plane = std::get_if<Ground>(&geometry_.boundary)) plane->earth_radius_m = 0;
@@ -56,7 +56,7 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     geometry_.around_horizon_z = sine_of_dip(lowest_m);
   }
   if (request.contrast) geometry_.behind = environments_->behind;
-  // Of conditions whose suns stand at the same place the paths are the same.
+  // Conditions whose suns stand at the same place share paths.
   const auto place_of = [this](const SunDirection& sun) {
     std::vector<SunDirection>& suns = geometry_.sun;
     const auto same = std::find(suns.begin(), suns.end(), sun);
@@ -80,7 +80,7 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
                      condition.above_surface_m > 0 ? condition.sun_horizon_z : 0}),
            effects.sun[c].direct, environment.sun, environment.sun_apparent});
   }
-  // Of all conditions, so that no bit depends on which are wanted.
+  // Extremes are over all conditions, so that no bit depends on the selected ones.
   double coldest_k = 0, hottest_k = 0;
   for (const ConditionSpec& c : request.condition) {
     if (!c.emitter || c.emitter->hottest_k == 0) continue;

@@ -80,7 +80,7 @@ double response_from(const Band& band, double inside_um, double at_um) {
 
 struct PanelWeights {
   double lower, upper;
-  // Of one sign: in-band radiances are positive and increase with temperature.
+  // Both ends have one sign: in-band radiances are positive and increase with temperature.
   [[nodiscard]] bool sound() const { return lower >= 0 && upper >= 0; }
 };
 
@@ -106,8 +106,9 @@ PanelWeights panel_weights(const Band& band, double from_um, double to_um) {
   return {0.5 * (mass - shift), 0.5 * (mass + shift)};
 }
 
-// Where a response leaves so little of a panel, near one of its edges, that a weight would be
-// negative: cut at the response's points. Where it is linear all weights are sound.
+// A response may leave so little of a panel, near one of its edges, that a weight would be
+// negative. The panel is then cut at the response's points, between which it is linear and all
+// weights are sound.
 void cut_where_unsound(const Band& band, std::vector<double>& cuts) {
   std::vector<double> out{cuts.front()};
   for (std::size_t c = 0; c + 1 < cuts.size(); ++c) {
@@ -241,9 +242,9 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
   return grid;
 }
 
-// As for the plain band (planck_inverse.cpp): a positive sum of exponentials of 1/T, hence Newton's
-// iteration from above. The start: some node has at most the weighted mean of the spectral
-// radiance.
+// Like the plain band (planck_inverse.cpp), this is a positive sum of exponentials of 1/T, hence
+// Newton's iteration from above. It starts where some node has at most the weighted mean of the
+// spectral radiance.
 double radiance_temperature_k(const Band& band, const BandGrid& grid, double radiance_w_m2_sr) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (!(radiance_w_m2_sr >= 0.0)) return kNone;

@@ -28,7 +28,7 @@ constexpr Node kGauss12[] = {
 // um and 1 to 1e6 K: width 4 and less 4e-15 (rounding), 6: 1e-14, 8: 3e-12, 12: 9e-10.
 constexpr double kPanelWidth = 4.0;
 
-// What lies more than this above the lower limit adds less than 1e-19 of the integral.
+// Beyond this distance above the lower limit the integrand adds less than 1e-19 of the integral.
 constexpr double kNegligible = 60.0;
 
 }  // namespace

@@ -25,7 +25,7 @@ SolarQuadrature solar_quadrature(const Band& band, const BandGrid& grid) {
     for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; i += 2) {
       const double middle = 0.5 * (grid.node_um[i] + grid.node_um[i + 1]),
                    reach = 0.5 * (grid.node_um[i + 1] - grid.node_um[i]) / kGauss2;
-      // Of response x sun the integral and the first moment, on the grid less the table's.
+      // Integral and first moment of response x sun, on the grid less the table's.
       double mass = 0, moment = 0;
       for (const std::size_t node : {i, i + 1}) {
         const double part = grid.band_weight[node] * solar_irradiance_w_m2_um(grid.node_um[node]);

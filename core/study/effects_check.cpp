@@ -158,7 +158,7 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
     view.all_first_s = all.cpu_s;
   }
   Run chosen, all;
-  // In turn, so that a machine that slows down does so for both.
+  // The runs take turns, so that a machine that slows down does so for both.
   for (std::uint32_t i = 0; i < std::max(options.timed, 1u); ++i) {
     ASSIGN_OR_RETURN(auto a, plan_and_measure(simulator, request, cpu_s));
     ASSIGN_OR_RETURN(auto b, plan_and_measure(simulator, with_all, cpu_s));
@@ -169,7 +169,7 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
   }
   view.chosen_samples = chosen.planned.plan.samples_per_replicate;
   view.all_samples = all.planned.plan.samples_per_replicate;
-  // The same paths: as many as the chosen run has, aimed as they are.
+  // Take the paths of the chosen run: as many, and aimed likewise.
   if (all.planned.plan.samples_per_replicate != chosen.planned.plan.samples_per_replicate ||
       all.planned.plan.bright != chosen.planned.plan.bright) {
     PlannedView planned = all.planned;

@@ -88,7 +88,7 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
   scene.spectral_breaks_um =
       air_band_edges_um(band.lambda_min_um - band.step_um, band.lambda_max_um + band.step_um);
   ASSIGN_OR_RETURN(const auto simulator, Simulator::create(scene));
-  // One for each run: neither profits from what the other has made.
+  // Each run has one of its own: neither profits from what the other has made.
   const auto environment = [&]() -> absl::StatusOr<std::shared_ptr<const Environment>> {
     const ConditionSpec& c = cell.condition;
     auto made = Environment::make({cell.weather}, {{0, c.sun, c.sun_direction, 1}},

@@ -82,7 +82,7 @@ class SeedMean {
   double sum_[kStudiedQuantities]{}, random_[kStudiedQuantities]{};
 };
 
-// What of a budget is spent, in its own measure.
+// Counts the spent part of a budget, in the budget's unit.
 class Purse {
  public:
   Purse(const WorkBudget& budget, const CpuClock& cpu_s)
@@ -92,7 +92,7 @@ class Purse {
   [[nodiscard]] double left() const {
     return (in_rays() ? budget_.primary_rays : budget_.cpu_s) - spent();
   }
-  // Of one run.
+  // Returns the price of one run.
   [[nodiscard]] double price(const WorkPoint& point) const {
     return in_rays() ? point.samples : point.cpu_s;
   }
@@ -205,14 +205,15 @@ absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(const WholeRunMethod& met
                                                        const CpuClock& cpu_s) {
   std::vector<WorkPoint> out;
   Purse purse(budget, cpu_s);
-  // What all views of a sweep share is made by the first: not counted.
+  // The first view makes what all views of a sweep share; this is not counted.
   ASSIGN_OR_RETURN(const auto first, method.simulate(relative_errors.front(), 0));
   purse.pay(first);
   std::uint64_t seed = 1;
   for (const double asked : relative_errors) {
     const double left = purse.left();
     if (out.size() >= 2) {
-      // As samples grow where the error falls as n^-0.67; what does not grow with them is left.
+      // Samples grow as where the error falls as n^-0.67; time that does not grow with them is
+      // left.
       const WorkPoint& last = out.back();
       const double growth = std::pow(last.asked_relative_error / asked, 1.5);
       if (growth * purse.price(last) * budget.least_seeds > left) break;
@@ -302,7 +303,7 @@ std::optional<WorkToTarget> work_to_target(const std::vector<WorkError>& curve, 
     if (b.error <= 0) return WorkToTarget{b.work, false};
     return WorkToTarget{between(target, a.error, a.work, b.error, b.work), false};
   }
-  // Where the curve ends, not where it began.
+  // The fit is for the end of the curve, not for its begin.
   std::vector<WorkError> end = above(curve, floor);
   if (end.size() > 3) end.erase(end.begin(), end.end() - 3);
   if (end.size() < 3) return std::nullopt;

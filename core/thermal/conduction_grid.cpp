@@ -9,11 +9,11 @@ namespace {
 // With these, and the steps of heat_solver.cpp, depth and time have about equal parts in the error
 // of walls of 1 mm to 0.5 m in hourly weather (tests/benchmark/heat_bench.cpp).
 constexpr double kSurfaceCell = 0.4, kGrowth = 0.15;
-// Of the whole wall: a cell that is smaller is lost in rounding.
+// Smallest cell as a fraction of the wall: a smaller one is lost in rounding.
 constexpr double kSmallestCell = 1e-9;
 
-// How long heat takes through a layer: sqrt of seconds. 0 if nothing is stored there, or if nothing
-// moves: then one cell is exact.
+// Returns the time that heat takes through a layer, as the root of seconds. It is 0 if nothing is
+// stored there, or if nothing moves: then one cell is exact.
 double diffusion_depth(const Layer& layer) {
   if (layer.conductivity_w_m_k == 0) return 0;
   return layer.thickness_m *

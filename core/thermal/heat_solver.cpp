@@ -20,7 +20,7 @@ namespace {
 // Elements that are computed together: their temperatures stay in the processor's cache, and the
 // elimination of a step, which is common to them, costs little of each.
 constexpr std::size_t kGroup = 512;
-// Of rounding and of Newton's method, see kLastStepK.
+// Error of rounding and of Newton's method (kLastStepK). [K]
 constexpr double kArithmeticErrorK = 1e-6;
 
 bool is_smooth(const HeatRequest& request, std::size_t knot) {
@@ -43,7 +43,7 @@ struct Field {
   [[nodiscard]] std::size_t nodes() const { return t.size() / elements; }
 };
 
-// The same temperatures on a grid with a node between every two.
+// Returns the temperatures on a grid with a node between every two.
 Field refined(const Field& coarse) {
   const std::size_t n = coarse.elements, rows = 2 * coarse.nodes() - 1;
   Field fine{std::vector<double>(rows * n), n};
@@ -82,8 +82,8 @@ class LevelRun {
 
   [[nodiscard]] const ConductionGrid& grid() const { return grid_; }
 
-  // Of the nodes, from those of the layers; between two layers the mean by heat capacity next to
-  // it.
+  // Returns the temperatures of the nodes from those of the layers; a node between two layers has
+  // their mean by the heat capacity next to it.
   [[nodiscard]] std::vector<double> start_k(const std::vector<double>& layer_k) const {
     std::vector<double> node_k(grid_.last() + 1);
     for (std::size_t layer = 0; layer < request_.layers.size(); ++layer) {
@@ -97,8 +97,8 @@ class LevelRun {
     return node_k;
   }
 
-  // From knot `first` to knot `last`; at every knot on the way, the first included, at_knot(knot,
-  // walk). Adds to closure_w_m2, [element].
+  // Walks from knot `first` to knot `last` and calls at_knot(knot, walk) at every knot on the way,
+  // the first included. Adds to closure_w_m2, [element].
   template <typename AtKnot>
   absl::Status advance(std::span<const std::uint32_t> element, std::size_t first, std::size_t last,
                        Field& field, std::vector<double>& closure_w_m2, const AtKnot& at_knot) {
@@ -199,7 +199,7 @@ class GroupSolver {
         start_left[i] = std::abs(other.output[i] - coarse.output[i]);
       }
     }
-    // Of the level before, [output knot x elements + element].
+    // Change of the level before, [output knot x elements + element].
     std::vector<double> change_before(request_.output_knot.size() * element.size(), 0);
     for (int level = 1; level <= request_.accuracy.max_level && !element.empty(); ++level) {
       if (!day_begin.t.empty()) day_begin = refined(day_begin);
@@ -251,7 +251,7 @@ class GroupSolver {
     std::vector<double> closure_w_m2;
   };
 
-  // Of a periodic start: the guess of its begin, if there is one.
+  // Returns the guess of a periodic start's begin, if there is one.
   [[nodiscard]] Field stated_begin(std::span<const std::uint32_t> element) const {
     const auto* periodic = std::get_if<PeriodicStart>(&request_.start);
     if (periodic == nullptr || periodic->begin_k.empty()) return {};

@@ -290,7 +290,7 @@ template <bool kWet>
   }
 }
 
-// All the steps of one interval.
+// Makes all steps of one interval.
 template <bool kWet>
 [[gnu::always_inline]] inline void take_steps(const ConductionGrid& grid,
                                               const HeatInterval& interval, HeatLanes& lanes) {
@@ -331,8 +331,8 @@ Elimination::Elimination(const ConductionGrid& grid, double length)
   const auto link = [&](std::size_t i) { return implicit_s * grid.conductance_w_m2_k[i]; };
   near.assign(last + 1, 0);
   far = conduction = inverse_pivot = at_last = near;
-  // From the inner face outwards. What the elimination of the nodes behind adds to a node: its
-  // capacity and theirs, as far as it feels them; never a difference of large numbers.
+  // Eliminates from the inner face outwards. The nodes behind add to a node its capacity and
+  // theirs, as far as it feels them; never a difference of large numbers.
   double background_near = 0,
          background_far = link(last - 1);  // of node i's own temperature, of T_last
   for (std::size_t i = last - 1; i > 0; --i) {

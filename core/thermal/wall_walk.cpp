@@ -17,7 +17,7 @@ namespace {
 // first halved until it is no longer than the unit: what changes at a knot at once fades like the
 // square root of time.
 constexpr double kFirstStepS = 60;
-// Where nothing jumps, steps are equal and at most this.
+// Longest of the equal steps where nothing jumps.
 constexpr double kSmoothStepS = 600;
 
 std::vector<double> interval_steps(double length_s, bool smooth, int level) {

@@ -69,7 +69,8 @@ absl::Status check_close(const WeatherCourse& course) {
   return absl::OkStatus();
 }
 
-// Of the first record at or after `at` (side before) or after it; within the course.
+// Returns the index of the first record at or after `at` (side before) or after it, within the
+// course.
 std::size_t index_after(const WeatherCourse& course, double at, CourseRadiation::Side side) {
   const auto& records = course.record;
   const auto earlier = [](const WeatherRecord& r, double t) { return r.unix_s < t; };
@@ -117,8 +118,8 @@ double humidity_percent(const WeatherRecord& now) {
   return 100 * vapour_pressure_pa(now.dew_point_k) / vapour_pressure_pa(now.air_k);
 }
 
-// Where a mean over an interval is in twilight for less than this share of it, its diffuse part is
-// spread evenly.
+// Fraction of an interval: if less of it is in twilight, the diffuse part of its mean is spread
+// evenly.
 constexpr double kLeastShare = 0.1;
 
 }  // namespace
@@ -252,7 +253,7 @@ CloudedSun through_cloud(double depth, double sine) {
 
 Radiation CourseRadiation::at(double unix_s, Side side) const {
   double t = within_course(course_, unix_s);
-  // Where a day ends the next one begins.
+  // The next day begins where a day ends.
   const double first = course_.record.front().unix_s, last = course_.record.back().unix_s;
   if (course_.periodic && t == last && side == Side::kAfter) t = first;
   const SunPosition sun = sun_at(t);

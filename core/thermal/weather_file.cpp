@@ -92,7 +92,7 @@ class CourseMaker {
     const bool none = row.impossible[at(q)] || (q == Q::kSky && v == 0);
     return none ? std::numeric_limits<double>::quiet_NaN() : v;
   }
-  // Whether what is missing is there, as a number that no weather has: then that is said.
+  // Reports a missing value that is there as a number that no weather has; returns true if it did.
   bool add_impossible(const Row& row, Q q) {
     if (!row.impossible[at(q)]) return false;
     const auto in_file = [&](double si) {
@@ -260,7 +260,7 @@ class CourseMaker {
     return out;
   }
 
-  // Whether a kind of radiation is there: in all records or in none.
+  // Returns true if all records have a kind of radiation, false if none has it.
   bool is_there(const std::vector<Used>& used, Q q) {
     if (!file_.has[at(q)]) return false;
     const auto missing = [&](const Used& u) { return std::isnan(value(*u.row, q)); };
@@ -330,8 +330,8 @@ class CourseMaker {
     return r;
   }
 
-  // Of the driest air in polar winter half of what a black one sends; warmer than the air beneath
-  // it by a few kelvin in an inversion.
+  // Limits of the sky's radiation over a black one's: half of it in the driest air of polar winter,
+  // more than it where an inversion makes the sky a few kelvin warmer than the air beneath.
   static constexpr double kColdestSky = 0.4, kWarmestSky = 1.2;
   double sky(const Used& u, double air_k) {
     const double w_m2 = value(*u.row, Q::kSky),
@@ -380,7 +380,7 @@ class CourseMaker {
   void sunlight(const Used& u, WeatherRecord& r) {
     const Row& row = *u.row;
     const double length_s = file_.radiation_interval_s, begin = u.unix_s - length_s;
-    // Of the interval: the share of it with sun, the mean sine of the sun's elevation.
+    // The interval's fraction with sun, and the mean sine of the sun's elevation.
     double up = 1, mean_sine = 0;
     const double stated = value(row, direct_ ? Q::kDirectNormal : Q::kGlobalHorizontal);
     if (stated == 0) {

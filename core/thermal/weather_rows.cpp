@@ -20,7 +20,7 @@ using Q = WeatherQuantity;
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t index_of(Q q) { return static_cast<std::size_t>(q); }
 
-// How a column's numbers become SI, and what they may be then.
+// Factor and offset that make a column's numbers SI, and the limits of the result.
 struct Form {
   Q quantity;
   double factor = 1, offset = 0;
@@ -52,7 +52,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// What a file is that is no CSV file of irsig's, and what to do with it.
+// Returns the name of a file that is no CSV file of irsig's, and what to do with it.
 std::string other_weather_file(std::string_view head, std::string_view whole) {
   const std::string whole_line(whole);
   if (head.starts_with("\xff\xfe") || head.starts_with("\xfe\xff"))

@@ -1,5 +1,5 @@
-// What pictures' rays find beside light: whether their first hits are in the sun, and which parts
-// stand behind them.
+// Finds for rays of pictures whether their first hits are in the sun, and which parts stand behind
+// them.
 
 #include <algorithm>
 #include <bit>

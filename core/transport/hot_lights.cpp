@@ -211,8 +211,8 @@ float HotLights::area_m2(std::uint32_t facet) const {
   return 0.5f * length(cross(corner(facet, 1) - a, corner(facet, 2) - a));
 }
 
-// What a cluster is chosen by: area x an upper bound of the cosine / distance^2 (to the sphere's
-// middle, at least its radius).
+// Returns the weight by which a cluster is chosen: area x an upper bound of the cosine / distance^2
+// (to the sphere's middle, at least its radius).
 float HotLights::share(const Cluster& cluster, Float3 x) const {
   const Float3 d = x - cluster.centre;
   const float distance2 = dot(d, d), radius2 = cluster.radius * cluster.radius;

@@ -1,4 +1,4 @@
-// What land does to paths: it hides the target from the sensor and from suns, rays end on it, and
+// Effects of land on paths: it hides the target from the sensor and from suns, rays end on it, and
 // it stands behind the target.
 
 #include <algorithm>
@@ -125,7 +125,7 @@ void PathTracer::for_each_behind_target(Vec<Body> from, Vec<Body> direction, Lan
   for (int k = 0; k < count; ++k) visit(layout_.behind(share[k].node), share[k].weight);
 }
 
-// Of rays through the target's rectangle, from behind its centre on.
+// Finds the mean of rays through the target's rectangle, from behind its centre on.
 void PathTracer::find_mean_behind() {
   constexpr int kRays = 16;  // along each side
   const ViewFrame& frame = view_.frame;

@@ -1,4 +1,4 @@
-// Where rays end: on the target, beyond it, or on the sea that mirrors a sun.
+// Handles the ends of rays: on the target, beyond it, or on the sea that mirrors a sun.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace irsig {
 
-// What is the same for all arrivals of a batch.
+// Values that all arrivals of a batch share.
 struct PathTracer::Arrivals {
   std::uint32_t order;
   float offset_m, roulette_survival_scale;
@@ -52,7 +52,7 @@ struct PathTracer::Ray {
         direction{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]} {}
 };
 
-// Where a ray meets the target.
+// Place at which a ray meets the target.
 struct PathTracer::Hit {
   std::uint32_t facet;
   std::uint32_t part;
@@ -63,7 +63,7 @@ struct PathTracer::Hit {
   Material::EmissivityAndDhr surface;
 };
 
-// Where a ray ends. kNothing: it does not count (another stratum has it, or it met a back).
+// Kind of a ray's end. kNothing: it does not count (another stratum has it, or it met a back).
 IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work, const Ray& ray,
                                                  Hit& hit) const {
   RayPacket& packet = ray.packet;
@@ -181,8 +181,8 @@ IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& h
              {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
 }
 
-// How far away a pixel's rays meet the target, and values of what they meet. Whether that is in the
-// sun is found for the whole batch (light_first_hits).
+// Stores the distance at which a pixel's rays meet the target, and values of the hit.
+// light_first_hits finds for the whole batch whether the hits are in the sun.
 void PathTracer::add_first_hit(Work& work, const PathState& path, const Hit& hit) const {
   const ImagePlan& plan = *work.plan;
   const std::size_t pixel = stored_pixel(plan, pixel_of(work, path));
@@ -268,7 +268,8 @@ IRSIG_STAGE void PathTracer::list_vertex(const Arrivals& all, Work& work, const 
   vertex.material[v] = hit.material;
 }
 
-// What each ray met: terminal radiance is added, vertices at which a path may go on are listed.
+// Handles the hit of each ray: adds terminal radiance, and lists the vertices at which a path may
+// go on.
 template <bool kSpectral>
 void PathTracer::arrive(Work& work, std::uint32_t order) const {
   const Arrivals all(*this, order);
@@ -325,7 +326,8 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
   RayBatch& batch = work.glint_shadow;
   if (batch.size == 0) return;
   batch.prepare_packets(false);
-  // From the sea, which is not on the target: its shadow falls there even if it is convex.
+  // The ray comes from the sea, which is not on the target: the target's shadow falls there even if
+  // it is convex.
   batch.for_each_packet(
       [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
   work.counts->rays += batch.size;
@@ -392,7 +394,7 @@ bool PathTracer::hidden_by_sea(Float3 p, Float3 d, float inverse_length) const {
   const double c =
       static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;
   if (!(b < 0 && b * b > c)) return false;
-  // Where the line enters the sphere; behind the sensor it may well do so.
+  // Distance at which the line enters the sphere; it may lie behind the sensor.
   const Vec<Body>& sensor = view_.frame.sensor;
   const double entry_m = c / (-b + std::sqrt(b * b - c));
   return entry_m < length(sensor - Vec<Body>{static_cast<double>(p.x), static_cast<double>(p.y),

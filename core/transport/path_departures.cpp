@@ -1,4 +1,4 @@
-// What happens at the vertices of paths: light sources are aimed at, and paths go on.
+// Work at the vertices of paths: aims at light sources, and sends paths on.
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ void PathTracer::draw_vertex_pairs(Work& work, std::uint32_t order, std::uint32_
   settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs_shuffled(list);
 }
 
-// From each listed vertex: a shadow ray to each sun and hot light that matters there, and the
+// Sends from each listed vertex a shadow ray to each sun and hot light that matters there, and the
 // path's next ray if it survives.
 template <bool kSpectral>
 void PathTracer::depart(Work& work, std::uint32_t order) const {

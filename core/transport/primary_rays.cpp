@@ -24,7 +24,7 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
   std::vector<std::uint8_t>& hit = grid.hit;
   hit.assign(static_cast<std::size_t>(columns * rows), 0);
 
-  // In cells: of all vertices at once, where most of them are needed.
+  // Coordinates in cells, of all vertices at once where most of them are needed.
   struct Place {
     float x, y;
   };
@@ -172,11 +172,11 @@ void CoverageMask::make_guide() {
 
 namespace {
 
-// How far the rectangle reaches beyond a side of a stratum of a target of this size: not at all,
+// Returns the margin of the rectangle beyond a side of a stratum of a target of this size. It is 0,
 // because a rim that no sample happens to meet makes the value too large at a standard error of 0.
-// What the rounding of rays (rms 5e-8 of the size) then loses at the edges is 4e-8 size / side. A
-// side that is not much longer than that rounding gets a rim which holds it, and which is wide
-// enough, compared with the side, for samples to meet it; edge-on too, the area is positive.
+// The rounding of rays (rms 5e-8 of the size) then loses 4e-8 size / side at the edges. A side that
+// is not much longer than that rounding gets a rim which holds it, and which is wide enough,
+// compared with the side, for samples to meet it; edge-on too, the area is positive.
 double margin_m(double side_m, double size_m) {
   constexpr double kThin = 1.0 / 256, kRounding = 5e-7;
   return side_m > kThin * size_m ? 0.0 : kRounding * size_m;
@@ -217,10 +217,10 @@ bool reaches_beyond(const Target& target, double range_m) {
   return range_m <= length(target.centre) + target.radius_m;
 }
 
-// Where a sensor (relative to the target's centre) looks to have every vertex in front of it, and
-// how far in front the nearest one is: towards the nearest place of the convex hull, by pairwise
-// Frank-Wolfe steps (S. Lacoste-Julien, M. Jaggi, NIPS 28 (2015)), which may stop as soon as a
-// plane between them is known. Depth 0: none was found.
+// Finds the direction in which a sensor (relative to the target's centre) has every vertex in front
+// of it, and the distance in front of the nearest one: towards the nearest place of the convex
+// hull, by pairwise Frank-Wolfe steps (S. Lacoste-Julien, M. Jaggi, NIPS 28 (2015)). The steps may
+// stop as soon as a plane between them is known. Depth 0: none was found.
 struct Look {
   Vec<Body> forward;
   double depth_m = 0;
@@ -342,7 +342,7 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
   }
   const auto [x_min, x_max] = std::minmax_element(x_m.begin(), x_m.end());
   const auto [y_min, y_max] = std::minmax_element(y_m.begin(), y_m.end());
-  // For pictures. A margin against rounding; a target seen edge-on still gets a rectangle of
+  // For pictures, add a margin against rounding; a target seen edge-on still gets a rectangle of
   // positive area.
   const double margin = 1e-5 * std::max(*x_max - *x_min, *y_max - *y_min);
   frame.x0_m = *x_min - margin;

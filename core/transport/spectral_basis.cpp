@@ -41,9 +41,9 @@ class RandomProducts {
       if (!m.grey()) spectral_.push_back(&m);
   }
 
-  // Of `reflections` reflections by spectral materials, ending with an emission, sunlight on one
-  // more reflection, or nothing spectral. Its largest value is the largest fraction of a path's
-  // weight that is left after these reflections: what roulette lets through.
+  // Draws a product of `reflections` reflections by spectral materials that ends with an emission,
+  // sunlight on one more reflection, or nothing spectral. Its largest value is the largest fraction
+  // of a path's weight that is left after these reflections: what roulette lets through.
   std::vector<double> draw(std::size_t reflections) {
     for (;;) {
       std::vector<double> product(nodes_, 1.0);

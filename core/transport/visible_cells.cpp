@@ -28,7 +28,7 @@ struct Projected {
   double at0, per_x, per_y;  // 1 / depth = at0 + per_x x + per_y y
   bool edge_on;
 
-  // How far inside of an edge.
+  // Distance inside of an edge.
   [[nodiscard]] double inside(int edge, Point p) const {
     const auto e = static_cast<std::size_t>(edge);
     return inward[e].x * (p.x - corner[e].x) + inward[e].y * (p.y - corner[e].y);
@@ -112,7 +112,8 @@ void for_each_touched(const CellGrid& grid, const Projected& t, Visit&& visit) {
 
 using Piece = std::vector<Point>;
 
-// What of a convex piece lies beyond an edge (grown outwards), and what within it.
+// Cuts a convex piece along an edge (grown outwards) into the part beyond it and the part within
+// it.
 void cut(const Piece& piece, const Projected& t, int edge, double grown, Piece& beyond,
          Piece& within) {
   beyond.clear();
@@ -129,7 +130,7 @@ void cut(const Piece& piece, const Projected& t, int edge, double grown, Piece& 
   }
 }
 
-// Whether triangles that are all nearer than what is to be hidden cover a cell together.
+// Returns true if the triangles, all nearer than the hidden facet, cover the cell together.
 bool covered(const std::array<Point, 4>& cell, std::span<const Projected* const> facets,
              double grown) {
   std::vector<Piece> left = {Piece(cell.begin(), cell.end())}, next;
@@ -167,7 +168,7 @@ void hide(CellGrid& grid, std::span<const Projected> own, std::span<const Projec
     for_each_touched(grid, t, [&](std::size_t i, const std::array<Point, 4>& cell) {
       nearest[i] = std::max(nearest[i], range_in(t, cell).nearest);
     });
-  // What a nearer facet must exceed.
+  // Inverse distance that a nearer facet must exceed.
   for (double& w : nearest)
     if (w > 0) {
       const double depth_m = 1 / w - kInFront * size_m;
@@ -276,7 +277,7 @@ CellGrid visible_cells(const Target& target, const PlaneVertices& plane,
     x_max = x0 + (last + 1) * grid.cell_x_m;
     y_min = y0 + bottom * grid.cell_y_m;
     y_max = y0 + (top + 1) * grid.cell_y_m;
-    // Not below what rays can be aimed at.
+    // Rays cannot be aimed at a smaller rectangle.
     if (x_max - x_min < 1e-4 * size_m || y_max - y_min < 1e-4 * size_m) break;
   }
   return grid;

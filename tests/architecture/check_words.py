@@ -4,8 +4,8 @@ usage: check_words.py <source root>
 
 Checked in every text file: paths of one machine or of one workplace, marks of unfinished work, and names that have been
 replaced by a term of the field.
-Checked in headers: no comment opens as a fragment ("Of ...", "What ...", "Whether ...", "The same ..."),
-and a comment of a function begins with a verb ("Returns ...", or "Return ..." for several functions).
+Checked in C++: no comment opens as a fragment ("Of ...", "What ...", "Whether ...", "The same ...").
+Checked in headers: a comment of a function begins with a verb ("Returns ...", or "Return ..." for several functions).
 Checked in Markdown: no line above 120 columns (rows of tables, headings and pictures cannot be broken, and are exempt).
 Checked in Markdown and comments: files of the tree that are named exist.
 Checked in names: folders and files that say nothing (STYLE: a folder is a noun and a layer).
@@ -42,7 +42,7 @@ FORMER_NAMES_IN = ("schema/README.md", "docs/decisions/", "tests/")
 
 # A comment that opens so is no sentence: its subject or its verb is missing.
 FRAGMENT = re.compile(r"(Of|What|Whether|The same)\b")
-FRAGMENTS_ALLOWED_IN = ("tests/",)
+VERBLESS_ALLOWED_IN = ("tests/",)
 COMMENT = re.compile(r"^\s*///?\s?(.*)$")
 
 # A function's comment begins with a verb in the third person, "Like f(), ..." or, for several functions, "Return ...".
@@ -143,9 +143,10 @@ def check(root):
                     findings.append(f"{name}:{number}: {what}: {found[0]}")
             if former and (found := FORMER_NAME.search(line)):
                 findings.append(f"{name}:{number}: {found[0]} is a former name; use {FORMER_NAMES[found[0]]}")
-        if path.suffix == ".h" and not str(name).startswith(FRAGMENTS_ALLOWED_IN):
+        if path.suffix in (".h", ".cpp"):
             findings += [f"{name}:{number}: a comment opens as a fragment; begin with \"Returns ...\" or a noun with its "
                          f"unit: {line[:50]}" for number, line in fragments(path)]
+        if path.suffix == ".h" and not str(name).startswith(VERBLESS_ALLOWED_IN):
             findings += [f"{name}:{number}: a function's comment begins without a verb; begin with \"Returns ...\": {line[:50]}"
                          for number, line in without_verb(path)]
         if path.suffix == ".md":

@@ -10,6 +10,7 @@ import check_links
 import check_loaded
 import check_papers
 import check_performance_page
+import check_prose
 import check_sentences
 import check_unity
 import check_words
@@ -200,7 +201,8 @@ class Words(TreeTest):
         for text in ("// Returns the error\n// Of a row.\n", "double a;  // error\n           // What is\n", "// Often so.\n"):
             with self.subTest(text=text):
                 self.assertEqual(self.words({"core/base/base.h": text}), [])
-        self.assertEqual(self.words({"tests/unit/base.h": "// Of a row.\n"}), [])
+        self.assertEqual(len(self.words({"tests/unit/base.cpp": "// Of a row.\n"})), 1)
+        self.assertEqual(self.words({"tests/unit/base.h": "// Mean.\ndouble f();\n"}), [])
 
     def test_long_lines(self):
         self.assertEqual(self.words({"docs/a.md": "a " * 60 + "\n"}), [])
@@ -246,6 +248,21 @@ class Sentences(TreeTest):
     def test_fragments(self):
         self.assertEqual(len(self.sentences("Short. " * 40)), 1)
         self.assertEqual(self.sentences(("a " * 15 + ". ") * 4), [])
+
+
+class Prose(TreeTest):
+    def prose(self, changes):
+        return check_prose.check(self.tree(changes))
+
+    def test_tables_code_and_records_do_not_count(self):
+        many = "a " * check_prose.MOST
+        self.assertEqual(self.prose({"docs/a.md": f"| {many}|\n\n```\n{many}\n```\n\n    {many}\n", "docs/decisions/b.md": many,
+                                     "README.md": many}), [])
+
+    def test_all_pages_together_have_a_limit(self):
+        half = "a " * (check_prose.MOST // 2)
+        self.assertEqual(self.prose({"docs/a.md": half, "docs/b/c.md": half}), [])
+        self.assertEqual(len(self.prose({"docs/a.md": half + "- a\n    a\n", "docs/b/c.md": half})), 1)
 
 
 class Loaded(unittest.TestCase):

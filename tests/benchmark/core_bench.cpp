@@ -1,5 +1,5 @@
-// What the radiometric core costs beside its ray tracer, as ratios of CPU time in one process on
-// the same rays:
+// Measures the radiometric core beside its ray tracer, as ratios of CPU time in one process on the
+// same rays:
 //   core_bench [triangles] [samples]
 // Prints one CSV line a figure; docs/evidence/performance.md quotes them.
 
@@ -57,8 +57,8 @@ class Recorder final : public Tracer {
   std::shared_ptr<const Tracer> inner_;
 };
 
-// The same rays through Embree alone, by three entry points: the recorded packets of 16; full
-// packets of 16, regardless of what batch a ray came from; the stream interface.
+// Sends these rays through Embree alone, by three entry points: the recorded packets of 16; full
+// packets of 16, regardless of a ray's batch; the stream interface.
 struct Replay {
   RTCDevice device;
   RTCScene scene;
@@ -244,7 +244,7 @@ ConditionSpec condition(const Simulator& simulator, double t_k, bool sun, double
   return c;
 }
 
-// What one more condition adds to a view of 1.56 M target paths.
+// Measures the cost of one more condition in a view of 1.56 M target paths.
 void conditions(const Simulator& simulator) {
   ViewRequest base;
   base.viewpoint = {60, 30, 5000};

@@ -56,7 +56,7 @@ void until(const std::string& what, const std::function<bool()>& fact, int pause
   }
 }
 
-// What the workers of a process are doing, in a file that both processes have in memory.
+// State of the workers of a process, in a file that both processes have in memory.
 struct Board {
   std::atomic<std::int64_t> computing, computed, begun;  // workers, jobs, workers with a first job
 };
@@ -194,7 +194,7 @@ class Coordinator {
   [[nodiscard]] std::string listens_on() const { return listen_; }
   [[nodiscard]] std::string database() const { return absl::StrCat(folder_, "/", name_, ".sigdb"); }
 
-  // Of all that have served this database.
+  // Returns the CPU time of all coordinators that have served this database.
   [[nodiscard]] double cpu_s() const {
     std::ifstream in(absl::StrCat("/proc/", process_->pid(), "/stat"));
     std::string text;
@@ -329,7 +329,7 @@ void measure_farm(const Options& o, const std::string& folder, Table& table) {
   table.asked("the coordinator's CPU meanwhile",
               (coordinator.cpu_s() - cpu_s) / seconds_since(start), "core", 1, false);
 
-  // Without a word: the connections stay open.
+  // The workers vanish without a word: the connections stay open.
   vanish.signal(SIGSTOP);
   start = Clock::now();
   until(
@@ -360,7 +360,7 @@ void measure_farm(const Options& o, const std::string& folder, Table& table) {
     const double share = static_cast<double>(computing()) / o.workers;
     if (share < 0.95) recovered_s = seconds_since(start);
     worst = std::min(worst, share);
-    // Not so often that asking is work for it.
+    // Questions are rare enough to be no work for the coordinator.
     const bool asks = !all_are_back && seconds_since(asked) > 0.5;
     if (asks) asked = Clock::now();
     if (asks && coordinator.workers() == o.workers) {
@@ -455,7 +455,7 @@ int main(int argc, char** argv) {
   app.add_option("--folder", o.folder, "where databases are written")->capture_default_str();
   app.add_option("--coordinator-executable", coordinator_executable)->capture_default_str();
   app.add_flag("--require", require, "exit code 1 where what is asked is not met");
-  // Of the processes that it starts:
+  // Options of the processes that it starts:
   app.add_option("--crew", crew.name)->group("");
   app.add_option("--coordinator", crew.coordinator)->group("");
   app.add_option("--tls", crew.tls)->group("");

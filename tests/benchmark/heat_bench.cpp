@@ -25,7 +25,7 @@ double cpu_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Of a number, the same on every machine: [0, 1).
+// Returns a fraction in [0, 1) that follows from the number, the same on every machine.
 double share(std::size_t n) { return std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0); }
 
 struct Wall {

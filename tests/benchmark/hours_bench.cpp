@@ -1,5 +1,5 @@
-// What one more condition costs a view: every view of a sweep is computed twice in this process,
-// and the first of all once more before.
+// Measures the cost of one more condition in a view: every view of a sweep is computed twice in
+// this process, and the first of all once more before.
 //   hours_bench SWEEP [SWEEP ...]
 // Prints one CSV line a sweep. Two sweeps that differ in their hours alone give the cost of an
 // hour: differences of "a view" over those of the conditions. docs/evidence/performance.md quotes

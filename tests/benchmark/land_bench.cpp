@@ -129,7 +129,7 @@ int main() {
                  on_hills = cpu_s(scene, rough);
     std::printf("%s: ground %.2f s; over it: flat land %.2f, hills of 30 m %.2f\n",
                 sun ? "day" : "night", ground, on_flat / ground, on_hills / ground);
-    // By turns: the machine's speed differs from second to second.
+    // The runs take turns, because the machine's speed differs from second to second.
     for (const std::uint64_t facets : {12u, 200u, 2000u}) {
       const auto trees = with_trees(rough, facets);
       double bare_s = 0, trees_s = 0;

@@ -32,7 +32,7 @@ struct ShipBand {
   double lambda_min_um, lambda_max_um, wall_k;
 };
 
-// From a point 5 km above (body z points down) at random points of the box's upper face.
+// Makes rays from a point 5 km above (body z points down) to random points of the box's upper face.
 std::vector<Ray> rays_from_above(const HitJudge& judge, std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -170,7 +170,7 @@ int run(int across) {
         best_sum += b;
         most = std::max(most, b);
       }
-      // Of rays that count: where next to nothing is, errors are those of rounding.
+      // Errors are over the rays that count: where next to no gas is, they are those of rounding.
       std::size_t counted = 0;
       for (std::size_t r = 0; r < rays.size(); ++r) {
         worst = std::max(worst, std::abs(emitted[r] - best[r]));

@@ -30,7 +30,7 @@ double cpu_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// From sensors all around at 1.3 radii: at points of facets, of edges, and at vertices.
+// Makes rays from sensors all around at 1.3 radii: to points of facets, of edges, and to vertices.
 std::vector<Ray> rays_at(const HitJudge& judge, AimedAt aimed_at, std::size_t count) {
   std::mt19937_64 random(20261121 + static_cast<unsigned>(aimed_at));
   std::uniform_real_distribution<double> unit(0, 1);
@@ -166,7 +166,8 @@ void compare(const HitJudge& judge, const Mesh& mesh, std::size_t rays) {
   }
 }
 
-// What ROBUST and the guard at edges and vertices cost on rays as the path tracer sends them.
+// Measures the cost of ROBUST and of the guard at edges and vertices, on rays as the path tracer
+// sends them.
 void cost(const HitJudge& judge) {
   struct Packets {
     const char* name;
@@ -234,7 +235,7 @@ void cost(const HitJudge& judge) {
     for (int repeat = 0; repeat < 11; ++repeat) {
       for (std::size_t k = 0; k < 4; ++k) {
         double seconds = 0;
-        // In batches as the path tracer has them: in the second-level cache.
+        // Batches are as large as the path tracer's: in the second-level cache.
         std::vector<RayPacket> batch(64);
         for (std::size_t first = 0; first + 64 <= kind.packet.size(); first += 64) {
           std::copy_n(kind.packet.begin() + static_cast<std::ptrdiff_t>(first), 64, batch.begin());

@@ -1,5 +1,5 @@
-// What scenes with one small bright thing cost to 1 %, against the same scene without it: CPU time
-// of Simulator::simulate (plan and stored run; median of runs), and all rays.
+// Measures the cost of scenes with one small bright thing to 1 %, against the scene without it: CPU
+// time of Simulator::simulate (plan and stored run; median of runs), and all rays.
 //
 //   build/release/bin/small_bright_sources_bench [RUNS]
 #include <algorithm>

@@ -1,4 +1,5 @@
-// How many jobs a second complete() and its commits sustain, and how fast a nearest query is.
+// Measures how many jobs a second complete() and its commits sustain, and how fast a nearest query
+// is.
 //
 //   store_bench [folder = .] [jobs = 3000] [results in one commit = 64] [keep: leave the database]
 //

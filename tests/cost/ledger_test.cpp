@@ -42,7 +42,8 @@ Counts counts_of(const std::string& example) {
                 {"samples", result->samples()},
                 {"target_paths", result->target_paths()}};
   for (std::size_t i = 0; i < kWorkNames.size(); ++i) out[kWorkNames[i]] = work_counts()[i];
-  // Of a further view: what the first one makes once is not the same in every process.
+  // Allocations are those of a second view: the first one makes shared data, which differ from
+  // process to process.
   const Allocations before = allocations();
   EXPECT_TRUE((*runner)->run(expand_jobs(sweep, 1).front()).ok());
   const Allocations after = allocations();

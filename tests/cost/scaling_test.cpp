@@ -36,7 +36,7 @@ WorkCounts work_of(std::uint64_t facets) {
   r.accuracy.relative_error = 0.01;
   r.accuracy.max_samples_per_replicate = 1024;
   EXPECT_TRUE(simulator->simulate(r).ok());
-  // What a view does that aims at facets which may be bright: find them, and where they are seen.
+  // A view that aims at facets which may be bright finds them, and the places where they are seen.
   const Target& target = simulator->target();
   const UndersampledSources unseen(target, simulator->scene().facets, simulator->materials(),
                                    make_aimed_view(target, r.viewpoint).frame);
@@ -61,7 +61,7 @@ TEST(Scaling, NoStepIsQuadraticInFacets) {
     for (const WorkCounts& of : work)
       std::printf(" %12llu", static_cast<unsigned long long>(of[w]));
     std::printf("\n");
-    // Of each facet at most 64, four times.
+    // Each facet tries at most 64 throwers, four times.
     if (w == static_cast<std::size_t>(Work::kThrowersTried)) {
       EXPECT_LT(work.back()[w], 4 * 64 * kFacets.back());
       continue;

@@ -202,7 +202,7 @@ TEST_F(CrashPoints, WhatWasAcknowledgedIsThereAndTheEndIsThatOfACalmRun) {
   std::map<std::string, int> killed;
   for (const std::string& point : points) {
     SCOPED_TRACE(point);
-    // How many replies there are depends on the moment: one that did not come is no point.
+    // The number of replies depends on the moment: one that did not come is no point.
     killed[point.substr(0, point.find(':'))] += killed_and_finished(point) ? 1 : 0;
     ASSERT_EQ(digest(), calm);
     ASSERT_FALSE(HasFailure());

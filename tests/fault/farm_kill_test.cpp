@@ -31,7 +31,7 @@ struct Process {
   std::string name;  // at most 15 characters
 };
 
-// From /proc/<pid>/stat: "pid (name) state ppid ...".
+// Reads the state from /proc/<pid>/stat: "pid (name) state ppid ...".
 std::vector<Process> children_of(pid_t parent) {
   std::vector<Process> out;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -312,7 +312,7 @@ TEST_F(FarmKillTest, AWorkerWithAWrongBitIsFoundAndWhatItStoredIsReplaced) {
     ASSERT_TRUE(child.ok());
     workers.emplace(name, *std::move(child));
   }
-  // Of two that differ nobody can say who is right: all three are there before the first job.
+  // With two results that differ nobody is right: all three workers are there before the first job.
   const auto status_of = [&](auto&& fact) {
     for (int i = 0; i < 6000; ++i, std::this_thread::sleep_for(milliseconds(10)))
       if (const auto now = farm_status(address, 5); now.ok() && fact(*now)) return true;

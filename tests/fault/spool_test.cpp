@@ -163,7 +163,7 @@ TEST_F(SpoolTest, AFolderThatOthersMayWriteToIsRefused) {
   EXPECT_TRUE(absl::IsInvalidArgument(Spool::open(root_ + "/no/folder").status()));
   std::ofstream(root_ + "/file") << "x";
   EXPECT_TRUE(absl::IsInvalidArgument(Spool::open(root_ + "/file").status()));
-  // What is no regular file is not read.
+  // Only regular files are read.
   ASSERT_EQ(chmod(folder_.c_str(), 0700), 0);
   ASSERT_EQ(mkfifo((folder_ + "/x.result").c_str(), 0600), 0);
   ASSERT_EQ(symlink("/etc/passwd", (folder_ + "/y.result").c_str()), 0);
@@ -275,7 +275,7 @@ TEST_F(SpoolTest, AWorkerKilledAtAnyStepLosesNoResult) {
   }
 }
 
-// Of another coordinator, which is still away: it waits.
+// The result belongs to another coordinator, which is still away: it waits.
 TEST_F(SpoolTest, AResultOfASweepThatACoordinatorDoesNotHaveIsKept) {
   const auto address = *parse_address("unix:" + root_ + "/farm");
   ASSERT_TRUE(open()->keep(record("x")).ok());

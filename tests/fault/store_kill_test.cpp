@@ -117,7 +117,7 @@ TEST(StoreKill, NothingAcknowledgedIsLost) {
       }
     }
     reader->reset();
-    // In a copy: another SQLite program that closes it last takes the journal away.
+    // Read a copy: another SQLite program that closes the file last takes the journal away.
     const TestFolder elsewhere;
     const std::string copy = elsewhere.file("copy.sigdb");
     std::filesystem::copy_file(path, copy);
@@ -128,7 +128,7 @@ TEST(StoreKill, NothingAcknowledgedIsLost) {
   }
   EXPECT_GE(acknowledged.size(), static_cast<std::size_t>(kRounds) * 5);
 
-  // What was stored is what a run without interruption would have stored.
+  // The file holds the results of a run without interruption.
   auto writer = StoreWriter::open(path);
   ASSERT_OK(writer.status());
   EXPECT_EQ((*writer)->progress()->front().done, acknowledged.size());

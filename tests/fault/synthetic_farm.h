@@ -15,7 +15,8 @@ namespace irsig {
 [[nodiscard]] schema::ResolvedSweep frigate_sweep(std::uint32_t viewpoints,
                                                   const std::string& name = "frigate");
 
-// The same with a heat run of each season: what is not stated of its first part.
+// Returns the sweep with a heat run of each season: of its first part, which has no stated
+// temperatures.
 [[nodiscard]] schema::ResolvedSweep heated_frigate_sweep(std::uint32_t viewpoints,
                                                          const std::string& name = "frigate");
 

@@ -1,6 +1,6 @@
-// What a client may send, against what the coordinator does with it: submissions and results,
-// damaged as bytes and field by field, and every other request, field by field. The answer is OK or
-// a refusal; what is taken for a sweep is stored, and so is what is taken for a result.
+// Damages every message that a client may send: submissions and results as bytes and field by
+// field, and every other request field by field. The coordinator answers OK or refuses; an accepted
+// sweep is stored, and so is an accepted result.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -49,7 +49,7 @@ class FarmMessages : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  // As the coordinator takes it; nothing of it stays.
+  // Submits bytes as the coordinator takes them; nothing of them stays.
   absl::Status submit(const std::string& bytes) {
     auto status = check_wire_size(bytes, *schema::ResolvedSweep::descriptor(), kMostMemory);
     if (!status.ok()) return status;

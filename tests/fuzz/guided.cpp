@@ -21,7 +21,7 @@ namespace irsig::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-// Of all inputs together: a corpus is replayed in every run of the suite, and kept.
+// Most bytes of all inputs together: a corpus is replayed in every run of the suite, and kept.
 constexpr std::size_t kMostBytes = 150'000;
 const Reader* chosen = nullptr;
 

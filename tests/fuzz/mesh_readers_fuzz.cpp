@@ -51,7 +51,7 @@ TEST(MeshReaders, Glb) {
   fuzz("a.glb", 250, [&] { return mutator.next(); });
 }
 
-// What the other process says is believed only where it makes sense.
+// A reply of the other process counts only where it makes sense.
 TEST(MeshReaders, Reply) {
   FileMesh mesh;
   mesh.vertex = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

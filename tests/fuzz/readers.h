@@ -10,8 +10,8 @@
 
 namespace irsig::fuzz {
 
-// What reads files that somebody else wrote. Whatever stands in a file, it is refused in words that
-// say where, or what is read is sound.
+// Reader of files that somebody else wrote. Whatever stands in a file, the reader refuses it with a
+// place, or its result is sound.
 struct Reader {
   std::string name;
   std::vector<std::string> sound;  // files that are accepted: mutants start from them

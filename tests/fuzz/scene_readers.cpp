@@ -26,7 +26,7 @@ bool accepts_sweep(const std::string& text) {
   if (!file.ok()) return refused(file.status(), "f.toml");
   const absl::StatusOr<schema::ResolvedSweep> sweep = resolve_sweep(*file, "v");
   if (!sweep.ok()) return refused(sweep.status(), "f.toml");
-  // What a file may say may be submitted.
+  // A sweep that a file can state can be submitted.
   EXPECT_TRUE(check_resolved(*sweep).ok()) << check_resolved(*sweep);
   EXPECT_GT(sweep->viewpoint_size(), 0);
   EXPECT_GT(sweep->condition_size(), 0);

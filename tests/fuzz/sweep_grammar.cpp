@@ -21,7 +21,7 @@ using google::protobuf::Reflection;
 
 using Texts = std::vector<std::string>;
 
-// What the readers know, by message and key; names of a sweep's own are added (text()).
+// Returns the words that the readers take, by message and key; text() adds names of the sweep.
 const Texts& words_of(const std::string& key) {
   static const std::map<std::string, Texts> known = [] {
     const Texts axes = {"+x", "-x", "+y", "-y", "+z", "-z"};
@@ -413,7 +413,8 @@ void SweepGrammar::shrink(schema::Sweep& sweep) {
   while (sweep.time_size() > 3 && below(20) > 0) sweep.mutable_time()->RemoveLast();
 }
 
-// What no message can say: values of another type, lines and tables twice or not at all.
+// Damages the text in ways that no message has: values of another type, lines and tables twice or
+// not at all.
 void SweepGrammar::damage(std::string& toml) {
   static const Texts values = {
       "true",     "[]",       "{}",         "\"\"",  "nan",       "-inf",  "2025-12-21",

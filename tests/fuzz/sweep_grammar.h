@@ -21,7 +21,7 @@ class SweepGrammar {
   SweepGrammar(const std::vector<std::string>& sound, const std::vector<std::string>& parsed,
                std::vector<std::string> files);
 
-  // The same text for the same seed.
+  // Returns one text for each seed.
   [[nodiscard]] std::string make(std::uint64_t seed);
 
  private:

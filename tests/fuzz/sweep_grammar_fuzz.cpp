@@ -1,8 +1,8 @@
-// What `irsig plan` and `irsig run` read: sweep files made from the grammar, and damaged files
-// beside them, through the same code as the commands: read, resolved, expanded and checked; for
-// some of them the scene is built, and for a few a view is computed. Nothing ends the program, and
-// every refusal says where. Turns run in processes of their own, so that the file that ends one can
-// be named.
+// Tests the input of `irsig plan` and `irsig run`: sweep files made from the grammar, and damaged
+// files beside them, through the code of the commands. They are read, resolved, expanded and
+// checked; for some of them the scene is built, and for a few a view is computed. Nothing ends the
+// program, and every refusal has a place. Turns run in processes of their own, so that the file
+// that ends one can be named.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -50,7 +50,7 @@ struct Counts {
   std::uint64_t files, parsed, resolved, built, computed;
 };
 
-// What a turn leaves for the process that looks after it.
+// Data that a turn leaves for the process that looks after it.
 struct Shared {
   Counts counts;
   std::uint64_t turn;
@@ -119,7 +119,7 @@ std::vector<std::string> examples() {
   return out;
 }
 
-// What the examples do not have.
+// A sweep with tables that the examples do not have.
 constexpr const char* kBox = R"(
 time = ["12:00Z"]
 model = { generate = "box", triangles = 12 }
@@ -217,7 +217,8 @@ bool is_small(const schema::ResolvedSweep& sweep) {
           sweep.sweep().heat().element_size_m() > 0.5);
 }
 
-// As load_sweep does, with steps between which the files are counted. Returns what is wrong.
+// Does the work of load_sweep, with steps between which the files are counted. Returns what is
+// wrong.
 std::string read_as_plan_does(const std::string& path, bool build, bool compute, Counts& counts) {
   ++counts.files;
   auto file = load_sweep_file(path);

@@ -27,7 +27,7 @@ class Turns {
     return index_ < most_ ||
            (seconds_ > 0 && std::chrono::steady_clock::now() - begun_ < Seconds(seconds_));
   }
-  // Of the turn under way, from 0.
+  // Returns the index of the turn under way, from 0.
   int index() const { return index_; }
   int done() const { return index_; }
 

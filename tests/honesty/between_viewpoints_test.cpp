@@ -120,7 +120,7 @@ ConvexBody any_body(SceneRandom& random) {
                                     : any_box(random, azimuth),
                          random, 0.4);
 }
-// Of many bodies that do not hide each other.
+// Makes a ship of many bodies that do not hide each other.
 ConvexBody any_ship(SceneRandom& random) {
   ConvexBody out;
   for (int left = static_cast<int>(uniform(random, 4, 12)); left > 0; --left) {

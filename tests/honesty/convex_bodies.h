@@ -27,7 +27,8 @@ struct ConvexBody {
   std::vector<Facet> facet;
   std::vector<Cylinder> cylinder;
 
-  // Of each surface's radiance less that of the background; 0: the intensity.       [W/sr]
+  // Returns the sum over surfaces of their radiance less that of the background; 0: the intensity.
+  // [W/sr]
   [[nodiscard]] double contrast_w_sr(Vec<Body> d, double background_w_m2_sr) const {
     double sum = 0;
     for (const Facet& f : facet)
@@ -159,7 +160,7 @@ inline std::vector<PlanePoint> outline(const SolidBox& box, const Frame& frame, 
   }
   return hull;
 }
-// What two convex polygons have in common (Sutherland and Hodgman).
+// Returns the intersection of two convex polygons (Sutherland and Hodgman).
 inline std::vector<PlanePoint> common(std::vector<PlanePoint> inside,
                                       const std::vector<PlanePoint>& by) {
   for (std::size_t k = 0; k < by.size(); ++k) {

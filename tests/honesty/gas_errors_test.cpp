@@ -75,7 +75,7 @@ Smoke hot_spot(std::uint64_t seed) {
   return out;
 }
 
-// The same across, layers along the line of sight.
+// Makes smoke that is homogeneous across, in layers along the line of sight.
 Smoke layers(std::uint64_t seed) {
   Random random(seed);
   Smoke out = empty_smoke(8 + random.below(2) * 8, random.log_between(3e-4, 3e-3));
@@ -155,7 +155,7 @@ double exact(const Smoke& smoke, double from_um, double to_um) {
       for (int z = 0; z < kSide; ++z) {
         double through = 1;
         for (int x = smoke.depth - 1; x >= 0; --x) {
-          // As the lattice holds it: single precision.
+          // The lattice holds single precision.
           const Voxel& v = smoke.at(x, y, z);
           if (!(v.soot > 0)) continue;
           const double left = std::exp(-absorbs * static_cast<double>(static_cast<float>(v.soot)));

@@ -88,7 +88,7 @@ class Sky {
     }
   }
 
-  // In the interval that ends with a record, at any instant of it.
+  // Returns the weather at any instant of the interval that ends with a record.
   [[nodiscard]] wall::Weather at(std::size_t upper, double t, Vec<Body> normal) const {
     const Record &a = scene_.record[upper - 1], &b = scene_.record[upper];
     const double f = (t - a.unix_s) / (b.unix_s - a.unix_s), sine = sine_of_sun(t);
@@ -118,8 +118,8 @@ class Sky {
   std::vector<double> direct_, diffuse_;  // [record]
 };
 
-// What the front of a facet has for a temperature at the times asked for. A computed temperature
-// stands for both sides of a sheet, and its error covers either.
+// Returns the temperature of a facet's front at the times asked for. A computed temperature stands
+// for both sides of a sheet, and its error covers either.
 std::vector<double> reference_k(const Scene& scene, const Sky& sky, std::size_t facet) {
   const Vec<Body> front = scene.normal[facet], back = -1.0 * front;
   const bool open = scene.wall.inner_side == InnerSide::kOpen;
@@ -259,7 +259,7 @@ WallBuildUp thin_wall(Random& random) {
   return out;
 }
 
-// Of a facet at a tilt: two triangles side by side, or one.
+// Adds a plate at a tilt: two triangles side by side, or one.
 void add_plate(Random& random, Vec<Body> normal, bool pair, Mesh& mesh) {
   const Vec<Body> beside = normalized(cross(
                       normal, std::abs(normal.x) < 0.7 ? Vec<Body>{1, 0, 0} : Vec<Body>{0, 1, 0})),

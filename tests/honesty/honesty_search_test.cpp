@@ -136,7 +136,7 @@ TEST(HonestyJudge, BoundGrowsWithWhatIsJudged) {
   EXPECT_LT(failure_bound(many), 8);
 }
 
-// The same verdict whatever threads there are.
+// The verdict is the same with any number of threads.
 TEST(HonestySearch, DoesNotDependOnThreads) {
   SearchOptions options;
   options.first = 7;

@@ -76,7 +76,7 @@ TEST(Shrinking, EndsWithTheLeastThatFails) {
   trials = 0;
   (void)shrunk(scene, fails, 3);
   EXPECT_EQ(trials, 3) << "no more trials than allowed";
-  // What never fails when it is smaller stays as it is.
+  // A scene that never fails when it is smaller stays as it is.
   const RandomScene same = shrunk(
       scene, [](const RandomScene&) { return false; }, 1000);
   EXPECT_EQ(same.body.size(), scene.body.size());

@@ -58,7 +58,7 @@ TEST(ReferenceView, ABlackSphereShowsItsSilhouette) {
   ASSERT_TRUE(mesh.ok());
   const SceneSpec scene = one_body(*mesh, grey_paint(1));
   const ViewRequest request = view_of(30, 40, 1e5, {300});
-  // Of a convex body, from far away: what its front facets show.
+  // A convex body shows its front facets from far away.
   const Vec<Body> eye = body_from_aspect(30, 40);
   double area_m2 = 0;
   for (const auto& t : mesh->triangle) {
@@ -168,12 +168,12 @@ TEST(ReferenceView, AMirrorLightsAWall) {
              std::norm((index * index * c - root) / (index * index * c + root)));
   const double thrown = 0.5 / kPi * sun_w_m2 * side_m * side_m * std::cos(sun_zenith) * reflectance;
   const auto result = run(scene, request, 4096);
-  // What the wall lights on the mirror and back again is below 1e-3 of it.
+  // Light that the wall sends to the mirror and back again is below 1e-3 of it.
   expect_near(result.row[0].total, direct + thrown, "wall", 3e-5 * direct + 1e-3 * thrown);
   EXPECT_GT(thrown, 20 * result.row[0].total.stderr_) << "seen at all";
 }
 
-// What wavelengths drawn for each path make of a band is what a fixed quadrature does.
+// Wavelengths drawn for each path give the band of a fixed quadrature.
 TEST(ReferenceView, SpectraAreIntegratedWhereTheyBreak) {
   MaterialSpec notched{"notched",
                        Lambert{{{7, 0.9}, {9.9, 0.9}, {10, 0.1}, {10.1, 0.9}, {13, 0.9}}}};

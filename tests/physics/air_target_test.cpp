@@ -184,7 +184,7 @@ TEST(AirTarget, AUniformSkyReachesDownToTheDip) {
   }
 }
 
-// What nodes below the horizontal hold: the sky down to the horizon, the ground below it.
+// Nodes below the horizontal hold the sky down to the horizon, and the ground below it.
 TEST(AirTarget, NodesBelowTheHorizontalAreTheSkyDownToTheHorizon) {
   const std::vector<double> um = {10.0075};
   const Atmosphere atmosphere = *Atmosphere::make({air(), {}});

@@ -122,7 +122,7 @@ TEST(AirView, ContrastHasTheSignOfTheDifference) {
     const SignatureResult& r = view->row[0];
     contrast[i] = r.contrast_intensity_w_sr.value;
     area = r.projected_area_m2.value;
-    // What is seen: source through the air, and the path.
+    // The apparent intensity is the source through the air, and the path.
     EXPECT_LT(r.apparent_numerical_error_w_sr, 0.02 * r.apparent_intensity_w_sr.value);
     EXPECT_GT(r.path_transmittance, 0.4);
     EXPECT_LT(r.path_transmittance, 0.95);

@@ -132,8 +132,9 @@ TEST(AtmosphereAerosol, NavyAtOneKilometreIsModtrans) {
   EXPECT_NEAR(ours / count, left / count, 5e-4);
 }
 
-// By hand, from the table: boundary layer and troposphere exponential between levels, each linear
-// towards the other's. 23 km, spring and summer, by visible depth; and all models, in all bands.
+// Expected by hand, from the table: boundary layer and troposphere exponential between levels, each
+// linear towards the other's. 23 km, spring and summer, by visible depth; and all models, in all
+// bands.
 TEST(AtmosphereAerosol, RegionsFadeIntoEachOther) {
   const auto exponential = [](double a, double b) { return (a - b) / std::log(a / b); };
   const double boundary = exponential(0.158, 0.0991) + exponential(0.0991, 0.0621) + 0.0621 / 2;

@@ -80,7 +80,7 @@ TEST(AtmosphereLimits, BandsThatAreLeftOutChangeNoOther) {
   const Atmosphere air = *Atmosphere::make(
       {afgl_profile(AfglProfile::kUsStandard1976), {AerosolKind::kMaritime, 23e3}});
   const LightPath path = look(air.profile(), 10, 40, kFarLimit);
-  // Of every length, and all over the lanes of a vector.
+  // Selections have every length, and lie all over the lanes of a vector.
   std::vector<unsigned char> wanted(kAirBandCount, 0);
   for (std::size_t first = 0, length = 1; first + length < kAirBandCount; ++length) {
     std::fill_n(wanted.begin() + static_cast<std::ptrdiff_t>(first), length, 1);

@@ -24,8 +24,8 @@
 namespace irsig {
 namespace {
 
-// Of the depth of fine and coarse lines, of continua, and of lines in the band that is empty in the
-// source.
+// Sigmas of the depth of fine and coarse lines, of continua, and of lines in the band that is empty
+// in the source.
 using Sigmas = std::array<double, 4>;
 
 struct Band {
@@ -35,9 +35,9 @@ struct Band {
   double lines, coarse_lines, continua, empty_lines, aerosol;  // optical depths
 
   [[nodiscard]] double depth() const { return -std::log(transmittance); }
-  // In ln(-ln T), where a relative error of the depth is an absolute one.
+  // Returns the difference in ln(-ln T), where a relative error of the depth is an absolute one.
   [[nodiscard]] double difference() const { return std::log(depth() / -std::log(reference)); }
-  // Of air as the reference has it: the same aerosol.
+  // Returns the variance for air as the reference has it: with its aerosol.
   [[nodiscard]] double variance(const Sigmas& s) const {
     const double error = std::hypot(std::hypot(s[0] * lines, s[1] * coarse_lines),
                                     std::hypot(s[2] * continua, s[3] * empty_lines)) /

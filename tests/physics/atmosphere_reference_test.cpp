@@ -24,7 +24,7 @@ std::size_t band_of(double centre_cm1) {
   return static_cast<std::size_t>((centre_cm1 - kAirFirstCm1) / kAirBandWidthCm1);
 }
 
-// As the references were run: CO2 330 ppmv, CFCs of their time left out.
+// The references were run so: CO2 330 ppmv, CFCs of their time left out.
 Atmosphere reference_air(AfglProfile profile, AerosolKind kind = AerosolKind::kNone) {
   AtmosphereSpec spec{afgl_profile(profile), {}, 330, 0, 0};
   spec.aerosol.kind = kind;

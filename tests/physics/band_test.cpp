@@ -207,7 +207,8 @@ TEST(Response, ApparentTemperatureInvertsTheGrid) {
     EXPECT_EQ(radiance_temperature_k(band, grid, 0.0), 0.0);
     EXPECT_GT(radiance_temperature_k(band, grid, 5e-324), 0.0);
   }
-  // What no blackbody has: NaN, and no end of the process. Up to the highest temperature it works.
+  // A radiance that no blackbody has gives NaN, and does not end the process. Up to the highest
+  // temperature the inverse works.
   for (const Band& band : {filtered(), mwir()}) {
     const BandGrid grid = make_band_grid(band).value();
     for (const double radiance : {-1.0, -5e-324, double{NAN}, double{INFINITY}, 1e200, 1e308})
@@ -219,7 +220,7 @@ TEST(Response, ApparentTemperatureInvertsTheGrid) {
         << band.name;
     EXPECT_TRUE(std::isnan(radiance_temperature_k(band, grid, 1.001 * most))) << band.name;
   }
-  // Without a response: the closed form over the limits.
+  // Without a response it is the closed form over the limits.
   const BandGrid grid = make_band_grid(mwir()).value();
   EXPECT_EQ(radiance_temperature_k(mwir(), grid, 2.3105), radiance_temperature_k(3, 5, 2.3105));
 }

@@ -59,7 +59,7 @@ TEST(SpectralBasis, ExpandsWhatPathsCarry) {
     for (std::size_t j = 0; j < basis.columns(); ++j)
       EXPECT_NEAR(basis.expand[basis.carried[k] * basis.columns() + j], j == k ? 1 : 0, 1e-9);
 
-  // The same directions with all nodes and with the few. Roulette plays with the largest factor of
+  // Trace the directions with all nodes and with the few. Roulette plays with the largest factor of
   // those carried, so that fates differ; without roulette they do not.
   const AimedView view = make_aimed_view(simulator->target(), {60, 20, 5000});
   PathSettings s;
@@ -183,7 +183,7 @@ TEST(Truncation, ReflectanceOf0_999) {
     if (n == 5000) {
       EXPECT_LT(s.truncation_bound_w_sr, 1e-3 * limit * scale);
     }
-    // Where it is known to be geometric: not the seven times of the rigorous bound.
+    // The series is known to be geometric: the bound is not the seven times of the rigorous one.
     if (n == 16 || n == 64) {
       EXPECT_LT(s.truncation_bound_w_sr, 2 * missing);
     }
@@ -299,8 +299,8 @@ TEST(Unseen, ACausticThatWasNotMetIsBounded) {
   r.accuracy.samples_per_replicate = 0;
   r.accuracy.relative_error = 0.02;
   const SignatureResult s = only_row(*simulator, r);
-  // What the mirror could throw onto the floor, and what a sample of it could miss, are in the
-  // error.
+  // The error contains the light that the mirror could throw onto the floor, and that a sample of
+  // it could miss.
   const double unseen = numerical_error(0, s.undersampling_stderr_w_sr, s.undersampling_bound_w_sr);
   EXPECT_GT(unseen, 0.001 * s.intensity_w_sr.value);
   r.accuracy.relative_error = 0;

@@ -54,7 +54,7 @@ std::unique_ptr<Simulator> box(const std::string& walls, double depth_m) {
   return simulator_of(scene);
 }
 
-// At 45 degrees onto the wall x = 1, so far away that lines of sight are parallel.
+// Looks at 45 degrees onto the wall x = 1, from so far away that lines of sight are parallel.
 ViewRequest view_of(const Simulator& simulator, double sky_k) {
   ViewRequest r = request(simulator, 180, 45, 1e5, {306, 306});
   r.condition.front().surroundings.sky_temperature_k = sky_k;
@@ -139,7 +139,7 @@ TEST(BoxCavity, AWorldOfOneTemperatureIsBlack) {
       expect_within_t(row.radiance_w_m2_sr, planck_band_radiance_w_m2_sr(8, 14, 306), 4,
                       walls + " isothermal", 1e-4, walls == "ward" ? 3e-3 : 0);
       EXPECT_LT(result->row[0].source_radiance_temperature_k.value, 299);
-      // What was cut off after one reflection is what the others bring.
+      // The bound after one reflection is the contribution of the others.
       EXPECT_NEAR(
           result->row[1].truncation_bound_w_m2_sr,
           row.radiance_w_m2_sr.value - result->row[1].radiance_w_m2_sr.value,
@@ -194,8 +194,8 @@ TEST(BoxCavity, UnderWaterIsTheSea) {
   EXPECT_EQ(result->row[0].target_fraction, 0);
   EXPECT_NEAR(result->row[2].source_radiance_temperature_k.value, 320, 1e-3);
   EXPECT_NEAR(result->row[2].target_fraction, 1, 1e-5);
-  // From 3.6 m above the sea, 40 km away, which is 122 m below the horizontal plane of the box: its
-  // horizon ends 6.8 km away, and the box is 33 km behind that.
+  // The sensor is 3.6 m above the sea, 40 km away, which is 122 m below the horizontal plane of the
+  // box: its horizon ends 6.8 km away, and the box is 33 km behind that.
   request.viewpoint = {0, -std::asin(122.0 / 40000) * 180 / std::numbers::pi, 40000};
   const auto far = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(far.ok()) << far.status();

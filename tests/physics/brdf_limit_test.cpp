@@ -51,8 +51,8 @@ std::vector<double> about(double centre, double scale_deg, double low, double hi
   return out;
 }
 
-// For both directions known, for one who looks at light from anywhere, and for light from one side
-// whoever looks.
+// Limits hold for two known directions, for one who looks at light from anywhere, and for light
+// from one side whoever looks.
 TEST(BrdfLimit, HoldsAndIsNotFarAway) {
   for (const RosterEntry& entry : material_roster()) {
     const auto material = Material::prepare(entry.spec, roster_wavelengths(), 3, 12);

@@ -261,7 +261,7 @@ TEST(BrdfModels, NearMirrorLobesSurviveFloatDirections) {
         const Vector3 h = unit(
             add(normal, add(scaled(slope * std::cos(turn), x), scaled(slope * std::sin(turn), y))));
         const Vector3 wi = add(scaled(2 * dot(wo, h), h), scaled(-1, wo));
-        // As transport does it, in float.
+        // Transport computes it in float.
         const Float3 nf = narrow(normal), of = narrow(wo), lf = narrow(wi);
         const Float3 hf{of[0] + lf[0], of[1] + lf[1], of[2] + lf[2]};
         const float inverse2 = 1 / dot(hf, hf), inverse = std::sqrt(inverse2), along = dot(nf, hf);

@@ -47,8 +47,8 @@ std::vector<std::uint32_t> facets_of(const Target& target, std::uint32_t part) {
   return out;
 }
 
-// Of rays through random points of a rectangle of the image plane: how many meet the part, and how
-// many of these outside of the grid's cells.
+// Counts the rays through random points of a rectangle of the image plane that meet the part, and
+// how many of these lie outside of the grid's cells.
 struct Met {
   int part = 0, beside = 0;
 };
@@ -212,7 +212,7 @@ TEST(Bright, ThroughAHoleAsMuchIsSeenAsItIsWide) {
       sum += row.intensity_w_sr.value / kSeeds;
       variance += std::pow(row.intensity_w_sr.stderr_ / kSeeds, 2);
     }
-    // What rounding of rays and cracks may do: 1e-6 of the hole's surroundings.
+    // Rounding of rays and cracks may change 1e-6 of the hole's surroundings.
     const double rounding = 2e-6 * expected;
     EXPECT_LT(std::abs(sum - expected),
               student_t_bound(31 * kSeeds, 3) * std::sqrt(variance) + rounding)
@@ -220,7 +220,8 @@ TEST(Bright, ThroughAHoleAsMuchIsSeenAsItIsWide) {
   }
 }
 
-// With rays of their own and without: the same, though the second stands for 16 m2 / 2^21.
+// The value is the same with rays of their own and without, though a ray without stands for 16 m2 /
+// 2^21.
 TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
   constexpr std::uint64_t kSeeds = 16;
   const std::vector<RareLightScene> scenes = {
@@ -242,7 +243,7 @@ TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
       variance += std::pow(view->row[0].intensity_w_sr.stderr_ / kSeeds, 2);
       stated.push_back({view->row[0].intensity_w_sr.value, view->row[0].numerical_error_w_sr});
     }
-    // What each seed states holds, by the mean of all.
+    // The statement of each seed holds, judged by the mean of all.
     for (const Estimate& one : stated)
       EXPECT_LT(std::abs(one.value - sum), student_t_bound(31, kSeeds * scenes.size()) *
                                                std::hypot(one.stderr_, std::sqrt(variance)))
@@ -258,7 +259,7 @@ TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
               student_t_bound(31, scenes.size()) * std::hypot(std::sqrt(variance), without.stderr_))
         << scene.name << ": " << sum << " +- " << std::sqrt(variance) << ", without "
         << without.value << " +- " << without.stderr_;
-    // And the second is no excuse: it is known to 3 %.
+    // The second estimate is no excuse: it is known to 3 %.
     EXPECT_LT(without.stderr_, 0.03 * without.value) << scene.name;
   }
 }

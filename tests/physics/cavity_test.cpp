@@ -82,7 +82,7 @@ TEST(SphericalCavity, EveryOrderOfReflection) {
                       "cavity eps " + std::to_string(emissivity) + " opening " +
                           std::to_string(half_angle_deg) + " N " + std::to_string(row.reflections),
                       6e-3, 1.5e-4 * black * row.effective);
-      // What was cut off is bounded by the truncation bound.
+      // The truncation bound covers the light that was cut off.
       EXPECT_LE(black * (v[2] - row.effective) * result.projected_area_m2.value,
                 result.truncation_bound_w_sr * 1.02 + 6 * result.intensity_w_sr.stderr_);
       ++tested;

@@ -54,7 +54,7 @@ TEST(CloudSky, HasNoJumpWhereALevelIsAdded) {
     for (const double depth : {0.6, 1.0, 2.0, 5.0, 6.0, 10.0, 18.0, 20.0}) {
       std::vector<AirSpectrum> seen;
       for (const double factor : {1 - 2e-6, 1 + 2e-6}) {
-        // Of particles much larger than the wavelength.
+        // The particles are much larger than the wavelength.
         const double water_kg_m2 = factor * depth / 1.5 * 1e-3 * radius_um;
         const CloudSpec cloud{phase, water ? 500.0 : 5000.0, water ? 900.0 : 7000.0, water_kg_m2,
                               radius_um};

@@ -41,7 +41,7 @@ struct NamedCloud {
   const char* name;
   CloudSpec spec;
 };
-// As LOWTRAN7 has them: liquid water paths with its interpolation between levels.
+// Clouds are LOWTRAN7's: liquid water paths with its interpolation between levels.
 const std::vector<NamedCloud> kClouds = {
     {"cumulus", {CloudPhase::kWater, 660, 2700, 1.664, 11.5}},
     {"altostratus", {CloudPhase::kWater, 2400, 3000, 0.345, 6.8}},
@@ -87,7 +87,7 @@ TEST(CloudSky, OpaqueWaterCloudsAsLowtranHasThem) {
   RecordProperty("rms_3p5_4p1_k", std::to_string(std::sqrt(short_wave / count)));
 }
 
-// What a cirrus adds to the clear sky lies between LOWTRAN7's two ways of scattering, +-10 %.
+// The addition of a cirrus to the clear sky lies between LOWTRAN7's two ways of scattering, +-10 %.
 TEST(CloudSky, CirrusAddsAsMuchAsInLowtran) {
   const ReferenceTable table("clouds_lowtran.csv");
   const CloudSpec cirrus{CloudPhase::kIce, 5000, 6000, 0.0067, 64};

@@ -14,9 +14,9 @@
 
 namespace irsig::wall {
 
-// The same wall by other means: finite volumes with unknowns in the middle of cells, faces without
-// heat capacity solved by secants, and SUNDIALS' CVODE (variable order, its own Newton
-// iteration) in time.
+// A wall by other means: finite volumes with unknowns in the middle of cells, faces without heat
+// capacity solved by secants, and SUNDIALS' CVODE (variable order, its own Newton iteration) in
+// time.
 class CvodeWall {
  public:
   struct Face {

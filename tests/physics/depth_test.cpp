@@ -192,11 +192,11 @@ std::vector<Face> faces_of(const Box& box) {
   return out;
 }
 
-// What the program states of a box, and what is true: the faces cut into 24 x 24 pieces, each
+// Statements of the program about a box, and the truth: the faces cut into 24 x 24 pieces, each
 // through the air of its own range by Bouguer's law.
 struct Judged {
   double area_m2 = 0, target_depth_bound_w_sr = 0;
-  // Of apparent and contrast intensity. [W/sr]
+  // Apparent and contrast intensity. [W/sr]
   std::array<double, 2> value{}, stated{}, truth{};
 };
 double seen_w_m2_sr(const Box& box, const BandGrid& grid, double emissivity, double kelvin,

@@ -142,7 +142,7 @@ TEST(EffectsCheck, WhatMattersIsSeenToMatterAndBounded) {
   }
 }
 
-// What reaches the sensor by way of the target is not only what the target sends out itself.
+// Light that reaches the sensor by way of the target is not only the target's own.
 TEST(EffectsCheck, SunByWayOfTheTargetIsInTheBoundOfInterReflection) {
   auto cells = hard_cells();
   ASSERT_TRUE(cells.ok()) << cells.status();

@@ -1,6 +1,6 @@
-// What is left out of a view, by the core alone: convexity, bounds that hold against a run with
-// everything, the energy ledger, the absolute floor. The matrix of scenes is in the study
-// (effects_matrix), the planner's arithmetic in tests/unit.
+// Tests effects that are left out of a view, by the core alone: convexity, bounds that hold against
+// a run with everything, the energy ledger, the absolute floor. The matrix of scenes is in the
+// study (effects_matrix), the planner's arithmetic in tests/unit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -281,7 +281,7 @@ TEST(Effects, APlanIsAValue) {
   EXPECT_FALSE(plan == other);
   EXPECT_NE(to_string(plan), to_string(other));
 
-  // What was made on the way to a plan changes nothing, and is not used for another one.
+  // Data made on the way to a plan change nothing, and are not used for another one.
   const auto prepared = s.simulator->prepare(s.request);
   ASSERT_TRUE(prepared.ok()) << prepared.status();
   EXPECT_TRUE(prepared->plan == plan);

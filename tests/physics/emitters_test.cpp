@@ -108,7 +108,7 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
               elements, many.nodes(), vertices, 1e-6 * static_cast<double>(bytes),
               1e-6 * static_cast<double>(bytes_of(a)));
 
-  // The same light.
+  // The light of both is equal.
   ConditionSpec condition;
   condition.part_temperature_k = {300, 420};
   condition.sun = true;
@@ -183,8 +183,8 @@ TEST(Emitters, NodesGiveEveryBlackbody) {
   EXPECT_LT(BlackbodyNodes(250, 330).relative_error(8), 1e-6);
 }
 
-// The same paths with the temperatures stated by part and by facet. The bound of the temperatures'
-// errors is what the view gains when all are as much higher.
+// Compares temperatures stated by part and by facet on equal paths. The bound of the temperatures'
+// errors is the gain of the view when all are as much higher.
 TEST(Emitters, TemperaturesOfTheirOwn) {
   for (const bool is_grey : {true, false}) {
     SceneSpec scene = scene_of(

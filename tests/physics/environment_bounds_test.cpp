@@ -120,7 +120,7 @@ std::vector<double> over_all_directions(const DirectionNodes& nodes,
   return sum;
 }
 
-// How close what is comes to what it can be.
+// Collects how close values come to their bounds.
 class Tightness {
  public:
   void expect(const char* what, const std::string& where, const std::vector<double>& is,
@@ -147,7 +147,7 @@ std::vector<double> less(std::vector<double> a, const std::vector<double>& b) {
   return a;
 }
 
-// Of all that a line shows under all conditions.
+// Compares all light that a line shows under all conditions with its bounds.
 void expect_bounded(const Environment& e, const Environment::Line& l, const std::string& name,
                     Tightness& tight) {
   auto look = e.sight_line(l);
@@ -368,7 +368,7 @@ TEST(EnvironmentLooks, BoundsAndLightOfManyConditionsInAnyOrder) {
   EXPECT_FALSE(e->sight_line(line(1000, -5, 0)).ok());
 }
 
-// In quarters of a micrometre: |difference| / reflected, largest.
+// Returns the largest |difference| / reflected of the quarters of a micrometre.
 double largest_fraction(const std::vector<double>& is, const std::vector<double>& should,
                         const std::vector<double>& of) {
   const std::vector<double> um = wavelengths();
@@ -404,7 +404,7 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
           EXPECT_EQ(radiance_of(three.around), all_node);
           EXPECT_EQ(three.background_apparent, all.background_apparent);
           EXPECT_EQ(all.joined_lines_bound, 0);
-          // What planes reflect: the cosine to their normal, which lies level or straight up.
+          // Planes reflect with the cosine to their normal, which lies level or straight up.
           double largest = 0;
           for (const Vec<Body> normal :
                {Vec<Body>{0, 0, -1}, Vec<Body>{1, 0, 0}, Vec<Body>{0, -1, 0}, Vec<Body>{0, 0, 1}}) {

@@ -93,7 +93,7 @@ TEST(EnvironmentLimits, ProductsOfBandMeansErrAsKnown) {
   EXPECT_NEAR(sky(45, 3.34, 5), 1.42, 0.02);
   EXPECT_NEAR(sky(60, 8, 12), 1.14, 0.02);
 
-  // And what a view holds is the exact one, not the product.
+  // A view holds the exact one, not the product.
   WeatherSpec w = sea_weather();
   w.air = summer(AerosolKind::kNone);
   const auto e = limit_environment({w}, {limit_sunny(30, 0)});

@@ -238,7 +238,7 @@ TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
           night.air.sky_radiance(kHeightM, zenith_deg, light, &near).total_w_m2_sr_um;
       for (std::size_t i = 0; i < um.size(); ++i) {
         const std::size_t b = *air_band(um[i]);
-        // What is lost in the path's own radiance does not matter.
+        // Light that is lost in the path's own radiance does not matter.
         if (all[b] < 1e-3 * v.path_radiance[i]) continue;
         worst = std::max(worst, std::abs(apparent[node][i] / all[b] - 1));
         product = std::max(product, v.transmittance[i] * at_target[node][i] / all[b] - 1);
@@ -251,7 +251,8 @@ TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
   EXPECT_GT(product, 0.5);
 }
 
-// By how much a ray from the sensor points lower at the target than the straight line. [rad]
+// Returns the angle by which a ray from the sensor points lower at the target than the straight
+// line. [rad]
 double lift_of(double range_m, double elevation_deg) {
   if (range_m == 0) return 0;
   const LightPath path = *look_between(afgl_profile(AfglProfile::kMidlatitudeSummer),

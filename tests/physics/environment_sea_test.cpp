@@ -99,8 +99,8 @@ TEST(EnvironmentSea, ProjectedAreaIsTheIntegralOverSlopes) {
 }
 
 TEST(EnvironmentSea, GlintCarriesTheSunsEnergy) {
-  // Of a perfect mirror, the flux that leaves a square metre is what meets it, as long as no facet
-  // is hidden or mirrors downwards.
+  // From a perfect mirror the flux that meets a square metre leaves it, as long as no facet is
+  // hidden or mirrors downwards.
   for (const double wind : {1.0, 8.0}) {
     for (const double sun_deg : {0.0, 35.0}) {
       const Vec<Body> sun = observer(sun_deg, 20);
@@ -120,7 +120,7 @@ TEST(EnvironmentSea, GlintCarriesTheSunsEnergy) {
 }
 
 TEST(EnvironmentSea, GlintIsWhatFacetsMirror) {
-  // The same radiance as a share of facets: of a uniform patch of sky of radiance 1 around the sun,
+  // The radiance is also a share of facets: a uniform patch of sky of radiance 1 around the sun,
   // seen through facets, against the integral of glint over the patch.
   const Vec<Body> v = observer(60), sun = observer(50, 180);
   constexpr double kRadius = 0.15;

@@ -111,7 +111,7 @@ TEST(Fog, SunlightAsPhotonsHaveIt) {
           at_top * AirPhotons(weather, b)
                        .seen(std::cos(zenith_deg * M_PI / 180), kInfinity, std::sqrt(0.5), 0)
                        .sun_per_sr;
-      // What comes through a depth of 20 is lost in what the fog emits.
+      // Sunlight through a depth of 20 is lost in the emission of the fog.
       const double lost = 5e-3 * planck_radiance_w_m2_sr_um(air_band_lambda_um(b), kGroundK);
       EXPECT_NEAR(sky(sun) - sky({}), photons,
                   (fog.visibility_m < 1000 ? 0.1 : 0.25) * photons + lost)

@@ -39,7 +39,7 @@ TEST(GasAir, HotWaterThroughHumidAir) {
     ASSERT_TRUE(ours.ok() && alone.ok());
     double sum = 0, product = 0, spread = 0, sent = 0;
     for (std::size_t b = 0; b < bands.size(); ++b) {
-      // Of the lines alone: continuum and other gases are factors.
+      // The comparison is of the lines alone: continuum and other gases are factors.
       const std::size_t band = bands.first + b - kAirGasBands.first;
       const double factors = ours->air_transmittance[b] / transmittance(amounts, Gas::kH2o)[band];
       sum += ours->spectrum.radiance_w_m2_sr_um[b] / factors;
@@ -54,7 +54,7 @@ TEST(GasAir, HotWaterThroughHumidAir) {
         "%.3f), T %.3f\n",
         t, u, table.number(row, "range_km"), sum / product, spread / product, exact, ranked,
         product / sent);
-    // What multiplied means get wrong by factors of 1.3 to 12.
+    // Products of means are wrong by factors of 1.3 to 12.
     EXPECT_NEAR(sum / product, exact, 0.16);
     EXPECT_GT(sum / product, ranked * 0.8);
     EXPECT_LT(sum, product);

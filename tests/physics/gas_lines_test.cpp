@@ -46,7 +46,7 @@ Atmosphere air(AfglProfile profile = AfglProfile::kUsStandard1976) {
   return *Atmosphere::make(spec);
 }
 
-// Of the air in front, what is not carbon dioxide.
+// Returns the transmittance of the air in front without its carbon dioxide.
 double others(const AbsorberAmounts& amounts, std::size_t band) {
   double t = 1;
   for (const Gas gas : {Gas::kH2o, Gas::kO3, Gas::kN2o, Gas::kCh4, Gas::kCo}) {
@@ -64,7 +64,8 @@ struct Radiances {
   double exact = 0, ours = 0, product = 0;
 };
 
-// From the eye: air of the given optical depth line by line, then layers.
+// Returns the radiances of air of the given optical depth line by line, then of layers, from the
+// eye.
 Radiances radiances(const std::vector<Layer>& layers, const std::vector<double>& cold_depth,
                     const AbsorberAmounts& amounts) {
   Radiances out;

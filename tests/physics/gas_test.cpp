@@ -24,7 +24,7 @@ GasState gas(double temperature_k, double h2o, double co2, double co, double soo
   return {temperature_k, 101325, h2o, co2, co, soot};
 }
 
-// Of the sum over the bands of emissivity times the blackbody's radiance.
+// Returns the emissivity over all bands, weighted with the blackbody's radiance.
 double total_emissivity(const std::vector<GasLayer>& path, double temperature_k) {
   const auto spectrum = gas_spectrum(path);
   EXPECT_TRUE(spectrum.ok()) << spectrum.status();
@@ -99,8 +99,8 @@ TEST(Gas, AColumnMayBeCut) {
   }
 }
 
-// From an optical depth of 1e-12 to more than 1e4, also behind cold gas: never more than the
-// blackbody, always growing, and as weak as S/d u where it is thin.
+// Emissivity from an optical depth of 1e-12 to more than 1e4, also behind cold gas, is never more
+// than the blackbody's, always grows, and is as weak as S/d u where the gas is thin.
 TEST(Gas, FromThinToThick) {
   const double nu = gas_band_centre_cm1(225);  // 2305 cm-1
   const GasState hot = gas(1000, 0, 1, 0);

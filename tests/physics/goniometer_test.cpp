@@ -116,8 +116,8 @@ TEST(Goniometer, ACookTorrancePlateHasItsOwnBrdf) {
                           (cos_d * cos_d * a2b2 + s2 * s2 + 2 * aa * cos_d * s2);
         const double expected = 0.5 * (rs + rp) * d * g / (4 * std::cos(ti) * std::cos(to));
         const Estimate& e = r.brdf(0, j, z, a);
-        // What is fainter than a diffuse reflection is played by roulette: a survivor weighs 1 /
-        // pi, 1 / (32 x 256 pi) = 4e-5 of the mean, and there may be one more or one less.
+        // Roulette plays light that is fainter than a diffuse reflection: a survivor weighs 1 / pi,
+        // 1 / (32 x 256 pi) = 4e-5 of the mean, and there may be one more or one less.
         EXPECT_NEAR(e.value, expected, 5 * e.stderr_ + 2e-3 * expected + 4e-5)
             << spec.source_zenith_deg[j] << " " << spec.view_zenith_deg[z] << " "
             << spec.view_azimuth_deg[a];

@@ -91,7 +91,7 @@ TEST(Heat, AgreesWithCvode) {
           set(out.inner_end, 0, w.hour[interval][3]);
         });
 
-    // What the inner side takes no notice of, CVODE is not told.
+    // CVODE does not get exposures of an inner side that takes none.
     FaceProperties inner{0, kForcedOnly};
     if (w.side == InnerSide::kOpen) inner = w.inner;
     const auto seen = [&](Weather b) {

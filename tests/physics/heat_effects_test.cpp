@@ -1,4 +1,4 @@
-// What leaving out an effect of temperatures changes, and the bounds on it.
+// Tests the changes by effects of temperatures that are left out, and the bounds on them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -127,7 +127,7 @@ TEST(HeatEffects, BoundsCoverWhatLeavingOutChanges) {
         return at(neither.exchange_bound_k, f) + at(neither.diffuse_sun_bound_k, f);
       },
       3, 5);
-  // What is left out is in the error; what is not is not.
+  // Only bounds of effects that are left out are in the error.
   for (std::size_t f = 0; f < target.facet.size(); ++f) {
     EXPECT_GE(no_diffuse.error_k[3][f], no_diffuse.diffuse_sun_bound_k[f]);
     EXPECT_GE(neither.error_k[3][f], neither.diffuse_sun_bound_k[f] + neither.exchange_bound_k[f]);

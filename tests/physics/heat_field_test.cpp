@@ -33,7 +33,7 @@ double forced_w_m2_k(double wind_m_s) {
          (std::log(kWindHeightM / kRoughnessM) * std::log(10 * kWindHeightM / kRoughnessM));
 }
 
-// What a radiometer with the emissivity set to 1 shows.
+// Returns the reading of a radiometer with the emissivity set to 1.
 double radiometric_k(double surface_k, double long_wave_w_m2) {
   return std::pow(kEmissivity * std::pow(surface_k, 4) +
                       (1 - kEmissivity) * long_wave_w_m2 / kStefanBoltzmannWM2K4,
@@ -104,7 +104,7 @@ Score score_of(const Field& field, const std::vector<double>& surface_k) {
   return out;
 }
 
-// At the middle of each half-hour: the mean of its two ends.
+// Returns the value at the middle of each half-hour: the mean of its two ends.
 std::vector<double> by_layers(const Field& field) {
   HeatRequest request =
       request_of({{0.64, kConductivity, kDensity, kHeat}, {1.4, kConductivity, kDensity, kHeat}},

@@ -42,7 +42,7 @@ HeatRequest emitting(std::vector<Layer> layers, InnerSide inner, std::vector<dou
   return request;
 }
 
-// Of a face that stores and conducts nothing.
+// Returns the temperature of a face that stores and conducts nothing.
 double balanced_k(const FaceProperties& face, const Weather& w) {
   double low = 1, high = 5000;
   for (int i = 0; i < 200; ++i) {
@@ -210,7 +210,7 @@ TEST(HardHeat, AHugeCoefficientHoldsTheFace) {
   EXPECT_LE(r.closure_w_m2[0], 1e-6 * 1e9);
 }
 
-// The same lines, cut by knots of a second or an hour.
+// Knots of a second and of an hour cut equal lines.
 TEST(HardHeat, KnotsOfASecondAndOfAnHour) {
   const auto weather = [](std::size_t, double t) { return Weather{t / 6, 250, 290, 8}; };
   for (const auto& layers : {std::vector<Layer>{kFoil}, {kPaint, kSteel}, {kConcrete}}) {
@@ -320,7 +320,8 @@ TEST(HardHeat, StrangeInputsGiveNumbers) {
   EXPECT_GE(accepted, 100);
 }
 
-// To the last bit: alone, among others that need more levels, in another group, in another order.
+// Results are equal to the last bit: alone, among others that need more levels, in another group,
+// in another order.
 TEST(HardHeat, AnElementDoesNotDependOnItsNeighbours) {
   constexpr std::size_t kMany = 600;
   HeatRequest many =

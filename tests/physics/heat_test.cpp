@@ -19,7 +19,7 @@ using namespace wall;
 Layer concrete(double thickness_m) { return {thickness_m, 1.4, 2300, 880}; }
 Layer steel(double thickness_m) { return {thickness_m, 50, 7850, 460}; }
 Layer soil(double thickness_m) { return {thickness_m, 0.5, 1900, 1500}; }
-// Of one temperature from face to face.
+// Returns a layer of one temperature from face to face.
 Layer plate(double capacity_j_m2_k) { return {0.01, 1e9, capacity_j_m2_k / 0.01, 1}; }
 
 constexpr double kStartK = 300;

@@ -48,7 +48,7 @@ HeatRequest sheet(std::vector<FaceProperties> outer, double start_k, double leng
   return request;
 }
 
-// Where a face's balance of heat vanishes.
+// Returns the temperature at which a face's balance of heat vanishes.
 double settled_k(const FaceProperties& face, const Damp& damp) {
   const auto heat = [&](double kelvin) {
     const Weather& w = damp.weather;

@@ -84,7 +84,7 @@ double passes_m(double sensor_m, double zenith_deg, double along_m, bool refract
   for (std::size_t i = 1; i < path.node.size(); ++i) {
     const LightPath::Node &a = path.node[i - 1], &b = path.node[i];
     if (b.central_angle_deg < turn_deg) continue;
-    // As high as the end of a path of that length.
+    // The height is that of the end of a path of that length.
     double low = 0, high = path.step_m[i - 1], before = 0;
     for (std::size_t k = 0; k + 1 < i; ++k) before += path.step_m[k];
     (void)a;
@@ -126,8 +126,8 @@ TEST(LineHorizon, IsWhereRaysFromTheSensorPassAndMeetTheSea) {
   }
 }
 
-// What a sphere of the equivalent radius hides from lifted straight lines is what the ray that
-// touches the surface passes below.
+// A sphere of the equivalent radius hides from lifted straight lines all that the ray which touches
+// the surface passes below.
 TEST(LineHorizon, TheEquivalentSphereHidesAsMuch) {
   const GrazingRay ray(air());
   for (const double sensor_m : {5.0, 20.0, 1000.0}) {
@@ -139,7 +139,7 @@ TEST(LineHorizon, TheEquivalentSphereHidesAsMuch) {
       const double k = 1 - kEarthRadiusM / h.earth_radius_m;
       EXPECT_GT(k, 0.1) << "air bends rays towards the Earth by a sixth of its curvature";
       EXPECT_LT(k, 0.25);
-      // From so high above the sphere the lifted line to the sensor touches it.
+      // At this height above the sphere the lifted line to the sensor touches it.
       const double e = line.elevation_deg * kRadPerDeg;
       const auto lowest_m = [&](double height_m) {
         const double up = line.range_m * std::sin(e) + 10 - height_m;
@@ -185,7 +185,7 @@ std::unique_ptr<const Environment> horizon_environment(bool refraction = true,
   return *std::move(made);
 }
 
-// At the sensor, without the air in front: [wavelength].
+// Returns the radiance at the sensor, without the air in front: [wavelength].
 std::vector<double> behind(const Environment& e, Environment::Line line, double z,
                            std::uint32_t condition) {
   line.behind = BackgroundDirections({static_cast<float>(z)});
@@ -253,7 +253,8 @@ TEST(Behind, SkyBelowTheHorizontalAsSummedOverEveryStep) {
         at = line_of(10, kHorizonHeightM, along_m);
       }
       const std::vector<double> seen = behind(*e, at, z, 1);
-      // Of other heights of passing the horizon is another, and so is the same part of it.
+      // A line that passes at another height has another horizon, and sees the corresponding part
+      // of it.
       const double el = line.elevation_deg * kRadPerDeg;
       const double height_m =
           along_m > 0 ? kHorizonHeightM +
@@ -364,7 +365,7 @@ TEST(Behind, TurningTheWorldStaysWithinItsBound) {
   EXPECT_LT(worst, 0.04);
 }
 
-// What waves that shade each other would change is nothing at noon and a third at 2 deg.
+// Waves that shade each other would change nothing at noon and a third at 2 deg.
 TEST(Behind, GrazingGlitterHasAModelError) {
   const auto towards = [](double elevation_deg, double azimuth_deg) {
     const double e = elevation_deg * kRadPerDeg, a = azimuth_deg * kRadPerDeg;

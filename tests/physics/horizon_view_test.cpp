@@ -33,7 +33,8 @@ Mesh wall(double low_m, double high_m, double width_m) {
   return mesh;
 }
 
-// Of a sensor so high above a place so far away, at the wall's foot.
+// Returns the viewpoint of a sensor at this height above a place at this distance, at the wall's
+// foot.
 Viewpoint from(double sensor_m, double along_m) {
   const double turn = along_m / kEarthRadiusM, s = kEarthRadiusM + sensor_m;
   const double x = s * std::sin(turn), y = s * std::cos(turn) - kEarthRadiusM;
@@ -60,7 +61,7 @@ double passes_m(double sensor_m, double along_m, double radius_m) {
 
 struct Seen {
   double area_m2, background_w_m2_sr;
-  // Of the contrast: bound of the background's interpolation, and model error.
+  // Errors of the contrast: bound of the background's interpolation, and model error.
   double background_bound_w_sr, model_error_w_sr;
 };
 
@@ -198,7 +199,7 @@ TEST(HorizonView, TheSunsDiskIsCutByTheApparentHorizon) {
                   refraction,
                   {SurfaceBoundary::Kind::kRoughSea, 292, 1, 5},
                   nullptr};
-    // Where the sea ends, and where a ray that leaves there for the sun goes in the end.
+    // The place where the sea ends, and the end of a ray that leaves there for the sun.
     double above = 90, below = 91;
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (above + below);

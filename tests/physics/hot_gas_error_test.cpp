@@ -68,7 +68,7 @@ TEST(HotGasError, IsWhatBandsGetWrong) {
                middle = rms_z({{500, 1.41}, {700, 0.87}, {800, 0.74}, {900, 0.69}, {1000, 0.67}},
                               3.4, 4.1),
                red = rms_z({{700, 0.863}, {800, 0.834}}, 4.5, 5);
-  // Of the whole of 3-5 um the mean ratio and its scatter are known: 1.015 and 0.022.
+  // The whole of 3-5 um has a known mean ratio and scatter: 1.015 and 0.022.
   double all = 0;
   for (const double kelvin : {700.0, 900.0, 1100.0}) {
     const Sent sent = in_band(kelvin, 1, 3, 5);
@@ -149,8 +149,9 @@ std::map<Column, Bands> second_reference() {
   return out;
 }
 
-// What a column sends between two wavenumbers, over a blackbody's: by the reference's bands in
-// proportion to what lies between; by ours as they are, and as means over the same bands.
+// Radiance of a column between two wavenumbers, over a blackbody's: by the reference's bands in
+// proportion to their part between the two; by ours as they are, and as means over the reference's
+// bands.
 struct Window {
   double theirs = 0, ours = 0, in_their_bands = 0;
 };
@@ -200,7 +201,7 @@ TEST(SecondReference, BandsScatterAsStated) {
   std::map<double, std::array<double, 2>> red, blue;  // by temperature: squares, count
   for (const auto& [column, bands] : second_reference())
     for (const auto& [middle, emissivity] : bands) {
-      // Of water alone at 500 K a reference without HDO says nothing there.
+      // A reference without HDO has no number there for water alone at 500 K.
       if (middle > 2240 && column.temperature_k < 1500) continue;
       const double ours =
           absorbed(column.temperature_k, column.length_m, middle - kHalfBand, middle + kHalfBand);

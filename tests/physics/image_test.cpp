@@ -89,7 +89,7 @@ TEST(Image, LayersAddUp) {
     }
     EXPECT_GT(hidden, 0);
   }
-  // Without what a sensor sees, they are at the target.
+  // Without the light that a sensor sees, layers are at the target.
   std::erase_if(d.request.image->layer,
                 [](ImageLayer l) { return l > ImageLayer::kParts && l != ImageLayer::kRange; });
   for (const SignatureResult& row : simulated(*simulator, d.request).row)
@@ -129,7 +129,8 @@ TEST(Image, ShowsNothingWhereAllHasOneTemperature) {
   }
 }
 
-// From a target that fills most of the picture to one of 0.03 pixels; before the horizon, too.
+// Tests targets from one that fills most of the picture to one of 0.03 pixels; before the horizon,
+// too.
 TEST(Image, WithLessWithoutTheTargetIsItsContrast) {
   for (const double elevation_deg : {-0.1, 0.2, 10.0})
     for (const double margin : {0.02, 5.0, 60.0}) {
@@ -480,7 +481,7 @@ TEST(Image, SunlitIsWhatNoShadowCovers) {
       EXPECT_EQ(whole > 1000, lit_m2[k] > 0);
     }
   }
-  // Of few rows the same bits, and layers of first hits do not change the image.
+  // A selection of few rows has equal bits, and layers of first hits do not change the image.
   const ViewResult all = simulated(*simulator, r);
   r.selected_condition = {1};
   r.image->layer = {};

@@ -228,7 +228,8 @@ TEST(IncidentRadiance, SidesThatAreNotWantedAreDark) {
   const double bound = none.changed(e.end_change, 0, weight, of_node);
   EXPECT_GE(bound, largest * (1 - 1e-9));
   EXPECT_LE(bound, 1.5 * largest);
-  // To the last bit of it: thermal light and the sun's each by its largest change in a band.
+  // The bound is exact to the last bit: thermal light and the sun's each by its largest change in a
+  // band.
   const IncidentRadiance::Shapes& shapes = none.shapes();
   double expected = 0;
   for (std::size_t i = 0; i < 50; ++i) {
@@ -241,13 +242,13 @@ TEST(IncidentRadiance, SidesThatAreNotWantedAreDark) {
   }
   expected *= static_cast<double>(of_node.size());
   EXPECT_NEAR(bound, expected, 1e-12 * expected);
-  // What is dark stays so.
+  // Dark nodes stay dark.
   EXPECT_EQ(e.around.only(false, true).only(true, true).radiance(0)[3], 0);
   EXPECT_GT(e.around.only(false, true).only(true, true).radiance(sky)[3], 0);
   EXPECT_EQ(e.around.only(true, false).only(true, true).radiance(sky)[3], 0);
 }
 
-// What is kept of a condition's sunlight is not a view's: it is the same object under any line.
+// The stored sunlight of a condition belongs to no view: it is one object under any line.
 TEST(IncidentRadiance, BitsDoNotDependOnWhichViewAsksFirst) {
   const Scenes fresh;
   for (const std::uint32_t c : {1u, 0u, 6u}) {

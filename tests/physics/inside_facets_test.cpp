@@ -1,4 +1,4 @@
-// What differs inside a facet, or between its sides, and stands in its error.
+// Tests differences inside a facet, or between its sides, which stand in its error.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -106,8 +106,8 @@ TEST(InsideFacets, WhatHotWallsWarmUnevenlyIsItsError) {
   }
 }
 
-// The same of warm ground under a ceiling, of which a screen of the air's temperature hides the
-// middle: both facets are alike, so that no step between them says it.
+// Tests warm ground under a ceiling, of which a screen of the air's temperature hides the middle:
+// both facets are alike, so that no step between them shows it.
 TEST(InsideFacets, WhatTheGroundWarmsUnevenlyIsItsError) {
   constexpr int kFine = 12;
   const auto scene = [](int n) {

@@ -255,7 +255,7 @@ TEST(HardCases, TheSeaHidesWhatIsUnderWater) {
   EXPECT_NEAR(view->row[0].projected_area_m2.value, std::numbers::pi / 2, 2e-3);
 }
 
-// What cannot be simulated is refused with a reason.
+// Views that cannot be simulated are refused with a reason.
 TEST(Refusals, SayWhy) {
   const auto simulator = simulator_of(frigate(*builtin_material("hull")));
   const auto refused = [&](const ViewRequest& r, const std::string& what) {

@@ -16,7 +16,7 @@ namespace {
 
 using namespace fixture;
 
-// The same by day below a plain sky of 200 K without air, before a black ground of 150 K.
+// Makes a scene by day below a plain sky of 200 K without air, before a black ground of 150 K.
 Scene plain_scene(double elevation_deg) {
   Scene out = scene_on(elevation_deg, 600, true);
   out.request.environment = nullptr;
@@ -384,7 +384,7 @@ TEST(LandView, APictureShowsTheShadow) {
   int shaded = 0, covered = 0;
   for (std::size_t i = 0; i < background.size(); ++i) {
     shaded += background[i] < 0.8f * *bright ? 1 : 0;
-    // What the target hides is no more than what is there.
+    // The target hides no more than is there.
     EXPECT_LE(hidden[i], background[i] * 1.05f + 0.02f * *bright);
     covered += hidden[i] > 0.5f * background[i] ? 1 : 0;
   }
@@ -402,7 +402,7 @@ TEST(LandView, APictureShowsTheShadow) {
     }
 }
 
-// What leaves the target is absorbed, or escapes to sky, land or ground.
+// Light that leaves the target is absorbed, or escapes to sky, land or ground.
 TEST(LandView, EnergyIsBalanced) {
   Scene scene = scene_on(30, 900, true);
   scene.request.max_reflections = 6;
@@ -453,7 +453,7 @@ TEST(LandView, ASunBesideChangesNothing) {
   }
 }
 
-// What is computed beside it changes no bit of a row.
+// Other conditions change no bit of a row.
 TEST(LandView, RowsDoNotDependOnOtherConditions) {
   const auto hills = land_of(
       [](double x, double y) { return 20 * std::sin(x / 90) * std::cos(y / 70); }, 3000, 10);

@@ -52,11 +52,11 @@ PathSettings settings(std::uint32_t max_reflections, std::uint64_t samples) {
   return s;
 }
 
-// What a Beckmann facet seen along its normal sends back of a disk of unit radiance and
-// reflectance: integral over the disk of D(theta/2) / 4 over solid angle (cos_o = 1, so that brdf
-// cos_i = D G F / 4; G = 1 for theta < 60 deg). The disk's middle is d away from the normal, its
-// radius R: at a zenith angle theta the azimuths on it are those with cos R < cos theta cos d + sin
-// theta sin d cos phi. Exact but for the midpoint rule (20000 steps).
+// Returns the part that a Beckmann facet seen along its normal sends back of a disk of unit
+// radiance and reflectance: integral over the disk of D(theta/2) / 4 over solid angle (cos_o = 1,
+// so that brdf cos_i = D G F / 4; G = 1 for theta < 60 deg). The disk's middle is d away from the
+// normal, its radius R: at a zenith angle theta the azimuths on it are those with cos R < cos theta
+// cos d + sin theta sin d cos phi. Exact but for the midpoint rule (20000 steps).
 double seen_of_disk(double m, double d, double radius) {
   const double first = std::max(0.0, d - radius), last = std::min(d + radius, 2 * std::atan(7 * m));
   const int steps = 20000;

@@ -260,7 +260,7 @@ TEST(MeshGeometry, FrigateHasTheSilhouetteOfItsLines) {
   std::printf("side %.1f m2, bow %.1f m2\n", side_m2, bow_m2);
 }
 
-// How many solids a point lies in: signed crossings of a ray upwards.
+// Returns the number of solids in which a point lies: signed crossings of a ray upwards.
 int solids_around(const Mesh& mesh, Vec<Body> p) {
   int crossings = 0;
   const Vec<Body> up = normalized(Vec<Body>{0.0123, 0.0345, -1});

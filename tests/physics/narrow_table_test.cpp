@@ -77,7 +77,7 @@ TEST(NarrowTable, StraightLinesHaveNoCorners) {
   const TableCorners bent = table_corners({"m", Lambert{line}}, 3, 5, 1e-5);
   ASSERT_EQ(bent.um.size(), 3u);
   EXPECT_DOUBLE_EQ(bent.um[1], 4.5);
-  // Of what lies outside nothing is asked.
+  // Points outside of the band do not matter.
   EXPECT_TRUE(table_corners({"m", Lambert{line}}, 2.5, 4, 1e-5).um.empty());
 }
 

@@ -121,7 +121,7 @@ TEST(Picture, PartsFillThePixelsThatTheyAreSeenIn) {
   }
 }
 
-// Of all pixels that a test of seeds compares, those of a kind.
+// Scatter of the pixels of one kind, over all that a test of seeds compares.
 struct Scatter {
   double squares = 0, pixels = 0, within = 0;
   [[nodiscard]] double rms() const { return std::sqrt(squares / pixels); }

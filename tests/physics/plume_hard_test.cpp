@@ -174,7 +174,7 @@ TEST(PlumeHard, AnyAffineLattice) {
   const auto field = field_of(
       volume_of({-20, -20, -20}, {20, 20, 20}, sheared, [](int, int, int) { return kWarm; }),
       kConstant);
-  // From face to face along an edge of a voxel: 41 edges.
+  // The ray goes from face to face along an edge of a voxel: 41 edges.
   const Vec<Body> edges[] = {{0.5, 0.05, 0}, {0.1, 0.2, 0.03}, {0, 0, 1.5}};
   for (const Vec<Body>& edge : edges) {
     const double expected = 41 * length(edge) * hard_density(kWarm);

@@ -49,7 +49,8 @@ std::unique_ptr<Simulator> small_disk() {
   return simulator_of(scene);
 }
 
-// In each band, along the line of sight from ahead at this distance from the axis.
+// Returns the radiance in each band along the line of sight from ahead at this distance from the
+// axis.
 std::vector<double> optical_depth(const Simulator& simulator, const PlumeField& field,
                                   double radius_m) {
   std::vector<double> um;
@@ -144,7 +145,7 @@ TEST(PlumeHalf, HoldsTheSameGas) {
                 0.3 * static_cast<double>(field->report().gas_voxels));
       for (const std::size_t species : {0U, 1U})
         EXPECT_NEAR((*half)->report().amount[species] / field->report().amount[species], 1, 1e-6);
-      // The same places, and the same heat: on parallel rays whose cells lie in those of both.
+      // Places and heat are equal: on parallel rays whose cells lie in those of both.
       const auto heat = [&](const PlumeField& of) {
         std::array<double, 3> sum{};  // of T x gas, and its middle
         for (int i = 0; i < 144; ++i)

@@ -85,7 +85,7 @@ TEST(PlumeLayers, AddUpToThePicture) {
     }
     EXPECT_GT(absorbed_beside, 0);  // of the background alone
   }
-  // Without what a sensor sees, they are at the target, and of its light alone.
+  // Without the light that a sensor sees, layers are at the target, and of its light alone.
   std::erase_if(r.image->layer,
                 [](ImageLayer l) { return l > ImageLayer::kParts && !is_of_gas(l); });
   for (const SignatureResult& row : pictured_gas(*simulator, r).row)

@@ -57,7 +57,7 @@ struct Point {
   double co2 = 0, h2o = 0, temperature_k = 0;  // mol/m3, K
 };
 
-// At index coordinates, by the definition.
+// Returns the value at index coordinates, by the definition.
 Point linear_at(const DenseField& field, double x, double y, double z) {
   const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y)),
             k = static_cast<int>(std::floor(z));
@@ -117,7 +117,7 @@ PlumeRay random_ray(std::mt19937& random, double extent_m) {
   return {from, normalized(to - from), 0, 6 * extent_m};
 }
 
-// The same of voxels that are homogeneous: from face to face.
+// Returns the closed form for voxels that are homogeneous, from face to face.
 double exact_constant(const DenseField& field, const PlumeRay& ray, const Band& band,
                       double size_m) {
   std::vector<double> at{ray.start_m, ray.end_m};
@@ -147,8 +147,8 @@ struct Worst {
 
 // Over rays and bands from thin to thick.
 Worst compare(PlumeInterpolation interpolation, double noise, const SegmentSteps& how) {
-  // Of the reference, of floats; and in steps between voxels what shares that change with the
-  // temperature cost, which is not estimated.
+  // The floor is the error of the reference and of floats. In steps between voxels it includes
+  // shares that change with the temperature, whose error is not estimated.
   const double floor = interpolation == PlumeInterpolation::kLinear ? 3e-6 : 3e-5;
   const double size_m = 0.25;
   Worst out;
@@ -202,7 +202,7 @@ TEST(PlumeMarch, IsTheIntegralOfTheLinearField) {
 
 TEST(PlumeMarch, IsTheIntegralOfTheConstantField) {
   expect_good(compare(PlumeInterpolation::kConstant, 0, {}));
-  // Nothing merged: exact.
+  // No segments are merged: the result is exact.
   const Worst exact = compare(PlumeInterpolation::kConstant, 0.5, {.temperature_step = 0});
   EXPECT_LT(exact.error, 1e-6);
 }

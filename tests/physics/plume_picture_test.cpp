@@ -19,7 +19,7 @@ using namespace fixture;
 
 constexpr double kRangeM = 1e5;
 
-// Of this size, `at` its middle in the body frame: ahead, to starboard, down.
+// Makes a slab of this size, with its middle `at` in the body frame: ahead, to starboard, down.
 std::shared_ptr<const PlumeField> slab(Vec<Body> at, double length_m = 1, double width_m = 4,
                                        double height_m = 4) {
   UniformPlume spec;
@@ -101,7 +101,7 @@ TEST(PlumePicture, ErrorsAreTheScatterOfOtherSeeds) {
       scatter += std::pow(static_cast<double>(v.row[0].image_w_m2_sr[i]) - mean, 2) / (kSeeds - 1);
       stated += std::pow(static_cast<double>(v.row[0].image_stderr_w_m2_sr[i]), 2) / kSeeds;
     }
-    // Those whose scatter is more than rounding: edges of the slab and of the disk.
+    // Pixels whose scatter is more than rounding: edges of the slab and of the disk.
     if (!(scatter > 1e-8 * mean * mean)) continue;
     squares += scatter / stated;
     pixels += 1;
@@ -119,7 +119,8 @@ TEST(PlumePicture, ShowsGasWhereItIs) {
   r.condition[0].gas = slab({10, 2, -2});
   const ViewResult view = pictured(*simulator, r);
   const double pixel_m = view.pixel_rad * kRangeM;
-  // From the disk's edge at -1 m to the slab's at 4 m, and at most two voxels more.
+  // The frame reaches from the disk's edge at -1 m to the slab's at 4 m, and at most two voxels
+  // more.
   EXPECT_GE(view.image_width_px * pixel_m, 5);
   EXPECT_LE(view.image_width_px * pixel_m, 5.6);
   for (const SignatureResult& row : view.row) {
@@ -134,7 +135,7 @@ TEST(PlumePicture, ShowsGasWhereItIs) {
         x += (u + 0.5) * pixel_m;
         y += (v + 0.5) * pixel_m;
       }
-    // To within the pixels at its rim.
+    // They agree to within the pixels at the rim.
     EXPECT_NEAR(area_m2, 16, 16 * pixel_m);
     const double count = area_m2 / (pixel_m * pixel_m);
     // Seen from ahead, starboard is to the left.
@@ -163,10 +164,10 @@ TEST(PlumePicture, IsAtMostEightTimesTheTarget) {
   r.condition[0].gas = slab({0, 21, 0}, 1, 40, 1);
   const ViewResult view = pictured(*simulator, r, 128);
   EXPECT_EQ(view.image_width_px, 128u);
-  // On one side only.
+  // The gas stands on one side only.
   EXPECT_NEAR(view.image_width_px * view.pixel_rad * kRangeM, 4.5, 0.01);
   for (const SignatureResult& row : view.row) {
-    // Of the gas, from 1 m to 41 m, 3 m.
+    // The frame shows 3 m of the gas, which reaches from 1 m to 41 m.
     const double shown_w_sr = row.cause_w_sr[static_cast<std::size_t>(Cause::kEmitted)].value +
                               3.0 / 40 * row.plume_emitted_w_sr;
     EXPECT_NEAR(sum_w_sr(view, row), shown_w_sr, 0.02 * shown_w_sr);
@@ -176,7 +177,7 @@ TEST(PlumePicture, IsAtMostEightTimesTheTarget) {
   }
 }
 
-// What is selected does not change a row's picture; conditions without gas have the same frame.
+// A selection does not change a row's picture; conditions without gas have an equal frame.
 TEST(PlumePicture, IsTheSameHoweverAJobIsCut) {
   const auto simulator = disk(grey(1), 1);
   ViewRequest r = request(*simulator, 0, 0, kRangeM, {500});

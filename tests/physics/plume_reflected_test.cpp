@@ -44,8 +44,8 @@ double plate_m2() {
          std::cos(kViewDeg * std::numbers::pi / 180);
 }
 
-// Of the gas's irradiance of the plate what it reflects, column by column over its hemisphere.
-// [band] [W/m2]
+// Returns the reflected part of the gas's irradiance of the plate, column by column over its
+// hemisphere. [band] [W/m2]
 template <typename Reflectance>
 std::array<double, 2> reflected(const Simulator& simulator, const PlumeField& field,
                                 const Reflectance& reflectance) {
@@ -172,7 +172,8 @@ TEST(PlumeOnHull, InAWorldOfOneTemperatureNothingChanges) {
   }
 }
 
-// What is left out, by whomever, is within its bound, and the bound not far above it.
+// Light that is left out, by the program or by the user, is within its bound, and the bound not far
+// above it.
 TEST(PlumeOnHull, WhatIsLeftOutIsBounded) {
   const auto simulator = plate(grey(1 - kReflectance));
   ViewRequest r = seen_from_the_side(*simulator, 300);

@@ -24,8 +24,8 @@ std::vector<PlumeStation> plume(const PlumeExit& exit, const PlumeAir& air, doub
   return *std::move(out);
 }
 
-// From a pure plume's own start: R = 6/5 alpha z', w = 5/(6 alpha) (9/10 alpha F)^(1/3) z'^(-1/3),
-// F per pi. Slightly warm gas: the closed form is Boussinesq's.
+// Starts from a pure plume: R = 6/5 alpha z', w = 5/(6 alpha) (9/10 alpha F)^(1/3) z'^(-1/3), F per
+// pi. Slightly warm gas: the closed form is Boussinesq's.
 TEST(PlumeRise, CalmAirIsMortonTaylorTurner) {
   const double alpha = kEntrainmentAlong, diameter = 1, start = diameter / 2 / (1.2 * alpha);
   PlumeAir air;

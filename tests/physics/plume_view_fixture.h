@@ -69,7 +69,7 @@ inline double in_band_of(const Simulator& simulator, std::size_t band,
   return sum;
 }
 
-// What one column of the slab sends and takes, from core/gas alone. [node]
+// Emission and absorption of one column of the slab, from core/gas alone. [node]
 struct Column {
   std::vector<double> emitted, absorbed;
 };

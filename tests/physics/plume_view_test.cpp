@@ -78,8 +78,8 @@ TEST(PlumeView, ATargetHidesWhatIsBehindIt) {
   EXPECT_EQ(view->row[0].plume_w_sr.stderr_, 0);
 }
 
-// What rays may miss: nothing where they are as dense as what is seen, the whole of a bright cell
-// that few of them reach, all where there are hardly any.
+// Rays may miss nothing where they are as dense as the gas that is seen, the whole of a bright cell
+// that few of them reach, and all where there are hardly any.
 TEST(SightShares, SayWhatRaysMayMiss) {
   std::array<std::array<std::vector<double>, 2>, SightShares::kOpticalDepth.size()> seen;
   for (auto& of_depth : seen) of_depth.fill(std::vector<double>(1000, 1e-3));
@@ -110,7 +110,8 @@ TEST(PlumeView, OfGasBesideAnEdgeWhatIsBesideItIsSeen) {
                   0.01 * view->row[0].plume_w_sr.value);
 }
 
-// What is taken of a painted target is as its own spectrum is: that of the row without gas.
+// Gas absorbs light of a painted target with the target's own spectrum: that of the row without
+// gas.
 TEST(PlumeView, OfASpectralTargetItsOwnSpectrumIsTaken) {
   SceneSpec scene = scene_of(generated("disk", 200, 1), *builtin_material("hull"), mwir());
   scene.spectral_breaks_um = gas_band_edges_um(3, 12);

@@ -334,7 +334,8 @@ TEST(SceneHeat, ErrorsCoverAFinerComputation) {
       stated[high], true_k[middle], true_k[high]);
   EXPECT_LT(beyond_one, 0.04 * all);
   EXPECT_LT(beyond_two, 0.005 * all);
-  // Not by being afraid, though what differs inside facets is in it and not in what is compared.
+  // The stated error is not wide, though it contains differences inside facets, which are not
+  // compared.
   EXPECT_LT(stated[middle], 15 * true_k[middle]);
   EXPECT_LT(stated[middle], 0.4);
 }

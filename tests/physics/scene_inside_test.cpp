@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDayS = 86400, kHourS = 3600;
 
-// The same weather all day. Knots every 10 minutes, outputs every hour.
+// Returns a day of constant weather, with knots every 10 minutes and outputs every hour.
 SceneHeatRequest day_of(const HeatWeather& weather) {
   SceneHeatRequest r;
   for (int k = 0; k <= 144; ++k) {
@@ -112,8 +112,8 @@ TEST(SceneInside, ASlabAnswersEveryWaveOfItsSchedule) {
   }
 }
 
-// Where a plate that is as warm throughout goes under two values, each from a time on: after many
-// days. rate_s: of its approach.
+// Returns, after many days, the temperature of a plate that is as warm throughout and goes under
+// two values, each from a time on. rate_s: of its approach.
 double approached(double t, double on_s, double off_s, double on, double off, double rate_s) {
   // Periodic: what is left of a day's approach is the same every day.
   const double up_s = off_s - on_s, down_s = kDayS - up_s, a = std::exp(-up_s / rate_s),

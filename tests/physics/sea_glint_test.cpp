@@ -112,7 +112,7 @@ TEST(SeaGlint, LightsAPlate) {
           "sun " + std::to_string(elevation_deg) + " deg, wind " + std::to_string(wind_m_s), 1e-2,
           2e-2 * expected);
       const Lit shaded = lit_by_glitter(true, elevation_deg, wind_m_s);
-      // What the roof leaves in the sun lies farther away, where a low sun glitters.
+      // Sea that the roof leaves in the sun lies farther away, where a low sun glitters.
       EXPECT_LT(shaded.sea.value, (elevation_deg > 40 ? 0.05 : 0.4) * plate.sea.value);
     }
 }

@@ -112,7 +112,7 @@ TEST(SeaTexture, AveragesEqualThoseOverRandomPairs) {
             0.02 * SlopeAverages(sea, 10, 10).term()[0] * 5);
 }
 
-// Of a small rectangle the sums over waves equal those over pairs.
+// For a small rectangle the sums over waves equal those over pairs.
 TEST(SeaTexture, LinearTermsEqualThoseOverRandomPairs) {
   const SlopeCorrelation sea(6);
   const SlopeCorrelation::Pair mean = sea.variance_of_mean(2, 1);

@@ -190,7 +190,7 @@ TEST(Contrast, IsADifferenceRayByRay) {
   for (const double elevation_deg : {60.0, 20.0}) {
     Fake f = fake(grey(1), elevation_deg);
     f.set_sky(DirectionNodes(), [](Vec<Body>, bool) { return 1.0; });
-    // Of the line of sight to the plate's middle, 3 m above the reference point.
+    // The line of sight goes to the plate's middle, 3 m above the reference point.
     const Vec<Body> line = 1000 * body_from_aspect(30, elevation_deg) - Vec<Body>{0, 0, -3};
     const double s = -line.z / length(line);
     const std::vector<float> rings{static_cast<float>(s) - 0.01f, static_cast<float>(s) + 0.01f};

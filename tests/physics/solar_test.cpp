@@ -52,8 +52,8 @@ TEST(Solar, NearAnEquivalentBlackbody) {
   EXPECT_NEAR(ratio, 1.0, 0.02);
 }
 
-// What a coloured surface reflects of it lies within the stated error of the grid's sum, where that
-// of a white one would not cover it.
+// Sunlight that a coloured surface reflects lies within the stated error of the grid's sum, where
+// the error for a white one would not cover it.
 TEST(Solar, QuadratureOfColours) {
   int beyond_white = 0;  // cases
   struct Case {

@@ -25,7 +25,7 @@ TEST(TotalEmissivity, OfGreyAndStepSurfaces) {
                below = planck_band_radiance_w_m2_sr(0.5, 8, 300) / all;
   EXPECT_NEAR(step->value, 0.2 * below + 0.9 * (1 - below), 0.01);
   EXPECT_NEAR(step->covered, planck_band_radiance_w_m2_sr(1, 60, 300) / all, 0.02);
-  // At another temperature it is another.
+  // It is another at another temperature.
   EXPECT_LT(
       total_emissivity({"step", Lambert{{{1, 0.2}, {7.9999, 0.2}, {8.0001, 0.9}, {60, 0.9}}}}, 900)
           ->value,

@@ -202,7 +202,7 @@ void closed_forms(bool aimed) {
     const double expected = table.number(row, "share"), mean = sum / kSeeds;
     const double stderr_ = std::sqrt(std::max(0.0, square / kSeeds - mean * mean) / (kSeeds - 1));
     std::printf("%-14s %.6f +- %.6f expected %.6f\n", name.c_str(), mean, stderr_, expected);
-    // What polygons are beside curves, and strips beside infinite ones, is within 1e-4 of 1.
+    // Polygons in place of curves, and strips in place of infinite ones, are within 1e-4 of 1.
     EXPECT_NEAR(mean, expected, std::max(3 * stderr_, 2e-4 * expected)) << table.text(row, "what");
     EXPECT_LT(stderr_, 1e-3 * expected) << table.text(row, "what");
   }
@@ -210,14 +210,14 @@ void closed_forms(bool aimed) {
 TEST(ViewFactors, ClosedForms) { closed_forms(false); }
 TEST(ViewFactors, ClosedFormsWithAimedRays) { closed_forms(true); }
 
-// Of a cube of 0.3 m at 25 m, which a plate's 256 rays meet once in twenty.
+// Tests a cube of 0.3 m at 25 m, which a plate's 256 rays meet once in twenty.
 TEST(ViewFactors, WhatIsSmallAndHotIsAimedAt) {
   Mesh mesh = plate("plate", {-0.5, -0.5, 25}, {0, 1, 0}, {1, 0, 0}, 1);
   Mesh cube = generated("box", 12, 0, 0.3, 0.3, 0.3);
   cube = named(std::move(cube), "cube");
   append(mesh, cube);
   const Target target = target_of(mesh, {part("plate", true), part("cube")});
-  // Of both sides of the plate, of which one sees the cube's nearer side.
+  // The plate has two sides, of which one sees the cube's nearer side.
   const double expected = 0.5 * 0.09 / (std::numbers::pi * 24.85 * 24.85);
   double square = 0;
   constexpr int kSeeds = 32;

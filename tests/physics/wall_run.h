@@ -10,8 +10,7 @@
 
 namespace irsig::wall {
 
-// What one element is exposed to, at a time; the same at both ends of an interval if not linear
-// there.
+// Exposure of one element at a time; equal at both ends of an interval if not linear there.
 struct Weather {
   double absorbed_w_m2 = 0, incoming_w_m2 = 0, fluid_k = 300, forced_h_w_m2_k = 0;
 };

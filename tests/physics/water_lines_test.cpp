@@ -154,7 +154,7 @@ TEST_F(WaterMolecule, KeepsTheDipolesSum) {
   EXPECT_NEAR(std::sqrt(moment[0]), 1.855, 0.02);  // to 1 1 1 without vibration
 }
 
-// The same wavenumbers, whatever the order: every point once, in shares of shares.
+// Groups hold every wavenumber once, in shares of shares, whatever the order.
 TEST(NestedTerms, HoldEveryPointOnce) {
   constexpr std::size_t kCount = 200, kFirst = 50;
   std::vector<double> cold(kCount), hot(kFirst + kCount);

@@ -141,10 +141,10 @@ void aim(RayPacket& p, int lane, const float* origin, const float* to) {
   p.triangle[lane] = p.geometry[lane] = p.instance[lane] = RayPacket::kMiss;
 }
 
-// What a ray meets must not depend on the rays that share its packet: jobs may be cut anywhere.
+// A ray's hit must not depend on the rays that share its packet: jobs may be cut anywhere.
 class BitsOfRays : public testing::TestWithParam<float> {};
 
-// Of a frigate, and of one 20 times as long, where rays look again.
+// Tests a frigate, and one 20 times as long, where rays look again.
 TEST_P(BitsOfRays, DoNotDependOnThePacketsOtherRays) {
   const float size = GetParam();
   Soup soup = soup_of(generate_mesh({"frigate", 20'000}).value());

@@ -174,7 +174,7 @@ TEST(CheckNumbers, WhatWasLeftOutIsFiniteAndPartOfTheError) {
     wrong.make(bad.row[0]);
     EXPECT_THAT(reason(bad), HasSubstr(wrong.named));
   }
-  // Nothing to be seen: no energy to account for.
+  // Nothing is to be seen: there is no energy to account for.
   ViewResult nothing = good();
   nothing.row[0].energy = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
   EXPECT_TRUE(check_numbers(nothing).ok()) << check_numbers(nothing);

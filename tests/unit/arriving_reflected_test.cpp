@@ -72,7 +72,7 @@ World at_sunset(const Band& band, double height_m) {
                {{0, true, sun(0.3), 1}, {1, true, sun(-0.2), 1}, {0, true, sun(-3), 1}});
 }
 
-// At so many elevations, between one range and others; worst: of the transmittance.
+// Compares at so many elevations, between one range and others; worst: of the transmittance.
 struct Found {
   int known = 0;
   double worst = 0;

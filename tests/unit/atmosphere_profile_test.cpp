@@ -77,7 +77,7 @@ TEST(AtmosphereProfile, BeginsAtThePlacesHeight) {
     EXPECT_NEAR(there.gas.h2o_ppmv, same.gas.h2o_ppmv, 1e-9 * same.gas.h2o_ppmv) << up_m;
   }
   EXPECT_EQ(high->level.back().height_m, 120e3 - 2300);
-  // On a level, and at or below the sea: no other bits.
+  // On a level, and at or below the sea, no bit differs.
   EXPECT_EQ(profile_above(base(), 3000)->level.size(), base().level.size() - 3);
   for (const double place_m : {0.0, -430.0}) {
     const auto sea = profile_above(base(), place_m);

@@ -120,7 +120,7 @@ TEST(BandClutter, PairsAreJudgedWithTheirCovariance) {
     const BandSearch search = search_in(row_in(clutter), pairing);
     return search.candidate({}, window_of(search, 3, 4.05), window_of(search, 4.05, 5));
   };
-  // Of one mode m and unit noise: |s|^2 - (s m)^2 / (1 + |m|^2).
+  // With one mode m and unit noise it is |s|^2 - (s m)^2 / (1 + |m|^2).
   const double along = s1 * m1 + s2 * m2;
   const double matched = std::sqrt(s1 * s1 + s2 * s2 - along * along / (1 + m1 * m1 + m2 * m2));
   EXPECT_NEAR(pair_merit(Pairing::kMatched).merit, matched, 1e-9);
@@ -163,7 +163,7 @@ TEST(BandClutter, RatiosAreTakenInWhitenedAxes) {
   const BandSearch search = search_in(of, Pairing::kRatio);
   const double s =
       search.candidate({}, window_of(search, 3, 4.05), window_of(search, 4.05, 5)).merit;
-  // By another root of the covariance: angles and lengths are the same.
+  // Another root of the covariance leaves angles and lengths the same.
   const double m1 = 2 * 1.05, m2 = 1 * 0.95, v1 = 1 + m1 * m1, v2 = 1 + m2 * m2, w = m1 * m2;
   const auto product = [&](double a1, double a2, double b1, double b2) {
     return (a1 * b1 * v2 - (a1 * b2 + a2 * b1) * w + a2 * b2 * v1) / (v1 * v2 - w * w);
@@ -212,7 +212,7 @@ TEST(BandClutter, RangesGoOnInClutter) {
   EXPECT_NEAR(s[1], 0.5 / std::hypot(1, 10), 1e-9);
 }
 
-// From a database.
+// Reads the clutter of rows from a database.
 class StoredClutterTest : public ::testing::Test {
  protected:
   StoredClutterTest() {

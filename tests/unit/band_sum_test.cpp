@@ -23,7 +23,7 @@ double integral(const std::function<double(double)>& f, double from, double to) 
 struct Off {
   double off, bound, sum;
 };
-// Of a spectrum under a response that is linear between its points.
+// Returns the error of a spectrum under a response that is linear between its points.
 Off off(const std::function<double(double)>& spectrum, const ResponseTable& response) {
   std::vector<double> lambda_um, mean;
   for (int k = 0; k < kBins; ++k) {
@@ -89,7 +89,7 @@ TEST_F(BandSum, WhatBinsHideIsWithinTheBound) {
   EXPECT_LE(beyond, 8);
 }
 
-// Of a blackbody it is not worth a word, and it covers.
+// The bound of a blackbody is negligible, and it covers.
 TEST_F(BandSum, SmoothSpectraHaveSmallBounds) {
   for (int i = 0; i < 50; ++i) {
     const double kelvin = uniform(300, 1000);

@@ -49,7 +49,7 @@ Margins margins(BandPopulation of) {
   const WindowChoice choice = search->compare({}, both);
   return {choice.candidate[0], choice.candidate[1]};
 }
-// Of the window from 3 to 3.95 um: integrals of 1 and of a slope that is -1 at 3 and 1 at 5 um.
+// Integrals over the window from 3 to 3.95 um, of 1 and of a slope that is -1 at 3 and 1 at 5 um.
 constexpr double kShape = 0.95, kSlope = 0.95 * 0.95 / 2 - 0.95;
 
 void expect_near(double found, double expected) {
@@ -156,7 +156,7 @@ TEST(BandMargins, OfAContrastThatIsNothingInOtherMerits) {
   EXPECT_FALSE(whole({Merit::kAbove, 10, 1e-6}).known);
 }
 
-// So many times the samples as make the difference of two windows two sigma, of all that errs.
+// The factor on the samples makes the difference of two windows two sigma, of all that errs.
 TEST(BandMargins, SamplesThatWouldTell) {
   const auto second = [](double error, double model) {
     TargetContrast t = contrast(1);

@@ -69,7 +69,7 @@ TEST(TableDeathTest, LocateRefusesTheOutside) {
   EXPECT_DEATH((void)locate_uniform(0, 0.1, 11, 1.01), "steps <= last");
 }
 
-// What computed with 6.95e-310 K: the build is to end such a program (CMakeLists.txt).
+// The build has to end a program that would otherwise compute with 6.95e-310 K (CMakeLists.txt).
 TEST(StandardLibraryDeathTest, AnEmptyOptionalAndAnIndexPastTheEndEndTheProgram) {
   const std::optional<double> nothing;
   const auto take = [](double value) { std::printf("%g\n", value); };

@@ -1,5 +1,5 @@
-// What is submitted passes the checks of sweep files: every example does, and what no file could
-// say does not.
+// Submissions pass the checks of sweep files: every example does, and a sweep that no file could
+// state does not.
 #include "jobs/check_resolved.h"
 
 #include <gmock/gmock.h>
@@ -227,7 +227,7 @@ TEST(CheckResolved, PilotsMayLackRunsOfChanges) {
   EXPECT_TRUE(check_resolved(sweep).ok()) << check_resolved(sweep);
 }
 
-// As planning/sweep_pilot.cpp and planning/time_budget.cpp make them.
+// Sweeps like those of planning/sweep_pilot.cpp and planning/time_budget.cpp.
 TEST(CheckResolved, SweepsOfPilotsAndBudgetsAreTaken) {
   schema::ResolvedSweep pilot = resolved_example("frigate.toml");
   while (pilot.viewpoint_size() > 3) pilot.mutable_viewpoint()->RemoveLast();

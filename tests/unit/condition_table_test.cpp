@@ -114,7 +114,7 @@ wind_speed_m_s = 15
   EXPECT_THAT(sea_k, ElementsAre(288, 290, 288));
 }
 
-// The same conditions, written as seasons at times and as a table, are the same jobs.
+// Conditions written as seasons at times and as a table are equal jobs.
 TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
   const std::string target = absl::StrCat(kTableTarget, kWeather);
   const auto crossed =
@@ -126,7 +126,7 @@ TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
       with_csv(absl::StrCat("name = \"t\"\ncondition_file = \"c.csv\"", target, kSummer),
                "time\n06:00Z\n12:00Z\n");
   for (const auto* sweep : {&crossed, &table, &csv}) ASSERT_TRUE(sweep->ok()) << sweep->status();
-  // Where a condition stands in the file is in its indices alone.
+  // The place of a condition in the file is in its indices alone.
   const auto keys = [](schema::ResolvedSweep sweep) {
     for (schema::Condition& c : *sweep.mutable_condition()) {
       c.clear_season_index();

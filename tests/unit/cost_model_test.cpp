@@ -67,8 +67,8 @@ TEST(CostModel, SamplesAreThoseOfTheJobsOwnRule) {
   EXPECT_NEAR(cost.cpu_s, seconds_of(static_cast<double>(n)), 1e-12);
 }
 
-// As the job does: where the first pilot asks for no more than the second would trace, there is no
-// second.
+// The model plans as the job does: where the first pilot asks for no more than the second would
+// trace, there is no second.
 TEST(CostModel, TheFirstPilotAloneDecidesWhereLittleIsNeeded) {
   const ViewPilot pilot = pilot_of(1.6, 0.7);  // at 128 samples
   const ViewCost cost = view_cost(pilot, relative(0.01), 0);

@@ -24,7 +24,7 @@ struct Measure {
   std::map<std::uint32_t, double> area;
   Vec<Body> sum;
   double longest = 0;
-  // How often each edge is met, by direction: of a closed surface once in each.
+  // Number of times that each edge is met, by direction: of a closed surface once in each.
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edge;
 };
 Measure measured(const Mesh& mesh) {
@@ -58,7 +58,7 @@ TEST(CutEdges, KeepSurfaceSidesGroupsAndClosedness) {
       for (const auto& [group, area] : before.area)
         EXPECT_NEAR(after.area.at(group), area, 1e-9 * area) << kind;
       EXPECT_NEAR(length(after.sum - before.sum), 0, 1e-9 * before.longest * before.longest);
-      // What was closed stays closed: no edge without its other side that had one before.
+      // A closed mesh stays closed: no edge loses its other side.
       const auto open = [](const Measure& m) {
         return std::count_if(m.edge.begin(), m.edge.end(), [&](const auto& e) {
           const auto other = m.edge.find({e.first.second, e.first.first});

@@ -1,4 +1,4 @@
-// What changes every day in the same way, at any instant and at knots.
+// Tests schedules that repeat every day, at any instant and at knots.
 #include "core/thermal/day_schedule.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ TEST(DaySchedule, LinearOverMidnight) {
   EXPECT_DOUBLE_EQ(at_hour(s, 2), 290);
   EXPECT_DOUBLE_EQ(at_hour(s, 5), 305);
   EXPECT_DOUBLE_EQ(at_hour(s, 14), 310);
-  // From 20 h to 2 h of the next day in 6 h: midnight lies at two thirds.
+  // The line goes from 20 h to 2 h of the next day in 6 h: midnight lies at two thirds.
   EXPECT_NEAR(at_hour(s, 24), 300 - 10 * 4.0 / 6, 1e-9);
   EXPECT_NEAR(at_hour(s, 0), 300 - 10 * 4.0 / 6, 1e-9);
   EXPECT_NEAR(at_hour(s, 23.9999), at_hour(s, 24.0001), 0.01);

@@ -80,7 +80,7 @@ TEST_F(AuditTest, AWorkerAloneIsNotAudited) {
       << "who comes later finds nothing to do";
 }
 
-// With nobody to decide nobody is to blame, whoever came first; who comes later decides.
+// Without anybody to decide nobody is to blame, whoever came first; a later worker decides.
 TEST_F(AuditTest, OfTwoThatDifferNobodyIsToBlameUntilAThirdComes) {
   for (const bool first_is_wrong : {true, false}) {
     SCOPED_TRACE(first_is_wrong);
@@ -158,7 +158,7 @@ TEST_F(AuditTest, AThirdWorkerDecidesAgainstWhatIsStored) {
   EXPECT_EQ(state_of("b"), CheckedWorker::STATE_IDLE);
   EXPECT_EQ(status().done(), 1U);
   EXPECT_EQ(*returns(b, audit), State::STATE_KNOWN);
-  // As if it had been right at once.
+  // The outcome is as if it had been right at once.
   const auto here = StoreReader::open(folder_ + "/test.sigdb");
   ASSERT_TRUE(here.ok());
   const auto digest = (*here)->digest();
@@ -174,7 +174,7 @@ TEST_F(AuditTest, AThirdWorkerDecidesAgainstWhatIsStored) {
   EXPECT_EQ(*digest, *(*calm)->digest());
 }
 
-// Whoever was wrong once may have been before: others compute again what it had computed.
+// A worker that was wrong once may have been before: others compute again what it had computed.
 TEST_F(AuditTest, WhatAContradictedWorkerHadComputedIsComputedAgain) {
   rules_.audit_fraction = 0;
   open("no audits");

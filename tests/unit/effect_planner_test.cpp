@@ -61,7 +61,7 @@ TEST(EffectPlanner, LeavesOutAllReflectionsWhereTheyFitTogether) {
   EXPECT_TRUE(planner.on(Effect::kBackgroundSun, 0));  // its bound of the contrast is far too large
   EXPECT_FALSE(planner.on(Effect::kJoinedLines, 0));
   EXPECT_EQ(entry(planner, 0, Effect::kJoinedLines).apparent_bound_w_sr, 0);
-  // What is reflected counts once, not once for sky, sea and parts.
+  // Reflected light counts once, not once for sky, sea and parts.
   EXPECT_NEAR(planner.omitted()[0].source, 0.8 * kRoomOfOne, 1e-12);
   EXPECT_EQ(entry(planner, 0, Effect::kSkyReflected).reason, EffectReason::kWithinShare);
   EXPECT_EQ(entry(planner, 0, Effect::kBackgroundSun).reason, EffectReason::kAboveShare);

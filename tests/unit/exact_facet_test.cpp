@@ -13,7 +13,8 @@ namespace {
 
 using Triangle = std::array<Point3, 3>;
 
-// The same decision in whole numbers, without the infinitesimal: 1 met, 0 not met, -1 on an edge.
+// Returns the decision in whole numbers, without the infinitesimal: 1 met, 0 not met, -1 on an
+// edge.
 int in_integers(const Point3& o, const Point3& d, const Triangle& t) {
   using Int = __int128;
   Int v[3][3];

@@ -244,7 +244,7 @@ TEST(ExpandJobs, KeysChangeWithEveryDeterminingField) {
   const auto original = resolved_file(kExpandedExamples / "frigate.toml");
   ASSERT_TRUE(original.ok()) << original.status();
   schema::ResolvedSweep one_view = *original;
-  // What the frigate does without.
+  // The frigate does without these fields.
   one_view.mutable_condition(0)->mutable_weather()->set_profile_csv("text");
   one_view.mutable_condition(0)->mutable_weather()->set_profile_file_name("sonde.csv");
   one_view.mutable_condition(0)->mutable_weather()->set_modtran_text("text");

@@ -1,4 +1,4 @@
-// What `irsig explain` and the ledger of `irsig plan` say.
+// Tests the text of `irsig explain` and of the ledger of `irsig plan`.
 #include "view/report/explain.h"
 
 #include <gmock/gmock.h>

@@ -43,7 +43,7 @@ struct Png {
   std::vector<Color> pixel;
 };
 
-// Of palette images with one stored block for each 65535 bytes.
+// Reads palette images with one stored block for each 65535 bytes.
 Png read_png(const std::string& bytes) {
   Png out;
   EXPECT_EQ(bytes.substr(0, 8), std::string("\x89PNG\r\n\x1a\n", 8));
@@ -228,7 +228,7 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   EXPECT_EQ(scaled->range.high, 80);
 }
 
-// Those that are filled in part show the target's own radiance, or nothing of it; a target smaller
+// Pixels that are filled in part show the target's own radiance, or nothing of it; a target smaller
 // than a pixel is shown all the same; gas has no silhouette.
 TEST(RadiancePicture, PixelsShowTheTargetAlone) {
   Stored stored;
@@ -292,7 +292,7 @@ TEST(SheetPicture, HasEachImageWithWhatIsItsOwn) {
   for (const float v : sheet->value) shown += std::isnan(v) ? 0 : 1;
   EXPECT_EQ(shown, 2 * rows->size());
   EXPECT_THAT(draw_false_color(*sheet), HasSubstr(sheet->label[0].text + "</text>"));
-  // What differs stands in the labels, and what is common in the title.
+  // Labels have the differences, and the title has the common values.
   EXPECT_THAT(sheet->title, HasSubstr("range "));
   for (auto& s : stored.db.signatures) s.range_m *= 1 + 1e-3 * static_cast<double>(s.row);
   const auto ranges = sheet_picture(stored.db, few, {}, {}, stored.read);

@@ -20,7 +20,7 @@ namespace {
 using J = JobState;
 using S = SessionState;
 
-// What must be so, written down a second time, by what is asked of a farm and not by its rows.
+// Rules of the farm, written down a second time by its duties and not by its rows.
 TEST(FarmTable, EveryRowOfJobs) {
   for (const JobRow& row : kJobTable) {
     SCOPED_TRACE(testing::Message() << "state " << static_cast<int>(row.state) << ", event "
@@ -136,7 +136,7 @@ struct World {
   std::array<Worker, 2> worker;
   [[nodiscard]] auto key() const { return std::tuple(job, worker[0].key(), worker[1].key()); }
   bool operator<(const World& other) const { return key() < other.key(); }
-  // The same with the other names.
+  // Returns the world with the names of the workers exchanged.
   [[nodiscard]] World mirrored() const { return {job, {worker[1], worker[0]}}; }
 };
 
@@ -378,7 +378,7 @@ class FarmWalk : public FarmTest {
     }
   }
 
-  // What farm and store say of themselves.
+  // Compares the statements of farm and store with the expected world.
   void check(const World& expected) {
     std::uint64_t rays = 0;
     for (std::size_t j = 0; j < 2; ++j) {

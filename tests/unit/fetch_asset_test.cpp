@@ -1,4 +1,4 @@
-// What a coordinator sends is held against the hash that was asked for: over a socket, of a
+// Bytes from a coordinator are compared with the hash that was asked for: over a socket, with a
 // coordinator that sends what it likes.
 #include "coordinator/client/fetch_asset.h"
 

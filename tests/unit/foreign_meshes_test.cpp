@@ -52,7 +52,7 @@ std::vector<Corners> foreign_box() {
   return out;
 }
 
-// As OBJ; `behind` stands behind each corner of a face.
+// Writes OBJ; `behind` stands behind each corner of a face.
 std::string box_obj(const std::string& behind = "", const std::string& line_end = "\n") {
   std::string out;
   for (int i = 0; i < 8; ++i) {
@@ -188,7 +188,7 @@ TEST(ForeignPly, BinaryInAnyOrder) {
   EXPECT_DOUBLE_EQ(foreign_area_m2("a.ply", bytes, 1), 2);
 }
 
-// What a .gltf with its buffer in another place is told.
+// Tests the message for a .gltf whose buffer is in another place.
 TEST(ForeignGltf, ABufferThatIsNotThere) {
   const TestFolder folder;
   const auto said = [&](const std::string& uri) {

@@ -1,5 +1,5 @@
-// What a client of HTTP/2 may make its server do (coordinator/frame_meter.h), frame by frame and in
-// pieces of any size.
+// Tests the work that a client of HTTP/2 may ask of its server (coordinator/frame_meter.h), frame
+// by frame and in pieces of any size.
 #include "coordinator/frame_meter.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ std::string frame(std::uint8_t type, std::uint8_t flags, std::uint32_t stream,
   // Whatever it is, it is not a frame: it would be one of a header block.
   return out.append(payload_bytes, static_cast<char>(kContinuation));
 }
-// Of the client's n-th call.
+// Return frames of the client's n-th call.
 std::string call(std::uint32_t n) { return frame(kHeaders, kEndHeaders, 2 * n + 1, 20); }
 std::string cancel(std::uint32_t n) { return frame(kReset, 0, 2 * n + 1, 4); }
 std::string answer(std::uint32_t n) {
@@ -55,7 +55,7 @@ TEST(FrameMeter, CallsThatAreAnsweredAreNotCounted) {
     ASSERT_TRUE(worker.sends(call(n) + frame(kData, kEndStream, 2 * n + 1, 100)).ok()) << n;
     ASSERT_EQ(totals.streams, 1U);
     ASSERT_TRUE(worker.gets(answer(n)).ok());
-    // Who learns of the end before it has said all resets what is no more.
+    // A client that learns of the end before it has sent all resets a stream that is no more.
     ASSERT_TRUE(worker.sends(cancel(n)).ok());
     ASSERT_EQ(totals.streams, 0U);
   }

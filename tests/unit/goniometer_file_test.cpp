@@ -131,7 +131,7 @@ void collect_keys(const google::protobuf::Descriptor& table, std::vector<std::st
   for (int i = 0; i < table.field_count(); ++i) {
     const google::protobuf::FieldDescriptor& field = *table.field(i);
     keys.push_back(field.name());
-    // What a sweep file has too is explained there.
+    // The pages of the sweep file explain keys that it has, too.
     if (field.message_type() != nullptr && field.message_type()->file() == table.file())
       collect_keys(*field.message_type(), keys);
   }

@@ -561,7 +561,7 @@ TEST_F(HostileClient, WhatIsStoredStays) {
   }
 }
 
-// What breaks off leaves nothing: the same lease takes the whole result, the same sweep is stored.
+// A transfer that breaks off leaves nothing: the lease takes the whole result, the sweep is stored.
 TEST_F(HostileClient, WhatIsCutOffLeavesNothing) {
   const schema::ResolvedSweep sweep = frigate_sweep(2);
   const std::string bytes = sweep.SerializeAsString();
@@ -605,7 +605,7 @@ TEST_F(HostileClient, WhatIsCutOffLeavesNothing) {
   EXPECT_TRUE(complete(worker.worker_id(), job.fencing_token(), result).ok());
 }
 
-// So many submissions at a time; the next ones are told to wait, and nobody is held up.
+// Only so many submissions run at a time; the next ones are told to wait, and nobody is held up.
 TEST_F(HostileClient, AFloodOfSubmissionsIsTurnedAway) {
   constexpr int kFlood = 40, kTogether = 4;
   struct Open {

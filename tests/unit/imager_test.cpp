@@ -218,7 +218,7 @@ TEST(Imager, NoiseIsTheStatedNetd) {
   const double netd = deviation(cold.counts) * 0.2 / (mean(warm.counts) - mean(cold.counts));
   std::printf("NETD %.5f K, stated %.5f K\n", netd, imager.netd_k);
   EXPECT_NEAR(netd / imager.netd_k, 1, 0.01);
-  // Of its own in every frame, and from pixel to pixel.
+  // Noise is independent in every frame, and from pixel to pixel.
   double product = 0, beside = 0;
   for (std::size_t i = 1; i < cold.counts.size(); ++i) {
     const double c = cold.counts[i] - mean(cold.counts);

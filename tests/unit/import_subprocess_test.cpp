@@ -125,7 +125,7 @@ TEST_F(ImportByAnother, EveryEndIsAnError) {
     EXPECT_THAT(std::string(status.message()), HasSubstr(text)) << script;
   };
   using enum absl::StatusCode;
-  // Nothing is read from these: whoever sends must survive that.
+  // These read nothing: the sender must survive that.
   expect("exit 0", kInternal, "said nothing");
   expect("exit 3", kInvalidArgument, "exit code 3");
   expect("kill -SEGV $$", kInvalidArgument, "crashed on it (signal 11)");
@@ -133,7 +133,7 @@ TEST_F(ImportByAnother, EveryEndIsAnError) {
   expect("kill -XCPU $$", kInvalidArgument, "more than 40 s of the processor");
   expect("kill -ALRM $$", kInvalidArgument, "longer than 400 s");
   expect("kill -KILL $$", kInternal, "killed by signal 9");
-  // What comes back is no mesh.
+  // The answer is no mesh.
   expect("exec cat", kInternal, "said nothing");
   expect("exec cat >/dev/null", kInternal, "said nothing");
   expect("printf 'irsig mesh 1\\n'", kInternal, "said nothing");

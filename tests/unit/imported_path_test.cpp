@@ -138,7 +138,7 @@ TEST(ImportedPath, TransmittanceWithUnitsInASecondLineOfLabels) {
   EXPECT_NEAR(p.transmittance[band_of(685)], 0.085, 1e-6);
 }
 
-// As MODTRAN 5 writes a path to space by day, 12 h UT of 1 January at 0 N 0 E.
+// MODTRAN 5 writes a path to space by day like this, 12 h UT of 1 January at 0 N 0 E.
 TEST(ImportedPath, SunlightScatteredIntoAPathToSpace) {
   const std::string text =
       cards(3, 2,
@@ -397,7 +397,7 @@ TEST(ImportedPath, Csv) {
   EXPECT_EQ(paths->path[0].line, 2u);
 }
 
-// As editors of text save them: fixed columns begin behind a byte order mark.
+// Editors save text like this: fixed columns begin behind a byte order mark.
 TEST(ImportedPath, MarksOfAnEncoding) {
   for (const std::string& text : {kThermalRun, std::string(kCsv)}) {
     const auto plain = parse_imported_paths(text, "a"),

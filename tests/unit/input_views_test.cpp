@@ -112,7 +112,7 @@ TEST(InputViews, OfAGreyPlateAreClosedForms) {
   EXPECT_NEAR(row.input_uncertainty_w_sr(),
               std::hypot(gain(row, "part_temperature_k"), gain(row, "emissivity")), 1e-9 * i);
 
-  // Of both sides the slope and the curvature: of B, by differences that are central, too.
+  // Both sides give slope and curvature: of B, by differences that are central, too.
   const auto both = view_of(resolved(dark + "[uncertainty]\npart_temperature_k = 5\n"
                                             "sides = \"both\"\n"))
                         .row(0);
@@ -140,7 +140,7 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
   EXPECT_LT(sky.stderr(), 0.03 * sky.value());
   EXPECT_NEAR(sky.value(), area_m2 * 0.2 * 0.5 * (plate_w_m2_sr(254) - plate_w_m2_sr(250)),
               4 * sky.stderr() + 1e-6 * sky.value());
-  // What the paint emits more it reflects less.
+  // Paint that emits more reflects as much less.
   const auto& paint = input(row, "emissivity").contribution_w_sr();
   EXPECT_NEAR(paint.value(), area_m2 * 0.02 * (plate_w_m2_sr(300) - 0.5 * plate_w_m2_sr(250)),
               4 * paint.stderr() + 1e-6 * paint.value());
@@ -165,7 +165,7 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
     for (auto& effect : *view->mutable_row(0)->mutable_effect()) effect.clear_time_s();
   EXPECT_EQ(same.SerializeAsString(), plain.SerializeAsString());
 
-  // By hand, with the same seed.
+  // Returns the view computed by hand, with the same seed.
   const auto by_hand = [&](const char* from, const char* to) {
     return view_of(resolved(absl::StrReplaceAll(kPlate, {{from, to}})))
                .row(0)
@@ -333,7 +333,7 @@ TEST(InputViews, OfWallsAreWhatOtherRunsSay) {
         << sweep.heat(1).input(i).name();
   }
 
-  // And so is the row: by hand, other emissivities apart, on the same paths.
+  // The row is the same: by hand, other emissivities apart, on the same paths.
   const auto row = view_of(sweep).row(0);
   const auto plain = view_of(resolved(sheet)).row(0);
   EXPECT_EQ(plain.intensity_w_sr().value(), row.intensity_w_sr().value());

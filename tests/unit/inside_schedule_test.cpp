@@ -1,4 +1,4 @@
-// What is behind a wall over the day, from the sweep file to temperatures.
+// Tests temperatures behind a wall over the day, from the sweep file to temperatures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -167,7 +167,7 @@ TEST(InsideSchedule, AThinSheetIsAsWarmAsWhatIsBehindIt) {
   const auto linear = temperatures(
       inside_sweep(kLinear, R"(["02:00-08:00", "05:00-08:00", "08:30-08:00", "20:00-08:00"])"));
   ASSERT_EQ(linear.size(), 4U);
-  // From 11 h to 5 h in 18 h: 20 h is half of the way, 2 h five sixths.
+  // The line goes from 11 h to 5 h in 18 h: 20 h is half of the way, 2 h five sixths.
   const double between[] = {305, 300, 317.5, 315};
   for (std::size_t t = 0; t < 4; ++t) EXPECT_NEAR(linear[t], between[t], 0.1) << t;
 }

@@ -61,7 +61,7 @@ struct Coverage {
   double mean_claimed_relative;
 };
 
-// At 400 directions spread over the hemisphere, away from the samples' own lattice.
+// Compares at 400 directions spread over the hemisphere, away from the samples' own lattice.
 Coverage measure(const Field& field, std::uint32_t viewpoints, double relative_noise,
                  FieldKind kind) {
   const SphereSamples samples =

@@ -59,8 +59,8 @@ TEST(JobRunner, RefusesNamesThatItDoesNotKnow) {
       "masking");
 }
 
-// What a coordinator may ask of a worker: the largest indices were taken for -1, and those of
-// conditions and bands for good ones.
+// A coordinator may ask a worker for jobs that the sweep does not have. The largest indices could
+// be taken for -1, and those of conditions and bands for good ones.
 TEST(JobRunner, RefusesJobsOfWhatTheSweepDoesNotHave) {
   const schema::ResolvedSweep sweep = disk(0);
   const auto runner = JobRunner::create(sweep, {}, {});
@@ -181,7 +181,7 @@ TEST(JobRunner, HasTheEffectsThatTheSweepAsksFor) {
   EXPECT_EQ(first_job(sweep, {}).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-// What `irsig plan` tries: the effects of the error, another number of samples.
+// A pilot of `irsig plan` has the effects of the error, and another number of samples.
 TEST(JobRunner, APilotHasItsOwnNumberOfSamples) {
   schema::ResolvedSweep sweep = soot(0.05);
   for (const std::uint64_t samples : {64U, 2048U}) {
@@ -198,8 +198,8 @@ std::string bytes_without_time(schema::JobResult result) {
   return result.SerializeAsString();
 }
 
-// Of sweeps that differ in accuracy and viewpoints alone the scene is built once, and no bit of a
-// result shows that; another material, or a job that failed, and it is built anew.
+// The scene is built once for sweeps that differ in accuracy and viewpoints alone, and no bit of a
+// result shows that. Another material, or a job that failed, and it is built anew.
 TEST(JobRunner, KeepsTheSceneForSweepsThatShareIt) {
   auto first = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");
   ASSERT_TRUE(first.ok()) << first.status();
@@ -274,7 +274,7 @@ TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
   EXPECT_EQ(environment_from_sweep(*sweep, grids).status().code(), absl::StatusCode::kOutOfRange);
 }
 
-// In the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
+// Makes plates in the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
 constexpr const char* kPlates = R"(
 v 0 0 0
 v 0 4 0
@@ -577,7 +577,7 @@ TEST(JobRunner, SaysThatTheFloorWasReached) {
     EXPECT_GT(row.numerical_error_w_sr(), 1e-6 * row.intensity_w_sr().value());
     EXPECT_LE(row.numerical_error_w_sr(), row.absolute_floor_w_sr());
   }
-  // What reaches the relative error does not stop at the floor.
+  // A row that reaches the relative error does not stop at the floor.
   accuracy.set_relative_error(0.05);
   const auto result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();

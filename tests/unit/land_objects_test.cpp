@@ -87,7 +87,7 @@ TEST(LandObjects, ABoxIsMetByItsClosedFormAtAnyDistance) {
     int met = 0;
     double worst_m = 0;
     for (int i = 0; i < 20'000; ++i) {
-      // From the target's surroundings and from close by.
+      // Rays begin in the target's surroundings and close by.
       const Vec<Enu> goal{place.x_m + 9 * uniform(random), place.y_m + 9 * uniform(random),
                           5 + 5 * uniform(random)};
       const Vec<Enu> origin =
@@ -108,7 +108,7 @@ TEST(LandObjects, ABoxIsMetByItsClosedFormAtAnyDistance) {
                          std::abs(hit->distance - *expected.distance) * length(direction) * cosine);
       EXPECT_EQ(hit->material, 3u);
       EXPECT_LT(dot(hit->normal, direction), 0);
-      // What is nearer than the object is not met.
+      // A ray that ends before the object does not meet it.
       EXPECT_FALSE(objects.first_hit(origin, direction, 0.999 * hit->distance).has_value());
       EXPECT_FALSE(objects.hidden(origin, direction, 0.999 * hit->distance));
     }

@@ -29,7 +29,7 @@ Mesh read(const std::string& name, const std::string& bytes, MeshImport how = {}
   return mesh.ok() ? *std::move(mesh) : Mesh{};
 }
 
-// What is said about a file that is refused; every refusal is the user's.
+// Returns the message for a file that is refused; every refusal is the user's.
 std::string refusal(const std::string& name, const std::string& bytes, MeshImport how = {}) {
   how.file_name = name;
   const absl::StatusOr<Mesh> mesh = import_mesh(bytes, how);

@@ -166,7 +166,7 @@ TEST(NumberBounds, ARefusalSaysWhereAndWhy) {
     EXPECT_THAT(refused(text), HasSubstr("s.toml:30:1: viewpoints.range_m = ")) << range;
     EXPECT_THAT(refused(text), HasSubstr(text_of(bounds_of("Viewpoints.range_m")))) << range;
   }
-  // In a map, in a list and in a list of tables.
+  // The number stands in a map, in a list and in a list of tables.
   EXPECT_THAT(refused("[[season]]\nname = \"a\"\npart_temperature_k = { hull = 1e30 }\n"),
               HasSubstr("s.toml:3:24: season[0].part_temperature_k.hull = 1e+30, expected a "
                         "number from 0 to 20000 (Planck's law is verified there)"));

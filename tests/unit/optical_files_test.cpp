@@ -18,7 +18,7 @@ std::string error_of(const absl::StatusOr<T>& result) {
   return std::string(result.status().message());
 }
 
-// As the refractiveindex.info database writes its files.
+// The refractiveindex.info database writes its files like this.
 constexpr const char* kTabulatedNk = R"(# this file is part of refractiveindex.info database
 
 REFERENCES: |
@@ -98,7 +98,7 @@ TEST(OpticalConstantsFile, ReadsCsvInNanometres) {
   EXPECT_EQ((*table)[1].k, 0.1);
 }
 
-// As refractiveindex.info hands its tables out: wavelengths in micrometres.
+// refractiveindex.info hands its tables out like this: wavelengths in micrometres.
 TEST(OpticalConstantsFile, ReadsCsvOfRefractiveindexInfo) {
   for (const char* text : {"wl,n,k\n8,1.1,2\n10,1.2,3\n",
                            "wl,n\r\n8,1.1\r\n10,1.2\r\n\r\nwl,k\r\n8,2\r\n10,3\r\n"}) {
@@ -202,7 +202,8 @@ TEST(SpectrumFile, ReadsWhatItsHeaderSays) {
   ASSERT_TRUE(micro.ok()) << micro.status();
 }
 
-// As the ECOSTRESS library writes its files: falling wavelengths, per cent, noise beyond the scale.
+// The ECOSTRESS library writes its files like this: falling wavelengths, per cent, noise beyond the
+// scale.
 const std::string kEcostress =
     "Name: Aluminum Metal\r\nType: manmade\r\nSample No.: 0598UUUALM\r\n"
     "Measurement: Directional (10 Degree) Hemispherical Reflectance\r\n"
@@ -258,7 +259,7 @@ TEST(SpectrumFile, SaysWhichColumnsAreWanted) {
         << text;
 }
 
-// As spreadsheets and other programs write them.
+// Spreadsheets and other programs write them like this.
 TEST(SpectrumFile, SeparatorsQuotesAndLineEnds) {
   for (const char* text :
        {"lambda_um;emissivity\n8;0.9\n9;0.8\n", "lambda_um\temissivity\n8\t0.9\n9\t0.8\n",

@@ -1,4 +1,4 @@
-// What a sweep asked for and did not get, in words.
+// Tests the words for requests of a sweep that were not met.
 #include "view/report/outcome.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Whether vertices of a part lie above a plane: the tree says what a look at each of them says.
+// The tree finds vertices of a part above a plane as a look at each of them does.
 #include "core/scene/trace/part_places.h"
 
 #include <gtest/gtest.h>

@@ -88,7 +88,7 @@ TEST(PlotHours, WithoutAPlaceTheyAreOfUtc) {
 TEST(PlotHours, TemperaturesHaveAPanelForEachSeason) {
   FakeDatabase db = day_of_hours();
   add_temperatures(db);
-  // Of the version before, not replaced yet: its successor is shown.
+  // A temperature of the version before, not replaced yet: its successor is shown.
   StoredTemperature old = db.temperatures.front();
   old.superseded = true;
   old.mean_k = 300;

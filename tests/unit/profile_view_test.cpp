@@ -1,4 +1,4 @@
-// What people see of profiles: the table over reflections, the comparison, CSV and SVG.
+// Tests the views of profiles: the table over reflections, the comparison, CSV and SVG.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -76,7 +76,7 @@ TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
   ASSERT_EQ(some.size(), 60U);
   EXPECT_EQ(rows_of(60), some);
   EXPECT_TRUE(std::is_sorted(some.begin(), some.end()));
-  // As many of the first half as of the second, but for chance.
+  // Both halves give as many rows, but for chance.
   const auto first = std::count_if(
       some.begin(), some.end(), [&](std::uint64_t row) { return row < (*all)[95].signature.row; });
   EXPECT_NEAR(static_cast<double>(first), 30, 12);

@@ -1,5 +1,5 @@
-// What the coordinator decides, without threads or sockets: the farm on a real store with a clock
-// that the test sets.
+// Tests the decisions of the coordinator, without threads or sockets: the farm on a real store with
+// a clock that the test sets.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST_F(FarmTest, AWorkerWaitsWhileOthersComputeTheLastJob) {
   EXPECT_EQ(lease(b)->state(), schema::LeaseReply::STATE_FINISHED);
 }
 
-// By its job and content, whoever holds the lease; failures by the lease.
+// A result counts by its job and content, whoever holds the lease; failures count by the lease.
 TEST_F(FarmTest, AResultIsTakenByWhatItIs) {
   submit(2);
   const auto a = worker("a"), b = worker("b");
@@ -52,7 +52,7 @@ TEST_F(FarmTest, AResultIsTakenByWhatItIs) {
   EXPECT_EQ(*returns(b, of_b), State::STATE_STORED);
   EXPECT_EQ(status().done(), 2U);
   EXPECT_EQ(farm_status().differing(), 0U);
-  // Of no sweep or job that there is.
+  // These belong to no sweep or job that there is.
   auto elsewhere = of_b;
   elsewhere.mutable_job()->set_sweep_sha256(std::string(64, '0'));
   EXPECT_EQ(*returns(b, elsewhere), State::STATE_UNKNOWN_SWEEP);
@@ -61,7 +61,7 @@ TEST_F(FarmTest, AResultIsTakenByWhatItIs) {
   EXPECT_EQ(*returns(b, of_b, result), State::STATE_NOT_WANTED);
 }
 
-// Who computed it, and how long that took, is no content.
+// The worker and its time are no content.
 TEST_F(FarmTest, EqualContentIsKnownAgain) {
   submit(1);
   const auto a = worker("a"), b = worker("b");
@@ -355,7 +355,7 @@ TEST_F(FarmTest, ARestartFreesLeasesAndKeepsResults) {
   const auto fresh = job(again);
   EXPECT_EQ(fresh.job().job_key(), leased.job().job_key());
   EXPECT_GT(fresh.fencing_token(), leased.fencing_token());
-  // What was computed before the restart, and comes from a spool now.
+  // The result was computed before the restart, and comes from a spool now.
   EXPECT_EQ(*returns(again, leased), State::STATE_STORED);
   EXPECT_EQ(*returns(again, fresh), State::STATE_KNOWN);
   EXPECT_EQ(status().done(), 2U);
@@ -406,7 +406,7 @@ TEST_F(FarmTest, AnotherPhysicsVersionIsRefusedAfterARestart) {
   for (int i = 0; i < 2; ++i)
     EXPECT_TRUE(absl::IsFailedPrecondition(lease(old->worker_id()).status()));
   EXPECT_EQ(*store_->physics_version(status().sweep_sha256()), 1U);
-  // Of a database that does not say so: by the keys.
+  // A database without a stated version is known by its keys.
   ASSERT_TRUE(ask([&] { return store_->set_physics_version(status().sweep_sha256(), 2); }).ok());
   open("third");
   EXPECT_TRUE(absl::IsFailedPrecondition(lease(worker("a")).status()));
@@ -506,7 +506,7 @@ TEST_F(FarmTest, WhatWaitsForOtherJobsHoldsNothingUp) {
   EXPECT_EQ(job(worker("b")).job().sweep_sha256(), views->sweep_sha256);
 }
 
-// As a pilot does: sweeps that differ in nothing that temperatures depend on.
+// A pilot's sweeps differ in nothing that temperatures depend on.
 TEST_F(FarmTest, TemperaturesAreComputedOnceForAllSweepsThatShareThem) {
   const auto id = worker("a");
   std::vector<std::string> computed;

@@ -46,7 +46,7 @@ struct Row {
   schema::Spectrum spectrum;
 };
 
-// What the closed form says at a range.
+// Returns the closed form at a range.
 Row row_at(double range_m) {
   const BandGrid grid = make_band_grid(band()).value();
   const AirPath path = air_path(grey_air(), kAir, range_m, grid.node_um);
@@ -226,7 +226,7 @@ TEST_F(RangeChanged, ErrorsGoThroughTheAirAndGrowByThePerspective) {
   EXPECT_NEAR(rows->front().range_change->range_bound_w_sr, bound * seen_w_sr, 1e-3);
   EXPECT_GT(s.apparent_numerical_error_w_sr, bound * seen_w_sr / std::sqrt(3.0));
   EXPECT_GT(s.numerical_error_w_sr, bound * stored.intensity_w_sr / std::sqrt(3.0));
-  // What stands behind it is hidden as far.
+  // The background is hidden as far.
   const double background_w_sr =
       stored.projected_area_m2 * (s.background_radiance_w_m2_sr - s.path_radiance_w_m2_sr);
   EXPECT_GT(

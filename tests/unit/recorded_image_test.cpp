@@ -1,4 +1,4 @@
-// What stands beside a recorded image lies on the imager's pixels.
+// Masks beside a recorded image lie on the imager's pixels.
 #include "view/pictures/recorded_image.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(Masks, WholeObjectsHaveWhatOthersHide) {
   EXPECT_EQ(whole_of(of, "*")->mask.area_px, 7);
   EXPECT_EQ(whole_of(of, "*")->occlusion, 0);
   EXPECT_NEAR(whole_of(of, "*")->truncation, 0.3, 1e-12);
-  // On the pixels of an imager, too.
+  // It also holds on the pixels of an imager.
   const auto recorded = whole_of(on_detector(of, {2, 1, 2.0, 0, 0.5}), "hull");
   EXPECT_NEAR(recorded->occlusion, 1.0 / 6, 1e-4);
   EXPECT_NEAR(recorded->truncation, 3.0 / 9, 1e-4);

@@ -63,9 +63,9 @@ TEST(SweepImager, IsStoredAsItIsStated) {
   EXPECT_EQ(imager->bits, 14U);
   EXPECT_EQ(imager->margin_px, 4U);
   EXPECT_EQ(std::get<CountsOfTemperatures>(imager->gain).white_k, 400);
-  // What a coordinator is sent passes its check.
+  // The coordinator's check passes the sweep.
   EXPECT_EQ(check_resolved(*sweep), absl::OkStatus());
-  // So does what a pilot makes of it.
+  // The pilot's sweep passes it, too.
   schema::ResolvedSweep pilot = *sweep;
   pilot.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
   EXPECT_EQ(check_resolved(pilot), absl::OkStatus());
@@ -124,7 +124,7 @@ TEST(SweepImager, PixelsOfACameraSuffice) {
   EXPECT_EQ(camera(59), "");
 }
 
-// What a damaged database may hold is refused before it is computed with.
+// Numbers of a damaged database are refused before anything is computed with them.
 TEST(SweepImager, NumbersThatNoCameraHasAreRefused) {
   const auto sweep = resolved_text(imager_sweep(kImagerTables));
   ASSERT_TRUE(sweep.ok());

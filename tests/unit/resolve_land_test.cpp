@@ -187,7 +187,7 @@ TEST(ResolveLand, ObjectsAndTheirFilesAreWrittenOut) {
   EXPECT_EQ(land.object(2).seed(), 1U);
   EXPECT_THAT(sweep->condition(0).land_temperature_k(), ElementsAre(310, 288, 289));
   EXPECT_TRUE(check_resolved(*sweep).ok()) << check_resolved(*sweep);
-  // What workers fetch: heights, inset, road, tree, places, house.
+  // Workers fetch heights, inset, road, tree, places and house.
   EXPECT_EQ(needed_assets(*sweep).size(), 6U);
 }
 
@@ -206,7 +206,7 @@ TEST(ResolveLand, KeysOfJobsFollowWhatDeterminesResults) {
     s.mutable_land()->mutable_heights()->set_file_name("other.ASC");
   };
   EXPECT_EQ(key, key_of(kLand, renamed));
-  // The same temperature, stated elsewhere.
+  // An equal temperature is stated elsewhere.
   EXPECT_EQ(key, key_of(absl::StrReplaceAll(
                             kLand, {{"{ asphalt = 310 }", "{ asphalt = 310, grass = 288 }"}}),
                         nothing));

@@ -82,7 +82,7 @@ class Roles : public testing::Test {
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
-  // What each call answers to who shows this certificate.
+  // Returns the answer of each call to the holder of this certificate.
   std::map<std::string, absl::StatusCode> all_calls(const std::string& name) {
     const auto farm = schema::Farm::NewStub(connect(address(server_->address(), name)));
     std::map<std::string, absl::StatusCode> out;
@@ -147,7 +147,7 @@ TEST_F(Roles, EachCallNeedsItsOwn) {
     for (const Role role : kRoles)
       if ((which >> static_cast<unsigned>(role) & 1U) != 0) roles.insert(role);
     const std::string name = absl::StrCat("who", which);
-    // Without a role it is of a coordinator, and the handshake refuses it.
+    // A certificate without a role is a coordinator's, and the handshake refuses it.
     if (roles.empty()) continue;
     issue(name, {}, roles);
     for (const auto& [call, code] : all_calls(name)) {
@@ -314,7 +314,7 @@ TEST_F(Roles, WhatAnAuthorityRefusesToSign) {
   const auto after = issued_certificates(ca());
   ASSERT_TRUE(after.ok()) << after.status();
   for (const auto& one : *after) EXPECT_TRUE(one.revoked) << one.facts.name;
-  // What the openssl program makes of them, with its own rules.
+  // The openssl program judges them with its own rules.
   const auto openssl = [&](const std::string& arguments) {
     return std::system(absl::StrCat("openssl ", arguments, " >", path("log"), " 2>&1").c_str());
   };

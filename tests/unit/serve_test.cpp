@@ -218,7 +218,8 @@ TEST(ErrorBudget, AMovedRowKnowsItsBoundsTogether) {
 }
 
 TEST(PolarCut, ABeltOfManyViewpointsGivesWhatAllOfThemGive) {
-  // Of so many a belt around the elevation is enough; the estimate is that from all samples.
+  // With so many samples a belt around the elevation is enough; the estimate is that from all
+  // samples.
   FakeSweep sweep;
   sweep.viewpoint = fibonacci_viewpoints(1100, 5000, 0, 90);
   sweep.season.resize(1);

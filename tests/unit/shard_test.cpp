@@ -105,7 +105,7 @@ TEST(Shard, IsCheckedWhereItIsSubmitted) {
   EXPECT_THAT(error(sweep), HasSubstr("shard.sweep_sha256"));
 }
 
-// As a stored sweep may say it.
+// A stored sweep may have such numbers.
 TEST(Shard, OfAnImpossibleNumberIsNone) {
   for (const auto& [number, of] : {std::pair{0, 0}, {1, 0}, {0, 3}, {4, 3}}) {
     schema::ResolvedSweep sweep = shard_example("quickstart.toml");

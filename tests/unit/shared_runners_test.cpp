@@ -72,7 +72,7 @@ TEST(SharedRunners, AfterAFailureTheNextIsNew) {
   runners.forget(first);
   EXPECT_NE(*runners.get({"sweep", {}}, maker.make), first);
   EXPECT_EQ(maker.made, 2);
-  // What cannot be made is nobody's, and asked for again.
+  // A runner that cannot be made is nobody's, and asked for again.
   const auto refused = runners.get(
       {"bad", {}}, [](Assets&) { return absl::InvalidArgumentError("no group \"funel\""); });
   EXPECT_TRUE(absl::IsInvalidArgument(refused.status()));

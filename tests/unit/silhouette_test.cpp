@@ -25,7 +25,7 @@ TargetShape plate(double at_x_m, double width_m, double bottom_m, double top_m) 
       {true}};
 }
 
-// Of a rectangle a x b at a distance d from the foot of its corner.
+// Returns the solid angle of a rectangle a x b at a distance d from the foot of its corner.
 double corner_sr(double a, double b, double d) {
   return std::atan(a * b / (d * std::sqrt(a * a + b * b + d * d)));
 }
@@ -50,7 +50,7 @@ TEST(SilhouetteTest, APlateIsExact) {
   EXPECT_NEAR(wet.area_m2(), s.area_m2(), 1e-5 * s.area_m2());
   const Silhouette dry(plate(0, 12, -20, 20), v, false, {&level, 1});
   EXPECT_GT(dry.area_m2(), 1.9 * s.area_m2());
-  // From behind a facet of one side is not seen.
+  // A facet of one side is not seen from behind.
   TargetShape one_sided = shape;
   one_sided.two_sided = {false};
   EXPECT_NEAR(Silhouette(one_sided, v, true, {}).area_m2(), s.area_m2(), 1e-5 * s.area_m2());

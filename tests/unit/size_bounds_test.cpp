@@ -44,7 +44,7 @@ TEST(SizeBounds, EveryListHasARowAndEveryRowAListOrAText) {
     EXPECT_TRUE(rows.contains(key)) << key << " has no row in jobs/text/size_bounds.cpp";
 }
 
-// Of each list and each text: as much as may be, and one more.
+// Each list and each text takes as many as the bound, and not one more.
 TEST(SizeBounds, TheBoundIsTheLastThatIsTaken) {
   const SweepFile no_file;
   const auto found = [&](const schema::ResolvedSweep& sweep) {

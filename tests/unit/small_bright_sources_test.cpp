@@ -1,4 +1,4 @@
-// What could shine without being met: which of it is bounded by what it could send, which is
+// Tests light that could shine without being met: some is bounded by what it could send, some is
 // allowed for as what a sample could miss.
 
 #include <gtest/gtest.h>
@@ -56,7 +56,8 @@ TEST(SmallBrightSources, GrowsWithoutACliff) {
   }
 }
 
-// From bright to dark, in whatever order they come; numbers without a leading bit are the darkest.
+// Places come out from bright to dark, in whatever order they go in; numbers without a leading bit
+// are the darkest.
 TEST(SmallBrightSources, TheOrderOfPlacesDoesNotMatter) {
   const double radiance[] = {1e-310, 4e-308, 1e-3, 0.7, 0.9, 1, 1.24, 1.26, 5, 1e200};
   SmallBrightSources up, down;

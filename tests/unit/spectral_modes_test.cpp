@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kReplicates = 32;
 
-// So many random spectra mixed at random, as paths over few sources are; `noise` of each wavelength
-// alone.
+// Mixes so many random spectra at random, as paths over few sources do; `noise` is of each
+// wavelength alone.
 SpectralSet mixed(std::size_t bins, std::size_t rank, double noise, double scale, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -38,7 +38,7 @@ SpectralSet mixed(std::size_t bins, std::size_t rank, double noise, double scale
   return out;
 }
 
-// Of the sum itself, over replicates.
+// Returns the variance of the sum itself, over replicates.
 double direct(const SpectralSet& replicate, const std::vector<double>& weight) {
   ReplicateStatistics s(1);
   for (const auto& spectrum : replicate) {
@@ -136,8 +136,8 @@ TEST(SpectralModes, SumsHaveTheErrorOfTheReplicatesSums) {
   expect_errors_of_sums(one, 0.002);
 }
 
-// What modes leave over is counted as if it were one: many causes in many wavelengths, of which 8
-// kB hold few.
+// The rest beyond the modes counts as one cause: many causes in many wavelengths, of which 8 kB
+// hold few.
 TEST(SpectralModes, WhatIsNotStoredIsNeverTakenForIndependent) {
   const SpectralSet many = mixed(600, 20, 0, 1, 3);
   const std::vector<double> error = stderrs(many);
@@ -158,7 +158,7 @@ TEST(SpectralModes, WithoutModesAllErrorsAreOne) {
   EXPECT_DOUBLE_EQ(sums->of(std::vector{1.0, -1.0, 2.0}), 9);
 }
 
-// Of two independent spectra, from the modes of each: both covariances add up.
+// The covariances of two independent spectra add up, from the modes of each.
 TEST(SpectralModes, ModesOfASumOfIndependentSpectra) {
   const SpectralSet a = mixed(41, 3, 0, 1, 4), b = mixed(41, 2, 0, 0.7, 5);
   SpectralSet both = leading_modes(deviations(a), 16);

@@ -107,7 +107,7 @@ TEST_F(StoreAsset, NobodyGetsTheBytesOfADamagedFile) {
   is_damaged(read().status(), what);
   is_damaged(slice(), what);
   is_damaged(merge(), what);
-  // Who needs no file goes on.
+  // A worker that needs no file goes on.
   EXPECT_EQ(read(SweepFiles::kNone)->resolved.sweep().name(), "ship");
   EXPECT_EQ(read(SweepFiles::kTemperatures)->heat.size(), 2U);
 }
@@ -131,7 +131,7 @@ TEST_F(StoreAsset, ASubmissionReplacesADamagedFile) {
   is_damaged(add(sweep_, {}).status(), "(a file of the sweep \"ship\")");
   EXPECT_EQ(add(sweep_, {{sweep_.model_sha256(), model_}})->to_compute, 0U);
   EXPECT_EQ(writer_->asset(sweep_.model_sha256()).value(), model_);
-  // The same of a file that comes in pieces; of another length, too.
+  // A file that comes in pieces is checked likewise; one of another length, too.
   ASSERT_EQ(
       sqlite_text(path_, "UPDATE asset SET bytes = x'00' WHERE " + is_model() + "; SELECT 'short'"),
       "short");

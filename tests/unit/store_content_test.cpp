@@ -1,4 +1,4 @@
-// What goes in comes out: every field, through the writer and the reader.
+// Every field comes out as it went in, through the writer and the reader.
 
 #include <gmock/gmock.h>
 #include <google/protobuf/util/message_differencer.h>

@@ -1,4 +1,4 @@
-// What computing cost and what was predicted: kept beside the sweep, and no part of its content.
+// Costs and predictions are kept beside the sweep, and are no part of its content.
 
 #include "tests/unit/store_fixture.h"
 

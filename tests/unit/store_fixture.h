@@ -131,7 +131,7 @@ inline void fill_numbers(google::protobuf::Message& message, double& next) {
   }
 }
 
-// What uncertain inputs leave of a row, if the sweep states some.
+// Fills the contributions of uncertain inputs to a row, if the sweep states some.
 inline void fill_inputs(const schema::ResolvedSweep& sweep, schema::SignatureRow& row,
                         double& next) {
   row.clear_input_uncertainty_w_sr();
@@ -343,7 +343,7 @@ inline schema::JobResult make_heat_result(const schema::ResolvedSweep& sweep,
   return result;
 }
 
-// What any SQLite client sees: the first column of the first row, as text.
+// Returns what any SQLite client sees: the first column of the first row, as text.
 inline std::string sqlite_text(const std::string& path, const std::string& statement) {
   sqlite3* handle = nullptr;
   std::string text = "(no row)";

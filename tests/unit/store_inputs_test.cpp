@@ -1,5 +1,5 @@
-// What uncertain inputs contribute to a row: stored as it came, refused if it is not what the sweep
-// asks for, absent from everything where a sweep asks for nothing.
+// Contributions of uncertain inputs to a row are stored as they came, refused if the sweep asks for
+// others, and absent from everything where a sweep asks for none.
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
@@ -115,7 +115,7 @@ TEST_F(StoreInputs, AreAbsentWhereNoneAreStated) {
   }
 }
 
-// What heat jobs leave of moved inputs: a change for each, and no temperature.
+// Heat jobs of moved inputs have a change for each, and no temperature.
 TEST(HeatChanges, ThatWereNotAskedForAreRefused) {
   schema::HeatRun run;
   run.set_season("winter");

@@ -167,7 +167,7 @@ TEST_F(StoreMerge, OfAllShardsIsTheUndividedRun) {
       EXPECT_EQ(sql(name, count), sql("whole.sigdb", count)) << name << " " << table;
     }
   }
-  // Nothing of it is to be computed.
+  // All of it is done.
   EXPECT_EQ(write("a.sigdb", sweep_), 0);
   EXPECT_EQ(digest("a.sigdb"), whole);
 }
@@ -199,7 +199,7 @@ TEST_F(StoreMerge, WhatNobodyHasDoneWaits) {
   merge({"1.sigdb"}, "b.sigdb");
   EXPECT_EQ(write("b.sigdb", sweep_), 2);
   EXPECT_EQ(digest("b.sigdb"), digest("whole.sigdb"));
-  // Nothing done at all; the heat jobs alone; views wait for them where they are not done.
+  // Cases: nothing done at all; the heat jobs alone; views wait for them where they are not done.
   write("none.sigdb", sweep_, 0);
   write("heat.sigdb", sweep_, 1);
   merge({"none.sigdb", "heat.sigdb"}, "c.sigdb");
@@ -276,7 +276,7 @@ TEST_F(StoreMerge, EqualJobsHaveEqualContent) {
                                            "signature_id = (SELECT max(signature_id) FROM "
                                            "signature)")});
   EXPECT_THAT(said, HasSubstr("the sweep \"ship\", row 12, job "));
-  // Who, when and how long is no content.
+  // Worker, time and duration are no content.
   changed_copy("whole.sigdb",
                "UPDATE provenance SET seconds = 9, worker_name = 'x', build_id = 'y';"
                "UPDATE ledger SET time_s = 9; UPDATE attempt SET leased_unix_s = 7");

@@ -1,4 +1,4 @@
-// How errors of a spectrum's wavelengths go together: stored as it came, no part of the digest.
+// Modes of a spectrum's errors are stored as they came, and are no part of the digest.
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {

@@ -1,4 +1,4 @@
-// Which files are opened, which are refused, and what stays behind.
+// Tests which files are opened, which are refused, and which stay behind.
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -136,7 +136,7 @@ TEST_F(StoreOpen, AnEmptyFileBecomesADatabase) {
 TEST_F(StoreOpen, AFailedCreationLeavesNothing) {
   EXPECT_TRUE(absl::IsNotFound(StoreWriter::open(folder_.file("missing/a.sigdb")).status()));
   EXPECT_TRUE(folder_.names().empty());
-  // As a directory of the database's own name: SQLite cannot make its journal there.
+  // A directory stands in the place of the journal: SQLite cannot make it there.
   std::filesystem::create_directory(path_ + "-journal");
   EXPECT_FALSE(StoreWriter::open(path_).ok());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb-journal"});
@@ -226,7 +226,7 @@ TEST_F(StoreOpen, AnOlderFileIsRefusedAndStaysAsItIs) {
   EXPECT_THAT(refused("DROP VIEW provenance"), ::testing::EndsWith("the irsig that wrote it"));
 }
 
-// Of a killed run, too: its journal belongs to the irsig that wrote it.
+// The journal stays after a killed run, too: it belongs to the irsig that wrote it.
 TEST_F(StoreOpen, TheJournalOfAnOlderFileStays) {
   ASSERT_NO_FATAL_FAILURE(write());
   {
@@ -291,13 +291,13 @@ TEST_F(StoreOpen, EveryQuantityIsAColumnAndAField) {
               field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE)
         << name;
   }
-  // And no number of a row is in the file without being in the catalogue.
+  // Every number of a row in the file is in the catalogue.
   const std::string numbers =
       sqlite_text(path_, "SELECT count(*) FROM pragma_table_info('signature') WHERE type = 'REAL'");
   EXPECT_EQ(numbers, std::to_string(kQuantities.size() + 2)) << "and the sun's two angles";
 }
 
-// What is bound by name comes back under its name.
+// A quantity that is bound by name comes back under its name.
 TEST_F(StoreOpen, EveryQuantityComesBackAsItWasStored) {
   ASSERT_NO_FATAL_FAILURE(write());
   std::string script = "UPDATE signature SET ";
@@ -337,7 +337,7 @@ TEST_F(StoreOpen, ADatabaseWithDefinitionsOfSomebodyElseIsRefused) {
     }
     EXPECT_EQ(bytes_of(path_), before) << change;
   }
-  // What SQLite notes for itself is no definition.
+  // Tables that SQLite makes for itself are no definitions.
   std::ofstream(path_, std::ios::binary) << good;
   ASSERT_EQ(sqlite_text(path_, "ANALYZE; SELECT 'analyzed'"), "analyzed");
   EXPECT_TRUE(StoreReader::open(path_).ok());

@@ -213,7 +213,7 @@ TEST(StoreResult, LayersAreThoseThatTheSweepAsksFor) {
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
     EXPECT_THAT(std::string(status.message()), testing::HasSubstr("image_layer"));
   }
-  // What a worker that lies may send.
+  // A worker that lies may send these.
   for (const std::function<void(schema::ImageLayer&)>& change :
        std::vector<std::function<void(schema::ImageLayer&)>>{
            [](auto& l) { l.set_name("sunn"); }, [](auto& l) { l.clear_exr(); },

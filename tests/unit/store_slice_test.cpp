@@ -168,7 +168,7 @@ TEST_F(StoreSlice, HoldsWhatBelongsToItsRowsAndNothingElse) {
           path,
           "SELECT group_concat(DISTINCT condition_index || band_index) FROM job WHERE kind = 1"),
       "[0][0]");
-  // What it says of itself.
+  // The slice states its origin.
   ASSERT_EQ(stored.resolved.slice_size(), 1);
   const schema::Slice& said = stored.resolved.slice(0);
   EXPECT_EQ(said.source(), "all.sigdb");
@@ -269,7 +269,7 @@ TEST_F(StoreSlice, LeavesRowsThatWaitForTheirReplacementBehind) {
                                                     : make_result(changed, job->spec),
                                "h"));
   }
-  // What is not committed is not there; the writer goes on beside it.
+  // The slice lacks rows that are not committed; the writer goes on beside it.
   EXPECT_TRUE(absl::IsNotFound(slice_database(path_, {}, folder_.file("none.sigdb")).status()));
   ASSERT_OK(writer->commit());
   slice({}, "new.sigdb");

@@ -22,7 +22,7 @@ class StoreSweep : public ::testing::Test {
   }
   std::vector<StoredSignature> all() { return StoreReader::open(path_).value()->find({}).value(); }
   std::string digest() { return StoreReader::open(path_).value()->digest().value(); }
-  // Of a database that was never anything else.
+  // Returns the digest of a database that was never anything else.
   static std::string digest_of_fresh(const SweepShape& shape) {
     const TestFolder folder;
     const std::string path = folder.file("fresh.sigdb");

@@ -122,7 +122,7 @@ TEST_F(StoreWholeFile, AHeaderThatAsksForAJournalWhichIsMissingIsRefused) {
   ASSERT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
   refused(path_, "a journal belongs to it");
   refused(path_, "`irsig doctor --accept " + path_ + "`");
-  // What a program leaves that only reads such a file.
+  // A program that only reads such a file leaves this.
   std::ofstream(path_ + "-wal").close();
   refused(path_, "a journal belongs to it");
   const auto accepted = accept_file(path_, 1);
@@ -220,7 +220,7 @@ TEST_F(StoreWholeFile, TheJournalIsFoundThroughLinks) {
     ASSERT_OK(merge(link));
     EXPECT_EQ(rows(folder_.file("merged.sigdb")), 8U) << name;
   }
-  // And while it is written.
+  // It is so while the file is written, too.
   auto writer = StoreWriter::open(elsewhere.file("link.sigdb")).value();
   ASSERT_OK(writer->begin());
   ASSERT_OK(writer->release_all());

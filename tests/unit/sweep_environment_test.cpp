@@ -1,4 +1,4 @@
-// From a resolved sweep with the embedded atmosphere to what the core computes with.
+// Tests the way from a resolved sweep with the embedded atmosphere to the core's values.
 #include "messages/environment/sweep_environment.h"
 
 #include <gmock/gmock.h>

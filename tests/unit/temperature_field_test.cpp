@@ -93,7 +93,7 @@ TEST(TemperatureField, BetweenTimes) {
   EXPECT_FALSE(at_time(field, field.unix_s[1] + 1).ok());
 }
 
-// The same in PLY: a float property of vertices or faces.
+// Returns the field in PLY: a float property of vertices or faces.
 std::string ply(const std::string& format, bool of_faces) {
   const bool big = format == "binary_big_endian";
   std::string out = "ply\nformat " + format +

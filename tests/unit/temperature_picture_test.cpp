@@ -119,7 +119,8 @@ TEST_F(TemperaturePicture, ShowsWhatFacesTheSensor) {
 TEST_F(TemperaturePicture, HasTheProportionsOfTheOutline) {
   const auto facets = SweepFacets::load(sweep(), "");
   ASSERT_TRUE(facets.ok()) << facets.status();
-  // From 60 deg above ahead: heights are halved, what lies 1 m behind is 0.87 m higher up.
+  // The view is from 60 deg above ahead: heights are halved, and a place 1 m behind is 0.87 m
+  // higher up.
   const auto above = draw_temperatures(*facets, 0, {0, 60}, 100);
   ASSERT_TRUE(above.ok()) << above.status();
   EXPECT_EQ(above->width_px, 100U);

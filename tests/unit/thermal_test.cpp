@@ -1,5 +1,5 @@
-// What core/thermal refuses, and its helpers against arithmetic written down independently (numpy,
-// printed here).
+// Tests the refusals of core/thermal, and its helpers against arithmetic written down independently
+// (numpy, printed here).
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -39,7 +39,7 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   EXPECT_FALSE(std::ifstream(path).good());
 }
 
-// As irsig-picture does.
+// Answers tasks as irsig-picture does.
 absl::StatusOr<std::vector<PictureAnswer>> read_here(const std::vector<PictureTask>& tasks) {
   std::vector<PictureAnswer> out;
   for (const PictureTask& task : tasks) {

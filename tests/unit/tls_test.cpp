@@ -76,7 +76,8 @@ class Tls : public testing::Test {
   static Address insecure(const std::string& text) {
     return *parse_address(text, {.tls = {}, .insecure_loopback = true});
   }
-  // As a user would give them; without the checks of read_tls, which stand before all of this.
+  // The files are those of a user; the checks of read_tls, which come before all of this, are left
+  // out.
   static Address address(const std::string& text, const std::string& name, const std::string& ca) {
     Address out = insecure(text);
     const auto bytes = [](const std::string& file) {
@@ -133,7 +134,7 @@ TEST_F(Tls, ASweepIsSubmittedComputedAndAskedForOverIt) {
   EXPECT_TRUE(server->stop().ok());
 }
 
-// Who is refused is told why, by commands and by workers, and at once.
+// A refused client is told why, by commands and by workers, and at once.
 TEST_F(Tls, WhoIsRefusedIsToldWhy) {
   const auto server = start(address("127.0.0.1:0", "here", "ca"));
   ASSERT_TRUE(server);

@@ -49,7 +49,7 @@ TEST(TomlNesting, StringsCommentsAndValuesAreNoKeys) {
         "a = [" + repeated(100, "1.5, ") + "]", repeated(100, "a.b = 1.5\n"),
         repeated(100, "[[part]]\n"), "a = [" + repeated(100, "{b.c = 1.5},\n") + "]"})
     EXPECT_EQ(refusal(text), "") << text;
-  // What follows a string is looked at again.
+  // The text after a string is looked at again.
   for (const std::string string : {"\"\"", "''", "\"\"\"\"\"\"", "''''''", "\"\"\"a\"\"\"\"\"",
                                    "'''a'''''", "\"\\\\\"", "'\\'", "\"\"\"\\\"\"\"\""})
     EXPECT_THAT(refusal("a = " + string + "\n" + repeated(100, "b.") + "b = 1"),

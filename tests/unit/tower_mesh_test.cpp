@@ -21,7 +21,7 @@ Mesh tower(std::uint64_t triangles, double radius_m = 0, double length_m = 0, do
   return generate_mesh({"cooling_tower", triangles, radius_m, length_m, width_m, height_m}).value();
 }
 
-// Without the ground, which is open.
+// Returns the mesh without the ground, which is open.
 Mesh without_ground(Mesh mesh) {
   std::vector<std::array<std::uint32_t, 3>> triangle;
   std::vector<std::uint32_t> group;

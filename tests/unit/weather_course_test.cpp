@@ -165,7 +165,7 @@ TEST(CourseRadiation, NightHasNoSunAndRecordsJump) {
               sine_at(s) > 0 && bright->at(s).direct_normal_w_m2 > 0);
 }
 
-// Of instants, and by the model.
+// Tests records of instants, and of the model.
 TEST(CourseRadiation, InstantsAreLinearAndCloudsTakeTheirShare) {
   WeatherCourse course = hours(30);
   course.radiation_interval_s = 0;

@@ -373,7 +373,7 @@ TEST(WeatherCsv, WhatIsWrongIsSaidWithItsPlace) {
               HasSubstr("below the horizon at the sweep's place"));
 }
 
-// As spreadsheets write them: quotes around cells, lines that end with CR.
+// Spreadsheets write them like this: quotes around cells, lines that end with CR.
 TEST(WeatherCsv, QuotesAndLineEndsChangeNothing) {
   const std::string good = as_csv("2026-01-28", 0);
   CourseWanted wanted = day("2026-01-28");

@@ -1,4 +1,4 @@
-// What a message would take is known from its bytes, before it is taken.
+// The size of a message is known from its bytes, before it is parsed.
 #include "schema/wire_size.h"
 
 #include <gtest/gtest.h>

@@ -18,7 +18,7 @@
 namespace irsig {
 namespace {
 
-// What the pictures are made of.
+// Layers that the pictures are made of.
 constexpr std::array kNeeded = {ImageLayer::kAtSensor, ImageLayer::kSun,
                                 ImageLayer::kSky,      ImageLayer::kLandSun,
                                 ImageLayer::kLandSky,  ImageLayer::kWithoutAir};

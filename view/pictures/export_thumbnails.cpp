@@ -103,7 +103,7 @@ class ThumbnailFolder {
   [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
   [[nodiscard]] std::string path_of(Growing file) const { return partial_ + "/" + kGrowing[file]; }
 
-  // What this wrote; a folder that holds more stays.
+  // Removes the files that this export wrote; a folder that holds more stays.
   void remove_partial() const {
     std::error_code error;
     remove_content();
@@ -195,7 +195,7 @@ class ThumbnailFolder {
     return view(a) == view(b);
   }
 
-  // Of rows from `from` on, those that have an image; no cube is cut.
+  // Returns rows from `from` on that have an image; no cube is cut.
   //   silhouettes  whether they are read, too
   absl::StatusOr<Some> images(std::size_t from, bool silhouettes) {
     std::size_t to = std::min(ids_.size(), from + at_once());
@@ -264,7 +264,7 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
-  // Of all rows, before the first is painted.
+  // Finds the scale of all rows, before the first is painted.
   absl::Status find_scale() {
     if (!has_grey_scale() || scale_.kind != PictureScale::Kind::kCommon) return absl::OkStatus();
     LoopProgress progress("images compared", ids_.size());
@@ -294,7 +294,7 @@ class ThumbnailFolder {
   [[nodiscard]] absl::Status damaged(const RowImage& image, const absl::Status& why) const {
     return sweeps_.damaged(image.signature, std::string(why.message()));
   }
-  // Whether pictures are grey from black to white.
+  // Returns true if pictures are grey from black to white.
   [[nodiscard]] bool has_grey_scale() const {
     return !asked_.imager && asked_.format != PictureFormat::kEnvi && asked_.bits != 32;
   }
@@ -424,7 +424,7 @@ class ThumbnailFolder {
     return absl::OkStatus();
   }
 
-  // What stands beside the pictures, once they are all there.
+  // Writes the files beside the pictures, once these are all there.
   absl::Status finish_labels() {
     if (asked_.masks) {
       std::ostringstream text;

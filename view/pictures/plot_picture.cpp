@@ -48,7 +48,7 @@ std::vector<double> coarser(const std::vector<float>& fine, std::uint32_t width_
   return out;
 }
 
-// What a picture's numbers are.
+// Quantity of a picture's numbers.
 enum class Shows : std::uint8_t {
   kTarget,  // radiance times the fraction of the pixel that the target fills
   kTargetAndGas,
@@ -169,7 +169,7 @@ absl::StatusOr<ColorRange> range_of_most(const std::vector<float>& values) {
                     static_cast<double>(sorted[sorted.size() - 1 - tail])};
 }
 
-// Of a layer that is no radiance.
+// Returns the title of the axis for a layer that is no radiance.
 std::string axis_title(ImageLayer layer) {
   switch (layer) {
     case ImageLayer::kTemperature:

@@ -152,7 +152,7 @@ absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& r
     return defect.empty() ? replace_file(path, thumbnail.png()) : damaged(defect);
   }
   if (!read) return replace_file(path, thumbnail.exr());
-  // What no checksum guards is tried.
+  // Try pixels that no checksum guards.
   ASSIGN_OR_RETURN(const auto most_px, most_px_of(reader, row));
   std::vector<PictureTask> task = {{.exr = thumbnail.exr(), .most_px = most_px}};
   const auto answer = [&]() -> absl::StatusOr<PictureAnswer> {

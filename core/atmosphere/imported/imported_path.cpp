@@ -161,7 +161,7 @@ std::string extend_axis(std::vector<double>& wavenumber_cm1, double next) {
     const double last = wavenumber_cm1.back(), step = next - last;
     const double trend =
         wavenumber_cm1.size() > 1 ? last - wavenumber_cm1[wavenumber_cm1.size() - 2] : step;
-    // What lies outside the air's bands is not used, and may be as coarse as it likes.
+    // Rows outside the air's bands are not used, and may be as coarse as they like.
     const bool used = std::max(last, next) > kAirFirstCm1 && std::min(last, next) < kAirLastCm1;
     if (!(step * trend > 0)) {
       wrong = absl::StrFormat("%g after %g cm-1: expected an axis that goes one way", next, last);

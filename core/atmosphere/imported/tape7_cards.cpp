@@ -117,7 +117,7 @@ class Cards {
     if (!(path.range_m > 0)) error(card3(), 31, "RANGE of a horizontal path: expected more than 0");
   }
 
-  // Of H1, H2, ANGLE, RANGE and BETA the code takes three, in this order of precedence; the rest
+  // The code takes three of H1, H2, ANGLE, RANGE and BETA, in this order of precedence; the rest
   // follows along the straight line.
   void between_heights(ImportedPath& path) {
     const double r1 = earth_radius_m() + 1e3 * card3_number(0);

@@ -31,7 +31,7 @@ std::vector<std::vector<double>> inverse(std::vector<std::vector<double>> m) {
   return out;
 }
 
-// Of means over hats of linear functions: rings.
+// Returns the inverse of means over hats of linear functions: rings.
 std::vector<std::vector<double>> inverse_up(const std::vector<double>& sine) {
   const std::size_t rings = sine.size();
   std::vector<std::vector<double>> up(rings, std::vector<double>(rings, 0.0));

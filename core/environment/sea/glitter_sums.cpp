@@ -19,8 +19,8 @@ double largest_reflectance(std::complex<double> index, std::size_t step) {
   return water_reflectance(index, static_cast<double>(step) / kIncidences);
 }
 
-// As an integral over slopes of equal probability times directions: what leaves flat is the more
-// the flatter.
+// Integrates over slopes of equal probability times directions: the flatter the light leaves, the
+// more there is.
 Incidences mirrored_in_all(Vec<Body> to_light, double wind_m_s) {
   Incidences sum{};
   const double variance = sea_slope_variance(wind_m_s);

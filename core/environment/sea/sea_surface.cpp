@@ -123,7 +123,7 @@ double glint_model_relative(Vec<Body> to_observer, Vec<Body> to_sun, double wind
   const double variance = sea_slope_variance(wind_speed_m_s);
   const Vec<Body> normal = normalized(to_observer + to_sun);
   const double tan2 = 1 / std::max(normal.z * normal.z, 1e-12) - 1;
-  // Of a slope along one axis the variance is half of it.
+  // A slope along one axis has half of the variance.
   const auto hidden = [&](Vec<Body> towards) {
     const double up = std::max(-towards.z, 1e-6);
     const double v = up / std::sqrt(std::max(1e-12, 1 - up * up) * variance);

@@ -92,8 +92,8 @@ SlopeAverages::SlopeAverages(const SlopeCorrelation& sea, double side_x_m, doubl
                     of_y[static_cast<std::size_t>(of.b)];
       }
     }
-  // What is linear in a slope nearly cancels over a large rectangle: sums over waves tell how much
-  // is left.
+  // Terms that are linear in a slope nearly cancel over a large rectangle: sums over waves give the
+  // rest.
   const SlopeCorrelation::Pair linear = sea.variance_of_mean(side_x_m, side_y_m);
   term_[0] = linear.x;
   term_[1] = linear.y;

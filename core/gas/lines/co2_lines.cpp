@@ -237,7 +237,7 @@ class Lister {
   std::map<std::tuple<int, int, int, int, bool>, Polyad> known_;
 };
 
-// What makes the fundamental's strength the one that is known.
+// Returns the factor that makes the fundamental's strength the known one.
 double strength_scale() {
   static const double scale = [] {
     const Co2Isotopologue& of = kCo2Isotopologues[0];

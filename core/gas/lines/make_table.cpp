@@ -34,7 +34,7 @@ constexpr double kTemperatureK[] = {200, 240,  300,  370,  460,  580, 740,
                                     950, 1200, 1550, 2000, 2500, 3000};
 constexpr double kPressureAtm[] = {0.1, 0.4, 1, 2};
 
-// Of one gas, what the table's bands are.
+// Bands of the table for one gas.
 struct Plan {
   const char* name;
   LineShape shape;
@@ -209,7 +209,7 @@ std::map<int, ColdTerms> water_terms(const Plan& plan) {
   return out;
 }
 
-// What a file of hot lines says of each gas.
+// Returns the section of each gas in a file of hot lines.
 std::map<std::string, std::string> sections(const std::string& name) {
   std::ifstream in(name);
   std::map<std::string, std::string> out;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFirstCm1 = 30, kLastCm1 = 7200;
 constexpr double kHdoFraction = 3.107e-4;
-// Of HDO, which counts where it is cool, less is needed.
+// HDO counts where it is cool, and needs less.
 struct Limits {
   double basis_cm1, highest_cm1, highest_lower_cm1;
   std::size_t most_j;
@@ -50,7 +50,7 @@ void add_levels(const WaterLevels& of, std::vector<std::pair<double, double>>& o
     out.emplace_back(e, of.nuclear_weight * static_cast<double>(2 * of.j + 1));
 }
 
-// What lies above the levels: with half the basis' energies' own rotation.
+// Adds the levels above the computed ones, from the energies of the basis and their own rotation.
 void add_rest(const WaterBasis& basis, std::size_t j, double highest_cm1,
               std::vector<std::pair<double, double>>& out) {
   const auto jj = static_cast<double>(j * (j + 1));

@@ -159,7 +159,7 @@ std::array<double, kTerms> all_terms() {
   return out;
 }
 
-// Of x1^i x2^j x3^k with i + j + k to 6, ordered by the sum, i and j.
+// Coefficients of x1^i x2^j x3^k with i + j + k to 6, ordered by the sum, i and j.
 constexpr double kDipole[84] = {
     -2.1689686086730e-3, 1.4910379754728e-2,  5.3546078430060e-2,  -7.4055995388666e-2,
     -3.7764333017616e-3, 1.4089887256484e-1,  -6.2584207687264e-2, -1.1260393113022e-1,

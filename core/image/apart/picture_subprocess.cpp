@@ -100,7 +100,7 @@ absl::StatusOr<std::vector<PictureAnswer>> read_pictures_subprocess(
     one[0].damage = std::string(answers.status().message());
     return one;
   }
-  // One of them ended it: halves find which.
+  // One of the pictures ended the process: halves find it.
   std::vector<PictureAnswer> out;
   const std::size_t middle = tasks.size() / 2;
   for (const auto half : {tasks.first(middle), tasks.subspan(middle)}) {

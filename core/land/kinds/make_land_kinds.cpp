@@ -18,7 +18,7 @@ constexpr std::uint32_t kCells = 64;  // along each side of a square
 constexpr double kObjectCellM = 2;    // of the narrowest square, if objects stand on the land
 // Horizons that differ by less, in the root mean square over azimuths and cells, are one.
 constexpr double kAlike = 0.7 * kDeg;
-// What stands lower is no horizon; higher is the zenith.
+// Elevations between which a horizon is sought: below them is none, above them is the zenith.
 constexpr double kLowest = 1 * kDeg, kHighest = 89 * kDeg, kResolution = 0.4 * kDeg;
 constexpr double kAboveM = 1e-3;  // the eye, above the land
 constexpr double kFarM = 1e9;
@@ -50,7 +50,7 @@ class KindMaker {
     }
   }
 
-  // What is seen of the horizon from the middles of the cells, and the horizons alike put together.
+  // Finds the horizons seen from the middles of the cells, and groups those that are alike.
   void find_horizons() {
     for (std::size_t s = 0; s < out_.square.size(); ++s)
       for (std::uint32_t i = 0; i < kCells * kCells; ++i) {
@@ -154,7 +154,7 @@ class KindMaker {
            (land_.objects != nullptr && land_.objects->hidden(from, towards, kFarM));
   }
 
-  // Nothing: no land is there.
+  // No land is there.
   [[nodiscard]] std::optional<LandHorizon> horizon_from(double x_m, double y_m) const {
     const auto surface_m = land_.field->z_m(x_m, y_m);
     if (!surface_m) return std::nullopt;
@@ -222,7 +222,8 @@ class KindMaker {
     out.lid_high_rad[i] = at < kHighest ? edge(at, hidden) : static_cast<float>(kTurn / 4);
   }
 
-  // Of elevations that one hides and the other does not, in the mean square over azimuths.
+  // Returns the mean square over azimuths of the elevations that only one of the two horizons
+  // hides.
   static double off2(const LandHorizon& a, const LandHorizon& b) {
     double sum = 0;
     for (std::uint32_t i = 0; i < kHorizonAzimuths; ++i) {
@@ -292,7 +293,7 @@ class KindMaker {
         const Sums& s = sum[h][i];
         LandHorizon& to = out_.horizon[h];
         to.elevation_rad[i] = static_cast<float>(s.elevation / count[h]);
-        // What hangs over most of them hangs over all.
+        // A lid that hangs over most of the group's cells hangs over all.
         const double lids = 2 * s.lids > count[h] ? s.lids : 0;
         to.lid_low_rad[i] = lids > 0 ? static_cast<float>(s.lid_low / lids) : 0;
         to.lid_high_rad[i] = lids > 0 ? static_cast<float>(s.lid_high / lids) : 0;

@@ -14,7 +14,7 @@ enum Column { kLambda, kIn, kOut, kAzimuth, kBrdf, kColumns };
 constexpr std::array<const char*, kColumns> kNames{"lambda_um", "theta_i_deg", "theta_r_deg",
                                                    "phi_deg", "brdf_per_sr"};
 
-// Where each column stands in a row; reported if one is missing or there twice.
+// Returns the place of each column in a row; reports one that is missing or there twice.
 std::array<std::size_t, kColumns> find_columns(const NumberTable& table, double& unit_um,
                                                TableErrors& errors) {
   std::array<std::size_t, kColumns> at{};

@@ -26,7 +26,7 @@ std::optional<double> wavelength_unit(const NumberTable::Name& column, TableErro
 
 namespace {
 
-// Of a file whose first line is neither names of columns nor a header that is known: what is wanted.
+// Returns the message for a file whose first line is neither names of columns nor a known header.
 std::string not_two_columns(std::string_view text, const std::string& quantity) {
   for (const std::string_view line : lines_of(text)) {
     std::string words(line);

@@ -55,7 +55,7 @@ std::vector<Field> fields_of(std::string_view line, char separator) {
   return fields;
 }
 
-// What stands between the fields of a line of names: a comma, or else a semicolon or a tab.
+// Returns the separator of a line of names: a comma, or else a semicolon or a tab.
 char separator_of(std::string_view line) {
   for (const char separator : {',', ';', '\t'})
     if (line.find(separator) != std::string_view::npos) return separator;

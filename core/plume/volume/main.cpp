@@ -16,8 +16,8 @@
 #include "core/plume/volume/vdb_volume.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-// In the place of a limit of addresses. What OpenVDB leaks at its errors is the kernel's to take
-// back.
+// AddressSanitizer's options stand in place of a limit of addresses. The kernel takes back what
+// OpenVDB leaks at its errors.
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=0:max_allocation_size_mb=1024:hard_rss_limit_mb=4096";

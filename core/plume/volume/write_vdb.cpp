@@ -9,7 +9,7 @@ namespace {
 
 using openvdb::FloatGrid;
 
-// With the places of its grids in it, as io::File writes.
+// Writes a file that has the places of its grids in it, as io::File does.
 class SeekableArchive : public openvdb::io::Archive {
  public:
   SeekableArchive() {

@@ -22,7 +22,7 @@ using TowerRing = std::vector<std::uint32_t>;
 // r = R sqrt(1 + (h / waist)^2) then has 1.07 R at the deck and 1.10 R at the exit.
 constexpr double kDeckToThroat = 0.36, kThroatToExit = 0.44, kWaist = 0.96;
 constexpr double kShell = 0.02, kHub = 0.25, kHubThickness = 0.1;
-// Of the casing's height: from the deck down to the fill.
+// Height of the plenum, from the deck down to the fill, as a fraction of the casing's height.
 constexpr double kPlenum = 0.3;
 
 // Fronts face the viewer who sees `a` run to the left and `b` above it: outside, with angles that

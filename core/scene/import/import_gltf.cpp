@@ -242,7 +242,7 @@ class GltfReader {
     return visible != nullptr && visible->kind == JsonValue::Kind::kBool && !visible->boolean;
   }
 
-  // Where the copies of a node's mesh stand: one, or those of EXT_mesh_gpu_instancing.
+  // Returns the places of a node's mesh: one, or those of EXT_mesh_gpu_instancing.
   std::vector<Affine> instances(const JsonValue& node, const std::string& place) {
     const JsonValue* instancing = extension(node, "EXT_mesh_gpu_instancing");
     if (instancing == nullptr) return {Affine{}};
@@ -391,7 +391,7 @@ class GltfReader {
     }
   }
 
-  // For each vertex the mean of its joints' transformations.
+  // Compute for each vertex the mean of its joints' transformations.
   std::vector<Affine> skin(const JsonValue& attributes, const std::string& where,
                            std::size_t vertices, const std::vector<Affine>& bones) {
     std::vector<Affine> out(vertices);
@@ -453,7 +453,8 @@ class GltfReader {
     if (!file_.ok() || corner.empty()) return;
     if (mesh_.triangle.size() + corner.size() / 3 * copies.size() > kMostGltfFacets)
       return file_.fail(where, fmt::format("the scene has more than {} facets", kMostGltfFacets));
-    // What float32 rounds is what stands in the file, without morph targets and transformations.
+    // Rounding to float32 concerns the numbers of the file, without morph targets and
+    // transformations.
     const bool morphs = primitive.find("targets") != nullptr && !weights.empty();
     const GltfFile::Values apart = morphs ? position : GltfFile::Values{};
     morph(primitive, where, weights, position);
@@ -479,7 +480,7 @@ class GltfReader {
         const double determinant = here.determinant();
         std::array<std::uint32_t, 3> triangle{number[corner[i]], number[corner[i + 1]],
                                               number[corner[i + 2]]};
-        // What mirrors turns its facets inside out.
+        // A mirroring transformation turns facets inside out.
         if (determinant < 0) std::swap(triangle[0], triangle[2]);
         mesh_.triangle.push_back(triangle);
         mesh_.triangle_group.push_back(group_number);

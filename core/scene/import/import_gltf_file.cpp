@@ -259,7 +259,7 @@ std::string_view GltfFile::view(std::size_t index, std::string_view from, std::u
   if (const JsonValue* extensions = view->find("extensions"); extensions != nullptr)
     for (const auto& [name, value] : extensions->member)
       if (name.find("compression") != name.npos) {
-        // What is compressed has a plain copy where the extension is not required.
+        // Compressed data have a plain copy where the extension is not required.
         const JsonValue* fallback = root_.find("buffers");
         const std::size_t of = this->index(*view, "buffer", place);
         if (fallback == nullptr || of >= fallback->item.size() ||

@@ -12,7 +12,7 @@ absl::StatusOr<FileMesh> read_gltf_apart(std::string_view bytes, const std::stri
     return absl::InvalidArgumentError(fmt::format(
         "{}: this is no glTF: it begins neither with \"glTF\" nor with \"{{\"", file_name));
   absl::StatusOr<FileMesh> mesh = import_subprocess(importer_program(), bytes, file_name);
-  // What the process found names the file; what ended the process does not.
+  // A finding of the process names the file; the message on how the process ended does not.
   if (mesh.ok() || absl::StartsWith(mesh.status().message(), file_name + ":")) return mesh;
   return absl::Status(mesh.status().code(),
                       fmt::format("{}: {}", file_name, std::string(mesh.status().message())));

@@ -1,4 +1,4 @@
-// From a file's frame to the body frame.
+// Transforms a file's frame into the body frame.
 #include "core/scene/import/import_mesh.h"
 
 #include <algorithm>

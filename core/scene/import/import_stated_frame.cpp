@@ -1,4 +1,4 @@
-// What a mesh file states of its unit and axes.
+// Reads the unit and the axes that a mesh file states.
 #include <algorithm>
 #include <array>
 #include <cctype>

@@ -78,7 +78,7 @@ absl::StatusOr<std::string> read_buffer(const std::filesystem::path& folder, std
 absl::StatusOr<std::string> with_buffers(std::string text, const std::filesystem::path& folder,
                                          std::uint64_t most_bytes) {
   const absl::StatusOr<JsonValue> root = parse_json(text, "");
-  // What is wrong with it is the reader's to say.
+  // The reader reports errors of the JSON text.
   const JsonValue* buffers = root.ok() ? root->find("buffers") : nullptr;
   if (buffers == nullptr) return text;
   std::string out;

@@ -11,7 +11,7 @@
 #include "core/scene/import/import_reply.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-// In its place.
+// AddressSanitizer's options stand in place of a limit of addresses.
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=0:max_allocation_size_mb=1024:hard_rss_limit_mb=4096";

@@ -47,7 +47,7 @@ FacetPairs::FacetPairs(const std::vector<float>& vertex,
       waiting[directed(at(f, k), at(f, k + 1))] = f;
     }
   }
-  // What is left, across any edge.
+  // Pair the remaining facets across any edge.
   absl::flat_hash_map<std::uint64_t, std::uint32_t> edge;
   for (std::uint32_t f = 0; f < facets; ++f) {
     if (partner[f] != kNone) continue;

@@ -81,8 +81,8 @@ class EmbreePackets final : public PacketScene {
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     return scene;
   }
-  // Not COHERENT: with it, packets of 16 and AVX-512, Embree 3.13.5 loops for ever in compressed
-  // boxes, which grids have.
+  // COHERENT is not set: with it, packets of 16 and AVX-512, Embree 3.13.5 loops for ever in
+  // compressed boxes, which grids have.
   static EmbreeQuery packets() { return EmbreeQuery(false); }
   // Below AVX-512 Embree cuts packets of 16 up and goes by tnear and tfar alone, not by `valid`.
   static void switch_off(RayPacket& p, int count) {

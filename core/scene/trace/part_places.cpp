@@ -40,7 +40,7 @@ PartPlaces::PartPlaces(const Target& target) {
     root_.push_back(places.empty() ? kNone : static_cast<std::uint32_t>(box_.size()));
     if (places.empty()) continue;
     add_boxes(places, 0, static_cast<std::uint32_t>(places.size()));
-    // So far its boxes count from the part's first place.
+    // Until here, its boxes count from the part's first place.
     const auto before = static_cast<std::uint32_t>(place_.size());
     for (std::size_t i = root_.back(); i < box_.size(); ++i) {
       box_[i].first += before;

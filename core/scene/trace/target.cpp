@@ -70,8 +70,8 @@ absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(const Mesh& mesh,
 
 namespace {
 
-// Whether no vertex lies above a facet's plane by more than half of what rays start above it (on
-// neither side of a facet that is seen from both).
+// Returns true if no vertex lies above a facet's plane by more than half of the offset at which
+// rays start (on neither side of a facet that is seen from both).
 bool is_convex(const Target& target) {
   constexpr std::size_t kMostProducts = 200'000'000;
   const std::size_t vertices = target.vertex.size() / 3;
@@ -147,7 +147,7 @@ std::vector<TurnedArea> turned_areas(const Target& target, Vec<Body> towards) {
   std::vector<std::vector<std::uint32_t>> facets(target.part.size());
   for (std::uint32_t f = 0; f < target.facet.size(); ++f) facets[target.facet[f].part].push_back(f);
   std::vector<TurnedArea> out(facets.size());
-  // By how much the area changes with each vertex.
+  // Change of the area with each vertex.
   std::vector<Vec<Body>> gradient(target.vertex.size() / 3);
   for (std::size_t part = 0; part < facets.size(); ++part) {
     const auto for_corners = [&](auto&& of) {

@@ -125,7 +125,7 @@ class EmbreeTracer final : public Tracer {
     ReferenceTracer::Hit hit = exact().nearest(origin, direction, p.tnear[i], kInfinity);
     if (!hit.met()) return false;
     if (!hit.front) {
-      // How much farther along the ray the second sheet may be.
+      // Largest distance along the ray from the first sheet to the second.
       const Point3 n = normal_of(hit.facet);
       const double across =
           std::abs(n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2]) /
@@ -170,7 +170,7 @@ class EmbreeTracer final : public Tracer {
               guard_->pairs[packet.triangle[i]][static_cast<std::size_t>(-sides.second[i])];
       }
     } else {
-      // Without branches: every lane looks a facet up, those that met nothing the first.
+      // There are no branches: every lane looks a facet up, those without a hit the first.
       for (int i = 0; i < count; ++i) {
         const bool hit = packet.geometry[i] == kFacets;
         const std::uint32_t facet =
@@ -205,8 +205,8 @@ class EmbreeTracer final : public Tracer {
     }
   }
 
-  // Of surfaces that are closer to each other than a distance from afar is known, the nearer one:
-  // by rays that begin shortly before what was met.
+  // Where surfaces are closer to each other than a distance from afar is known, finds the nearer
+  // one, with rays that begin shortly before the hit.
   void look_again(RayPacket& p, int count, const float* end, EmbreeQuery& query) const {
     constexpr double kBefore = 0x1p-14;  // of the distance: hundreds of its roundings
     alignas(64) int valid[16] = {};
@@ -360,7 +360,7 @@ class EmbreeTracer final : public Tracer {
     return geometry == kFacets && !guard_->needle.empty() && guard_->needle[pair];
   }
 
-  // Not normalised.
+  // Returns a normal that is not normalised.
   Point3 normal_of(std::uint32_t facet) const {
     const auto corner = [&](std::size_t k) {
       return &vertex_[3 * std::size_t{triangle_[3 * std::size_t{facet} + k]}];
@@ -431,7 +431,7 @@ std::vector<std::uint32_t> cap_indices(std::uint32_t count) {
   return out;
 }
 
-// Whether a facet of the pair is a needle; empty if none is.
+// Returns for each pair whether one of its facets is a needle; empty if there is no needle.
 std::vector<bool> needle_pairs(const VertexFans& fans,
                                const std::vector<std::array<std::uint32_t, 2>>& pairs) {
   const auto is_needle = [&](std::uint32_t facet) {

@@ -31,7 +31,7 @@ double quadrature_bound_w_sr(const ViewSetup& setup, const Row& row) {
   double sum =
       row.quadrature_relative *
       std::max(std::abs(e.total.value), std::abs(apparent_w_sr) + std::abs(background_w_sr));
-  // Of outlines, and of what is behind them.
+  // Rounding of coordinates moves outlines, and uncovers what is behind them.
   double outline_m2 = 0;
   for (std::size_t part = 0; part < setup.turned.size(); ++part) {
     const auto [m2, rounding_m2] = setup.turned[part];
@@ -40,7 +40,7 @@ double quadrature_bound_w_sr(const ViewSetup& setup, const Row& row) {
   }
   if (const double seen_m2 = e.projected_area_m2.value; seen_m2 > 0)
     sum += outline_m2 / seen_m2 * std::abs(background_w_sr);
-  // Of materials' tables between the corners that cut the quadrature: emission and reflection may
+  // Between the corners that cut the quadrature, emission and reflection of materials' tables may
   // change by twice what is left out, reflectances of optical constants by four times.
   sum += 4 * setup.scene.corners_left_out[row.band] * e.projected_area_m2.value *
              row.light->brightest_w_m2_sr(row.on_axis, row.brightest_thermal_w_m2_sr) +

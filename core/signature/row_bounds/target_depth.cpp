@@ -94,7 +94,7 @@ ThreeBounds target_depth_bound(const BoundInput& in) {
     for (const SourceRange range : of_cause)
       for (const SourceId id : range)
         if (!layout.without_sun().contains(id)) add(id, places.reflected(), false);
-  // Of the silhouette from which nothing is known to come.
+  // Add the part of the silhouette from which nothing is known to come.
   const BandGrid& grid = band.grid;
   double weighed = 0, width_um = 0, lost = 0;
   const SourceTable unit = unit_table(basis, band.first_node, grid.band_weight);

@@ -1,4 +1,4 @@
-// What of a view samples may not have met, met or not: of a whole view, and of strata that are
+// Bounds light of a view that samples may not have met: of a whole view, and of strata that are
 // aimed at bright facets.
 
 #include <algorithm>
@@ -99,7 +99,7 @@ Undersampling undersampling(const ViewSetup& setup, const Row& row, std::uint64_
   double source = 0, apparent = 0, contrast = 0;  // variances
   Undersampling out;
   const auto square = [](double x) { return x * x; };
-  // What the sensor sees of the parts themselves, and of what stands behind them.
+  // The sensor sees the parts themselves, and what stands behind them.
   double most_m2 = 0, emitted = 0, emitted_seen = 0, emitted_contrast = 0;
   for (std::size_t p = 0; p < known.part.size(); ++p) {
     const std::uint32_t s = setup.aimed().stratum_of_part[p];

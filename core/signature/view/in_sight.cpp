@@ -23,7 +23,7 @@ Vec<Body> vertex(const Target& target, std::size_t i) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-// Whether some vertex is hidden, or is not.
+// Returns true if some vertex is hidden (or, if asked for, is not).
 bool any_vertex(bool hidden, const Target& target, const Plane& plane, Vec<Body> sensor) {
   for (std::size_t i = 0; i < target.vertex.size() / 3; ++i)
     if (hidden_by(plane, vertex(target, i), sensor) == hidden) return true;
@@ -40,7 +40,7 @@ double highest_m(const Target& target, const Plane& plane) {
 
 absl::Status check_above_land(const Target& target, const LandScene& scene, double above_m,
                               double bend_per_m, Vec<Body> sensor, const Viewpoint& viewpoint) {
-  // Not owned: the land outlives this call.
+  // The land is not owned: it outlives this call.
   const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
                   above_m - target.centre.z, target.centre, {}, bend_per_m);
   if (const auto object = land.object_around(sensor))

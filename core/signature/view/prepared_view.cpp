@@ -18,8 +18,8 @@ namespace {
 // Lines of sight are rounded.
 constexpr double kGrazing = 1e-4;
 
-// What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
-// homogeneous air or none.
+// Returns the effects of surroundings without an atmosphere on a view: uniform sky and lower
+// hemisphere, homogeneous air or none.
 ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air, double range_m,
                                   std::span<const Environment::Line::End> ends,
                                   std::span<const double> land_range_m, bool sun,
@@ -78,7 +78,7 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   return out;
 }
 
-// How far from the target's reference point hot gas reaches under any condition.
+// Returns the largest distance of hot gas from the target's reference point under any condition.
 double gas_reach_m(const ViewRequest& request) {
   double out = 0;
   for (const ConditionSpec& c : request.condition)
@@ -351,7 +351,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
     return out;
   }
   const bool reflected = effects.surroundings();
-  // Not so that it could depend on which conditions are asked for.
+  // The choice must not depend on the conditions that are asked for.
   bool with_azimuths = false;
   for (std::uint32_t c = 0; c < effects.sun.size(); ++c)
     with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).visible > 0;

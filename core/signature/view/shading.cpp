@@ -78,8 +78,8 @@ class BinRows {
   std::vector<double> value_;  // [column][bin], or [node]
 };
 
-// What comes from above or below around the target: all directions are added up in the air's bands
-// before any spectrum is made of them.
+// Adds the light from above or below around the target: all directions are added up in the air's
+// bands before any spectrum is made of them.
 //   source, apparent  where the spectra of a replicate are
 template <typename Source, typename Apparent>
 void add_around(const ConditionSources& light, const LitWeights& weights,

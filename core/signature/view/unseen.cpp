@@ -420,7 +420,7 @@ UndersampledSources::Sun UndersampledSources::make(const SunDirection& sun) cons
 
 namespace {
 
-// What light thrown onto a facet may look like per what is thrown. [1/sr]
+// Returns the largest radiance of light thrown onto a facet, per thrown irradiance. [1/sr]
 double shown_per_sr(const Material& material, double shows) {
   const double slope = material.narrowest_slope();
   return shows / kPi * std::max(1.0, 1 / (4 * slope * slope));
@@ -524,7 +524,7 @@ std::vector<UndersampledSources::Facet> UndersampledSources::facets(const SunDir
     if (k != SIZE_MAX) out[k].first = std::max(out[k].first, radiance);
   });
   for_each_thrown(*sun, patch_, [&](const Patch& p, const Thrown& thrown) {
-    // As bright as what is more than the least that counts, whoever shows it.
+    // The light counts as bright as the part above the least that counts, whoever shows it.
     double bright = 0, all = 0;
     thrown.for_each_share(materials_[p.material], [&](double radiance, double light) {
       bright = radiance;

@@ -23,7 +23,7 @@ struct Span {
   [[nodiscard]] double length() const { return high - low; }
 };
 
-// Of what lies along one axis: the part between equal tails that holds `kept` of all.
+// Returns the part of an axis between equal tails that holds `kept` of all weight.
 Span without_tails(const std::vector<Span>& place, const std::vector<double>& weight, double kept) {
   constexpr std::size_t kBins = 4096;
   Span all;
@@ -51,7 +51,7 @@ Span without_tails(const std::vector<Span>& place, const std::vector<double>& we
           all.low + width * static_cast<double>(last)};
 }
 
-// Of one field on the image plane: across and up.
+// Returns the shown part of one field on the image plane: across and up.
 std::array<Span, 2> shown_part(const PlumeField& field, const Target& target,
                                const ViewFrame& frame) {
   std::array<std::vector<Span>, 2> place;

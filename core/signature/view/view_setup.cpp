@@ -32,7 +32,7 @@ InBandRadiance brightest_glitter_of(const ViewSetup& setup, const Row& row, cons
 }
 
 double brightest_w_m2_sr(const ViewSetup& setup, const Row& row, const ViewRequest& request) {
-  // What leaves a convex body does not meet it again.
+  // Light that leaves a convex body does not meet it again.
   double sum = setup.scene.target.convex ? row.light->brightest_around_w_m2_sr(row.on_axis)
                                          : row.brightest_thermal_w_m2_sr;
   for (std::size_t k = 0; k < row.light->suns().size(); ++k) {
@@ -61,7 +61,7 @@ double brightest_w_m2_sr(const ViewSetup& setup, const Row& row, const ViewReque
 BrightestLight brightest_light(const ViewSetup& setup, const Row& row) {
   const ConditionSources& light = *row.light;
   const SourceLayout& layout = setup.sources.layout();
-  // Of grey materials the table has these very numbers.
+  // For grey materials the table has these very numbers.
   const SourceTable& table = row.in_band;
   const bool known = setup.scene.path_basis() == nullptr;
   IncidentRadiance::Integrals around;

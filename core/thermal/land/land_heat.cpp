@@ -18,7 +18,7 @@
 namespace irsig {
 namespace {
 
-// So many places share their knots: the solver computes as many side by side.
+// Number of places that share their knots: the solver computes as many side by side.
 constexpr std::size_t kPlacesTogether = 32;
 
 double power4(double t) { return t * t * t * t; }
@@ -62,8 +62,8 @@ struct Instant {
   double share;      // [0, 1)
 };
 
-// What sends light and heat to some places of one material. It has knots of its own: those of the
-// request, and those where an edge of a shadow begins and ends to cross the sun's disk.
+// Light and heat that some places of one material receive. It has the knots of the request, and
+// knots where an edge of a shadow begins and ends to cross the sun's disk.
 class LandExposure {
  public:
   // every: of the request's knots
@@ -134,7 +134,7 @@ class LandExposure {
   }
 
  private:
-  // At one instant, seen from one side of it.
+  // Returns the exposure at one instant, seen from one side of it.
   struct Weather {
     HeatRadiation light;
     double air_k, wind_m_s, on_level_w_m2, around_k;  // around_k: 0, there is none
@@ -224,7 +224,7 @@ class LandExposure {
       if (part <= 0) return Seen::kNothing;
       return part >= 1 ? Seen::kAll : Seen::kPart;
     };
-    // Where the sun ceases to be seen as at `inside`, on the way to `outside`.
+    // Returns the time at which the sun ceases to be seen as at `inside`, on the way to `outside`.
     const auto end_of = [&](double inside, double outside) {
       const Seen is = seen(inside);
       for (int i = 0; i < kHalvings; ++i) {
@@ -378,8 +378,8 @@ absl::StatusOr<PlaceTemperatures> place_temperatures(const LandHeatRequest& requ
   const std::vector<double> around_k = at_all_knots(request, around.kelvin);
   ASSIGN_OR_RETURN(PlaceTemperatures out, solve(request, material, place, 1, around_k));
   ASSIGN_OR_RETURN(const PlaceTemperatures half, solve(request, material, place, 2, around_k));
-  // What the two differ by at most within the hour around a time, or in the root mean square of
-  // three hours around it: at one time they may agree by luck.
+  // The error is the largest difference of the two within the hour around a time, or its root mean
+  // square over three hours around it: at one time they may agree by luck.
   constexpr double kHoursAround = 3, kNearS = 3600;
   const std::size_t times = request.knot_s.size() / 2 + 1;
   for (std::size_t t = 0; t < times; ++t) {

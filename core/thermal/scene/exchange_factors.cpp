@@ -19,7 +19,7 @@ namespace {
 // at, while how many of a thousand small facets' own rays meet one face is left to chance.
 constexpr double kAimedCounts = 8;
 
-// Of each of 4 x 4 parts of a face, which are equally large.
+// Number of parts of a face, 4 x 4, which are equally large.
 constexpr std::size_t kFaceParts = 16;
 using OfParts = std::array<double, kFaceParts>;
 
@@ -28,7 +28,7 @@ std::size_t part_of(SamplePair at) {
   return static_cast<std::size_t>(4 * quarter(at.x) + quarter(at.y));
 }
 
-// What the exposed places of a face have of something.
+// Sums over the exposed places of a face.
 class PlaceSums {
  public:
   void clear() {
@@ -49,8 +49,8 @@ class PlaceSums {
     });
     return std::sqrt(std::max(0.0, variance));
   }
-  // The same of shares of these rays: 0 where it may be chance alone (less than 1 in 100 000 for
-  // rays that are independent of each other; these are nearly).
+  // Returns the unevenness of fractions of these rays: 0 where it may be chance alone (less than 1
+  // in 100 000 for rays that are independent of each other; these nearly are).
   [[nodiscard]] double uneven_fraction(const OfParts& exposed) const {
     constexpr double kBeyondChance = 4;  // chi-square of 15
     const double rays = std::accumulate(exposed.begin(), exposed.end(), 0.0);
@@ -148,13 +148,13 @@ class RowTracer {
             exposed_[part] -= 1;
           } else {
             meet(face, n, to, lane, 1);
-            // What is aimed at is known by the aimed rays.
+            // Aimed rays measure the exchange with aims.
             const bool aimed = aimed_.rays(face) > 0 && aimed_.is_aim(to);
             hit_.emplace_back(aimed ? ThermalFaces::kNone : to, block);
           }
         });
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
-    // So few are rounding where two bodies touch.
+    // Such a small number is rounding where two bodies touch.
     if (32 * buried > 31 * settings_.rays) {
       out.exposed[face] = 0;
       return;
@@ -275,9 +275,9 @@ class RowTracer {
     return static_cast<float>(std::sqrt(off) / faces_.area_m2[face]);
   }
 
-  // What a ray that joins two faces says of what they exchange: the inverse of the density, in
-  // their exchange, of all rays that might have joined them there. Of where on this face it is, of
-  // all rays from here.
+  // Returns the exchange that a ray which joins two faces stands for: the inverse of the density of
+  // all rays that might have joined them there. The places on this face take the density of all
+  // rays from here.
   //   counts  this ray's
   double meet(std::uint32_t from, const FaceNormal& n, std::uint32_t to, int lane, double counts) {
     const double from_m2 = faces_.area_m2[from], to_m2 = faces_.area_m2[to];
@@ -331,8 +331,8 @@ class RowTracer {
   std::vector<std::pair<std::uint32_t, double>> met_;  // face, exchanged_m2
 };
 
-// Whether all of the target lies behind a face's plane, as far as the target knows its own
-// coordinates: nothing of it is seen from there, and nothing of it sees the face. [face]
+// Returns for each face whether all of the target lies behind its plane, within the rounding of the
+// target's coordinates: such a face sees nothing of the target and is not seen by it. [face]
 std::vector<bool> faces_that_see_nothing(const Target& target, const ThermalFaces& faces) {
   constexpr std::size_t kMostProducts = 1'000'000'000;  // half a second
   const std::size_t vertices = target.vertex.size() / 3;
@@ -416,10 +416,10 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   const auto exposed_m2 = [&](std::uint32_t i) {
     return faces.area_m2[i] * static_cast<double>(out.exposed[i]);
   };
-  // What is not exposed exchanges nothing.
+  // Faces that are not exposed exchange nothing.
   std::erase_if(entry,
                 [&](const Entry& e) { return out.exposed[e.from] <= 0 || out.exposed[e.to] <= 0; });
-  // Both ways of each pair.
+  // Add both ways of each pair.
   const std::size_t one_way = entry.size();
   entry.reserve(2 * one_way);
   for (std::size_t k = 0; k < one_way; ++k)
@@ -435,7 +435,7 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
     while (k < entry.size() && entry[k].from == e.from && entry[k].to == e.to)
       sum_m2 += entry[k++].m2;
     out.to.push_back(e.to);
-    // To itself both ways are the same one.
+    // For a face with itself both ways are the same one.
     share.push_back((e.from == e.to ? 0.5 : 1) * sum_m2 / exposed_m2(e.from));
     ++out.first[e.from + 1];
   }

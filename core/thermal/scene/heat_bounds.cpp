@@ -64,7 +64,7 @@ class Bounds {
   // Temperatures of the side that the next bounds are made from may be so much off. [face]
   void widen(const std::vector<double>& by_k) { known_to_k_ = by_k; }
 
-  // What a flux into faces that is other by so much does to them at most.                 [face]
+  // Returns the largest change of faces that absorb a flux that is other by so much. [face]
   //   flux_w_m2  [knot x faces + face]
   //   coupled    whether faces answer to each other
   [[nodiscard]] std::vector<double> by_flux(const std::vector<float>& flux_w_m2, bool coupled) {
@@ -134,7 +134,7 @@ class Bounds {
     return std::hypot(natural, forced) * m + p.emissivity * falls_w_m2(low_k(k, i), m);
   }
 
-  // Where the answer is as much as a flux: it grows with m.
+  // Returns the m at which the answer is as much as a flux: the answer grows with m.
   [[nodiscard]] double alone_k(std::size_t k, std::size_t i, double flux_w_m2) const {
     if (flux_w_m2 <= 0) return 0;
     double low = 0, high = kMostK;
@@ -149,8 +149,8 @@ class Bounds {
   // A difference that no face of any wall can reach at any knot if none has passed it: so none
   // does, for a flux that is raised from nothing.
   [[nodiscard]] double barrier_k(const std::vector<float>& flux_w_m2) {
-    // What arrives of others that are warmer by 1 K, for small ones; of larger ones it is more by
-    // the powers of m / T.
+    // Radiation that arrives if all other faces are warmer by 1 K. For larger changes it is more,
+    // by the powers of m / T.
     std::vector<float> gathered(exposure_.knots() * n_);
     std::vector<double> emitted(n_), arrives(n_, 0.0);
     double coldest_k = kInfinite;

@@ -35,7 +35,7 @@ std::vector<double> knots_between(const std::vector<double>& wanted,
   return out;
 }
 
-// Whether lines between knots beside a record of instants would miss what it states.
+// Returns true if straight lines between knots would miss this record of instants.
 bool bends_at(const std::vector<WeatherRecord>& record, std::size_t i, double step_s) {
   if (i == 0 || i + 1 >= record.size()) return false;
   constexpr double kBendWM2 = 2, kBendK = 0.2, kBendWindMS = 0.5, kBendCover = 0.02;

@@ -23,7 +23,7 @@ void Radiosity::solve(std::span<const double> own, std::span<const double> emitt
       double sum = own[i];
       for (std::size_t e = factors_.first[i]; e < factors_.first[i + 1]; ++e)
         sum += static_cast<double>(factors_.share[e]) * sent_[factors_.to[e]];
-      // Of the change only what is not kept goes on to others.
+      // Only the part of a change that a face does not keep goes on to others.
       change = std::max(change, (1 - kept_[i]) * std::abs(sum - total[i]));
       total[i] = sum;
       sent_[i] = emitted[i] + (1 - kept_[i]) * sum;

@@ -18,7 +18,8 @@ constexpr Convection kStillWater{160, 160, 1};
 
 double power4(double t) { return t * t * t * t; }
 
-// Of a wall from its outer face, as deep as heat diffuses in a time; an insulation ends it.
+// Returns the heat capacity of a wall from its outer face, as deep as heat diffuses in a time; an
+// insulation ends it.
 double heat_capacity_reached(const std::vector<Layer>& layers, double time_s) {
   double left = std::sqrt(time_s / std::numbers::pi), out = 0;  // depth over root of diffusivity
   for (const Layer& layer : layers) {
@@ -38,7 +39,8 @@ std::vector<bool> covered_faces(const Target& target, const ThermalFaces& faces,
                                 double touching_m) {
   std::vector<bool> out;
   for (std::uint32_t face = 0; face < faces.size(); ++face) {
-    // What stands on the surface is covered from below; what lies on it, like a road, is not.
+    // A body that stands on the surface is covered from below; a layer that lies on it, like a
+    // road, is not.
     const double below_m = faces.centroid_z_m[face] - surface_z_m;
     out.push_back(below_m > touching_m ||
                   (below_m > -touching_m && normal_of(target, faces, face).z > 0.5f));
@@ -51,7 +53,8 @@ double cosine_between(FaceNormal n, Vec<Body> direction) {
          static_cast<double>(n.z) * direction.z;
 }
 
-// Of a face of which some places have all and the others nothing.
+// Returns the root mean square deviation over a face of which some places have all and the others
+// nothing.
 double root_of_parts(double mean, double all) {
   return std::sqrt(std::max(0.0, mean * (all - mean)));
 }
@@ -71,8 +74,8 @@ std::vector<double> emissivities(const SceneHeatRequest& request, const Target& 
   return out;
 }
 
-// By how much what a face sends may differ from what air sends, as far as that is stated: its own
-// temperature, or what is behind its wall. [face]
+// Returns the largest difference between the radiation of a face and that of air, as far as it is
+// stated: by the face's own temperature, or by what is behind its wall. [face]
 std::vector<double> beyond_air(const SceneHeatRequest& request, const Target& target,
                                const ThermalFaces& faces, std::span<const double> emissivity) {
   const auto [coldest, warmest] =
@@ -86,7 +89,8 @@ std::vector<double> beyond_air(const SceneHeatRequest& request, const Target& ta
   const auto background_w_m2 = [&](const WallBuildUp& wall) {
     if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen) return 0.0;
     const bool heat_flux = wall.inner_side == InnerSide::kHeatFlux;
-    // Of a temperature as much as reaches the outer face, against some convection and radiation.
+    // Only a fraction of an inner temperature reaches the outer face, against some convection and
+    // radiation.
     constexpr double kOutsideWM2K = 10;
     double m2_k_w = wall.inner_side == InnerSide::kAir ? 1 / wall.inner_h_w_m2_k : 0;
     for (const Layer& layer : wall.layers) m2_k_w += layer.thickness_m / layer.conductivity_w_m_k;
@@ -196,7 +200,7 @@ void SceneExposure::light() {
     sunlight.solve(own, nothing, 1e-6, total);
     for (std::size_t i = 0; i < faces; ++i) store(i, static_cast<float>(kept[i] * total[i]));
   };
-  // What is not exposed is not lit.
+  // A face that is not exposed is not lit.
   const auto of_exposed = [&](std::size_t i) {
     return factors_->exposed[i] > 0
                ? static_cast<double>(std::min(lit[i] / factors_->exposed[i], 1.0f))
@@ -397,7 +401,7 @@ double SceneExposure::ray_stderr_w_m2(std::size_t k, std::uint32_t face,
     square += off * off;
     ++blocks;
   }
-  // What lies between two rays may be met by none.
+  // No ray may meet a thing that lies between two rays.
   const double unmet = emits * std::abs(sky - air) / rays;
   return std::hypot(blocks > 1 ? std::sqrt(square / (blocks * (blocks - 1))) : mean, unmet);
 }

@@ -17,14 +17,16 @@
 namespace irsig {
 namespace {
 
-// Of a slope's step from a facet's middle to its neighbour's: its root mean square over the facet.
-// Of the two halves of a square, along a side; less in other directions and shapes.
+// Root mean square over a facet, as a fraction of the slope's step from its middle to its
+// neighbour's. For the two halves of a square, along a side; it is less in other directions and
+// shapes.
 constexpr double kOfStep = 0.7072;
 
-// What rounding to float leaves of a temperature, and Newton's method.
+// Error of a temperature by rounding to float and by Newton's method. [K]
 constexpr double kRoundingK = 3e-5;
 
-// Of each vertex the first one at the same place: files repeat them for each facet or do not.
+// Returns for each vertex the first one at the same place: some files repeat vertices for each
+// facet.
 std::vector<std::uint32_t> first_at_place(const Target& target) {
   std::vector<std::uint32_t> order(target.vertex.size() / 3), out(order.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -76,7 +78,7 @@ class PlaneNeighbours {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_;
 };
 
-// Of one computation; two are held at once. Some 50 bytes each.
+// Most faces x knots of one computation; two are held at once, some 50 bytes each.
 constexpr std::size_t kMostFaceKnots = 120'000'000;
 
 absl::Status check(const Target& target, const SceneHeatRequest& request) {
@@ -154,7 +156,7 @@ double shortest_step_s(const SceneExposure& exposure, const SceneHeatRequest& re
   return out;
 }
 
-// What cells and steps twice as long change of each face's temperature at most. [face]
+// Returns the largest change of each face's temperature by cells and steps twice as long. [face]
 std::vector<float> largest_differences(const std::vector<float>& a, const std::vector<float>& b,
                                        std::size_t faces) {
   std::vector<float> out(faces, 0.0f);
@@ -163,7 +165,8 @@ std::vector<float> largest_differences(const std::vector<float>& a, const std::v
   return out;
 }
 
-// What views take for a facet's temperature, whichever side they see: of a sheet the mean of both.
+// Returns the temperature that views take for a facet, whichever side they see: for a sheet the
+// mean of both.
 float facet_kelvin(const SceneWalls& walls, const ThermalFaces& faces, std::size_t knot,
                    std::uint32_t f) {
   const std::uint32_t back = faces.back_of_facet[f];
@@ -198,7 +201,7 @@ std::vector<std::size_t> knots_of_day_around(const SceneExposure& exposure, std:
   return out;
 }
 
-// With half the rays and other points.
+// Compute again with half the rays and other points.
 SceneKnots every_second_knot(const SceneHeatRequest& request) {
   SceneKnots half{{},
                   request.day_knots / 2,
@@ -247,7 +250,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   SceneExposure fine_exposure(target, faces, request, std::move(all)),
       coarse_exposure(target, faces, request, every_second_knot(request));
   SceneExposure::fraction_dark(fine_exposure, coarse_exposure);
-  // One grid for both, so that the one goes on from where the other's day begins.
+  // Both share one grid, so that the one goes on from where the other's day begins.
   const double shortest_s =
       std::min(shortest_step_s(fine_exposure, request), shortest_step_s(coarse_exposure, request));
   SceneWalls fine(fine_exposure, request, shortest_s), coarse(coarse_exposure, request, shortest_s);
@@ -259,7 +262,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   const std::vector<float> off_k = largest_differences(roughly, coarse.kelvin(), faces.size());
   fine.start_from(coarse);
   RETURN_IF_ERROR(fine.settle());
-  // Both with the same cells and steps: what they differ by is not conduction's.
+  // Both have the same cells and steps: their difference is not conduction's.
   const std::vector<float> fine_k = fine.kelvin();
   RETURN_IF_ERROR(fine.sharpen(off_k));
 
@@ -271,8 +274,8 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   out.exchange_rounds = coarse.passes() + fine.passes();
   out.exchange_left_k = fine.left_k();
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
-  // What the two computations differ by, at a time or in the root mean square of the hours around
-  // it: at one time they may agree by luck.
+  // The difference of the two computations, at a time or as the root mean square of the hours
+  // around it: at one time they may agree by luck.
   const auto of_face_k = [&](std::uint32_t f, std::size_t at) {
     constexpr double kHoursAround = 3;
     double square = 0, count = 0;
@@ -335,7 +338,7 @@ absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
     const Target& target, const SceneHeatRequest& request,
     std::span<const SceneHeatRequest> moved) {
   const ThermalFaces faces = make_thermal_faces(target);
-  // What passes and days leave is to be small against what one input changes.
+  // The rest that passes and days leave has to be small against the effect of one input.
   constexpr double kFiner = 0.2;
   const auto finer = [](SceneHeatRequest r) {
     r.tolerance_k *= kFiner;

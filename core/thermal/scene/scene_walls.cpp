@@ -18,7 +18,7 @@ constexpr double kSlowest = 0.999;  // changes may fall by, from pass to pass
 constexpr int kMostLevels = 4;      // of walls alone: one more takes four times as long
 // Of what faces send to each other; a wall is warmer by less than a tenth of it in kelvin.
 constexpr double kExchangeWM2 = 1e-3;
-// Of rounding and of Newton's method (heat_steps.h).
+// Error of rounding and of Newton's method (heat_steps.h). [K]
 constexpr double kArithmeticErrorK = 1e-6;
 
 using Side = SceneExposure::Side;
@@ -38,7 +38,7 @@ FaceProperties mean_of(const std::vector<FaceProperties>& faces) {
   return out;
 }
 
-// What is filled in for nobody stays so: NaN.
+// A value that is filled in for nobody stays NaN.
 void fill_with_means(const Exposure& of, const Exposure& to) {
   const auto face = [](const FaceExposure& from, const FaceExposure& at) {
     const auto number = [](std::span<const double> values, std::span<double> out) {
@@ -268,8 +268,8 @@ absl::StatusOr<double> SceneWalls::day(Incoming incoming, int level, std::span<W
 }
 
 double SceneWalls::next_begin(const WallWalk& walk, Wall& wall) const {
-  // Where the step has not become half as long, the typical element is not like this one; two steps
-  // say how (Anderson's method of depth 1 [walker2011]).
+  // If the step has not become half as long, the typical element is not like this one. Two steps
+  // then give the correction (Anderson's method of depth 1 [walker2011]).
   constexpr double kFallsWell = 0.5;
   const std::size_t nodes = walk.nodes(), elements = wall.face.size();
   if (wall.begin_k.empty()) wall.begin_k.assign(nodes * elements, mean_k_);
@@ -481,7 +481,7 @@ absl::Status SceneWalls::sharpen(std::vector<float> off_k) {
     }
     open = still_open(open);
   }
-  // What finer steps have changed goes round, too.
+  // Changes by finer steps go round, too.
   if (exposure_.exchanges() && falls_)
     left_k_ = std::max(left_k_, largest_change_k(at_begin, 0, last) * *falls_ / (1 - *falls_));
   return absl::OkStatus();

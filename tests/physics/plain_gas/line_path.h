@@ -14,7 +14,7 @@ class LinePath {
   LinePath(std::vector<double> weight, std::vector<double> depth)
       : weight_(std::move(weight)), depth_(std::move(depth)) {}
 
-  // What a segment takes; k: absorption per point times amount.
+  // Returns the absorption of a segment; k: absorption per point times amount.
   Step add(const std::vector<double>& k, double amount) {
     Step out{0, 0};
     for (std::size_t i = 0; i < weight_.size(); ++i) {

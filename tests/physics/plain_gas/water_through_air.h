@@ -7,8 +7,9 @@
 
 namespace irsig::plain {
 
-// What cold air lets through of what hot water vapour sends. Hot and cold lines lie partly in the
-// same places: the hot gas's own strong lines are the cold gas's at 400 K and hardly any at 2000 K.
+// Returns w, the weight of independence in the light of hot water vapour that cold air lets
+// through. Hot and cold lines lie partly in the same places: the hot gas's own strong lines are the
+// cold gas's at 400 K and hardly any at 2000 K.
 // Between the two limits,
 //   (1 - w) ranked + w product,   w = 0, 0.03, 0.14, 0.35, 0.60 at 300, 500, 700, 1000, 1500 K,
 // ranked: both gases strongest at the same wavenumbers; product: without regard to each other. w is
