@@ -10,11 +10,14 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/atmosphere/forward_scattering.h"
 #include "core/atmosphere/light_path.h"
 #include "core/atmosphere/path_layers.h"
 #include "core/atmosphere/path_sums.h"
+#include "core/environment/environment.h"
+#include "core/environment/sun_light.h"
 #include "core/environment/weather_air.h"
 #include "core/spectral/planck.h"
 #include "tests/physics/air_photons.h"
@@ -133,6 +136,49 @@ TEST(Fog, SunlightAsPhotonsHaveIt) {
           << fog.visibility_m << " m, " << zenith_deg;
     }
   }
+}
+
+// The forward peaks are counted once.
+TEST(Fog, SunlightAroundTheSunIsAsPhotonsHaveIt) {
+  constexpr double kFromSun = 0.15;
+  const std::size_t b = band_of(2605);
+  const SunPlace sun{.zenith_deg = 45, .azimuth_deg = kFromSun * 180 / M_PI, .distance_au = 1};
+  for (const Fog& fog : kFogs) {
+    if (fog.visibility_m < 1000) continue;
+    const WeatherSpec weather = fog_of(fog.kind, fog.visibility_m);
+    const WeatherAir air = WeatherAir::make(weather, kObserverM).value();
+    const double photons =
+        Atmosphere::make(weather.air).value().sun_irradiance_w_m2_um(kFogTopM, sun)[b] *
+        AirPhotons(weather, b).seen(cos_deg(45), kInfinity, cos_deg(45), 0, kFromSun).sun_per_sr;
+    EXPECT_NEAR(sunlight_of(air, b, 45, sun), photons, 0.15 * photons);
+  }
+}
+
+TEST(Fog, SunlightOfRowsIsThatOfSingleRays) {
+  WeatherSpec weather = fog_of(AerosolKind::kRadiationFog, 1000);
+  const WeatherAir air = WeatherAir::make(weather, kObserverM).value();
+  const std::vector<double> um = {air_band_lambda_um(band_of(2605))};
+  const SunPlace place{.zenith_deg = 45, .azimuth_deg = 0, .distance_au = 1};
+  const auto environment = Environment::make({weather}, {ConditionEnvironment{}}, kObserverM, um);
+  weather.air.forward_peak = ForwardPeak::kDiffuse;
+  const Atmosphere diffuse = Atmosphere::make(weather.air).value();
+  weather.air.forward_peak = ForwardPeak::kBeam;
+  const Atmosphere beam = Atmosphere::make(weather.air).value();
+  const NodeWavelengths wavelengths = node_wavelengths(um).value();
+  const DirectionNodes& nodes = (*environment)->nodes();
+  const ThermalSurroundings sky(weather, diffuse, kObserverM, nodes, wavelengths.bands, 1);
+  const Vec<Body> up{std::sqrt(0.5), 0, -std::sqrt(0.5)};
+  ConditionEnvironment condition{};
+  condition.sun_distance_au = 1;
+  const SunLight sun(condition, {up, 1, 1, up}, sky, weather.lower, diffuse, beam, kObserverM,
+                     nodes, wavelengths);
+  const std::size_t b = band_of(2605), last = sky.sky.size() - 1;
+  const double zenith_deg = std::acos(sky.sky[last].sin_elevation) * 180 / M_PI;
+  EXPECT_NEAR(sun.sky_towards({std::sqrt(1 - std::pow(sky.sky[last].sin_elevation, 2)), 0,
+                               -sky.sky[last].sin_elevation},
+                              last, 0)[b],
+              sunlight_of(air, b, zenith_deg, place),
+              0.01 * sunlight_of(air, b, zenith_deg, place));
 }
 
 TEST(Fog, SunlightAllOverTheSkyIsWithinTheStatedError) {
