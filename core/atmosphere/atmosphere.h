@@ -69,6 +69,8 @@ class Atmosphere {
   // Heights of the levels of the air that scatters light more than once, increasing: that of the
   // cloud, of fog, or of both and what lies between them. Empty in clear air.
   [[nodiscard]] const std::vector<double>& turbid_levels_m() const { return turbid_levels_m_; }
+  // Returns true if fog is all that scatters light more than once.
+  [[nodiscard]] bool only_fog() const { return is_fog(spec_.aerosol.kind) && !spec_.cloud; }
 
   // Returns the absorbers in the path, 0 in bands that are not wanted. Amounts of pieces add up to
   // the amounts of the whole, to 2e-4 of transmittance.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/atmosphere/path_sums.h"
+#include "core/atmosphere/refine_streams.h"
 #include "core/atmosphere/two_stream.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
@@ -18,13 +20,16 @@ constexpr double kDiffuseZenithDeg = 53.13010235415598;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+double square(double x) { return x * x; }
+
 ScatteredRadiance between(const std::vector<double>& height_m,
                           const std::vector<const ScatteredRadiance*>& of, double at_m) {
   const TablePosition at = locate(height_m, std::clamp(at_m, height_m.front(), height_m.back()));
   const ScatteredRadiance &low = *of[at.index], &high = *of[at.index + 1];
   ScatteredRadiance out = low;
   for (AirSpectrum ScatteredRadiance::*part :
-       {&ScatteredRadiance::mean, &ScatteredRadiance::slope, &ScatteredRadiance::asymmetry}) {
+       {&ScatteredRadiance::mean, &ScatteredRadiance::slope, &ScatteredRadiance::asymmetry,
+        &ScatteredRadiance::second}) {
     for (std::size_t b = 0; b < kAirBandCount; ++b)
       (out.*part)[b] = std::lerp((low.*part)[b], (high.*part)[b], at.fraction);
   }
@@ -37,11 +42,19 @@ void set_scattered(ScatteredRadiance& out, const AirSpectrum& asymmetry, std::si
   out.mean[band] = light.mean;
   out.slope[band] = asymmetry[band] * light.slope;
   out.asymmetry[band] = asymmetry[band];
+  out.second[band] = light.second;
+}
+
+// Returns the light in a column: fog's levels lie close enough to refine it, a cloud's do not.
+std::vector<StreamLight> light_in(const std::vector<StreamLayer>& layers,
+                                  const StreamBoundaries& boundaries, bool refined) {
+  std::vector<StreamLight> light = diffuse_light(layers, boundaries);
+  return refined ? refined_light(std::move(light), layers, boundaries) : light;
 }
 
 ScatteredRadiance no_light() {
   const AirSpectrum dark(kAirBandCount, 0.0);
-  return {dark, dark, dark};
+  return {dark, dark, dark, dark};
 }
 
 // The layers of one band from the top down.
@@ -95,16 +108,19 @@ void CloudLight::set_levels(const Atmosphere& atmosphere) {
 AirSpectrum ScatteredRadiance::towards(double cosine, ForwardPeak peak) const {
   AirSpectrum out = mean;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    // g' = g / (1 + g): the whole phase function has the slope of g.
+    // g' = g / (1 + g): the whole phase function has the moments of g.
     const double whole = peak == ForwardPeak::kBeam ? 1 / (1 - asymmetry[b]) : 1;
-    out[b] = std::max(0.0, out[b] + whole * slope[b] * cosine);
+    out[b] += whole * slope[b] * cosine;
+    if (peak == ForwardPeak::kBeam)
+      out[b] += 2.5 * square(whole * asymmetry[b]) * (3 * cosine * cosine - 1) * second[b];
+    out[b] = std::max(0.0, out[b]);
   }
   return out;
 }
 
 CloudLight::CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, bool refraction,
                        const BandChoice& bands)
-    : bands_(bands) {
+    : bands_(bands), refined_(atmosphere.only_fog()) {
   IRSIG_CHECK(atmosphere.spec().forward_peak == ForwardPeak::kDiffuse);
   set_levels(atmosphere);
   const AirProfile& profile = atmosphere.profile();
@@ -145,9 +161,10 @@ CloudLight::CloudLight(const Atmosphere& atmosphere, const GroundBelow& ground, 
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (!chosen(bands, b)) continue;
-    const std::vector<StreamLight> light = diffuse_light(
+    const std::vector<StreamLight> light = light_in(
         column(*this, planck, b),
-        {.down_radiance = above[b], .up_radiance = rising[b], .surface_albedo = albedo_below_[b]});
+        {.down_radiance = above[b], .up_radiance = rising[b], .surface_albedo = albedo_below_[b]},
+        refined_);
     for (std::size_t l = 0; l < level_.size(); ++l)
       set_scattered(level_[l].thermal, level_[l].asymmetry, b, light[level_.size() - 1 - l]);
   }
@@ -177,10 +194,11 @@ CloudSunlight::CloudSunlight(const CloudLight& cloud, const SunAmounts& sun, dou
   }
   for (std::size_t b = 0; lit && b < kAirBandCount; ++b) {
     if (!chosen(cloud.bands(), b)) continue;
-    const std::vector<StreamLight> light =
-        diffuse_light(column(cloud, {}, b), {.surface_albedo = cloud.albedo_below()[b],
-                                             .sun_irradiance = beam[b],
-                                             .sun_cosine = cosine});
+    const std::vector<StreamLight> light = light_in(column(cloud, {}, b),
+                                                    {.surface_albedo = cloud.albedo_below()[b],
+                                                     .sun_irradiance = beam[b],
+                                                     .sun_cosine = cosine},
+                                                    cloud.refined());
     for (std::size_t l = 0; l < level.size(); ++l)
       set_scattered(scattered_[l], level[l].asymmetry, b, light[level.size() - 1 - l]);
   }

@@ -18,16 +18,17 @@ struct GroundBelow {
 struct ScatteredRadiance {
   AirSpectrum mean, slope;  // slope: of particles without their forward peak
   AirSpectrum asymmetry;    // of these
+  AirSpectrum second;       // StreamLight::second, before it is scattered
 
   // Returns the scattered radiance towards a direction, never negative.
-  //   peak  of the particles in the ray: with all that they scatter the slope is that of the whole
-  //         phase function
+  //   peak  of the particles in the ray: with all that they scatter the slope and the second moment
+  //         are those of the whole phase function; without the peak the second moment is 0
   [[nodiscard]] AirSpectrum towards(double cosine, ForwardPeak peak) const;
 };
 
 // Thermal light that the particles of an atmosphere's cloud or fog scatter, from two streams
-// (core/atmosphere/two_stream.h) between the clear air above and the surface behind the air below.
-// Immutable.
+// (core/atmosphere/two_stream.h) between the clear air above and the surface behind the air below;
+// in fog without a cloud refined (core/atmosphere/refine_streams.h). Immutable.
 //
 // The air's lines inside are grey in a band, as strong as in a vertical path from the lowest level
 // on. Light of other boundaries has the air of a ray 53 deg from the vertical.
@@ -52,9 +53,12 @@ class CloudLight {
   // Diffuse reflectance of what lies below, seen from the lowest level.
   [[nodiscard]] const AirSpectrum& albedo_below() const { return albedo_below_; }
   [[nodiscard]] const BandChoice& bands() const { return bands_; }
+  // Returns true if the light is that of core/atmosphere/refine_streams.h: in fog without a cloud.
+  [[nodiscard]] bool refined() const { return refined_; }
 
  private:
   BandChoice bands_;
+  bool refined_;
   // Sets the levels' depths, scattering and asymmetry.
   void set_levels(const Atmosphere& atmosphere);
 

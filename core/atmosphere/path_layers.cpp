@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/atmosphere/cloud_light.h"
+#include "core/atmosphere/forward_scattering.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
@@ -149,7 +150,10 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
 
 PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
                        const CloudLight* cloud)
-    : bands_(bands), cloudy_(!atmosphere.turbid_levels_m().empty()) {
+    : bands_(bands),
+      cloudy_(!atmosphere.turbid_levels_m().empty()),
+      keeps_peak_(atmosphere.only_fog() &&
+                  atmosphere.spec().forward_peak == ForwardPeak::kDiffuse) {
   IRSIG_CHECK((!cloudy_ || cloud != nullptr));
   const AirProfile& profile = atmosphere.profile();
   thermal_w_m2_sr_um = surroundings_fraction = AirSpectrum(kAirBandCount, 0.0);
@@ -289,10 +293,12 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
                                    const CloudSunlight* cloud) const {
   const AbsorberAmounts none;
   AbsorberAmounts amounts;
+  AirSpectrum both_ways;  // scattering depth of the sun's way and the observer's, of fog alone
   const auto at_node = [&](const Node& node) {
     set_sum(amounts, node.amounts, near ? *near : none, bands_);
-    return sun.add_to(amounts, node.height_m) ? irsig::transmittance(amounts, bands_)
-                                              : AirSpectrum(kAirBandCount, 0.0);
+    const bool lit = sun.add_to(amounts, node.height_m);
+    if (keeps_peak_) both_ways = amounts.grey(GreyAbsorber::kAerosolScattering);
+    return lit ? irsig::transmittance(amounts, bands_) : AirSpectrum(kAirBandCount, 0.0);
   };
   ScatteredSun out;
   Layer layer = empty_layer();
@@ -309,6 +315,7 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
   AirSpectrum seen_near, seen_far, seen(cloud ? kAirBandCount : 0);
   if (cloud) seen_near = seen_at(node_.front());
   for (std::size_t l = 0; l < layer_.size(); ++l) {
+    const AirSpectrum near_ways = both_ways;
     AirSpectrum t_far = at_node(node_[l + 1]);
     get(l, layer);
     const StepScattering& step = layer.scattering;
@@ -322,8 +329,16 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
         out.asymmetry[b] += (step.asymmetry[b] - out.asymmetry[b]) * aerosol / out.aerosol[b];
       }
       for (std::size_t b = r.first; cloudy_ && b < r.last; ++b) {
-        add_scattering(out.cloud[b], out.cloud_asymmetry[b], light[b] * step.cloud_depth[b],
-                       step.cloud_asymmetry[b]);
+        const double depth = step.cloud_depth[b], asymmetry = step.cloud_asymmetry[b];
+        if (depth <= 0) continue;
+        TurnedOnce turned{1, asymmetry};
+        if (keeps_peak_) {
+          turned =
+              turned_once(asymmetry, 0.5 * (near_ways[b] + both_ways[b]) * peak_ratio(asymmetry),
+                          kPeakAsymmetry);
+        }
+        add_scattering(out.cloud[b], out.cloud_asymmetry[b], light[b] * depth * turned.fraction,
+                       turned.asymmetry);
       }
     }
     if (cloud) {

@@ -133,7 +133,7 @@ struct ScatteredSun {
   AirSpectrum molecular = AirSpectrum(kAirBandCount, 0.0);
   // Light of cloud and fog, empty without them: scattered once, with its asymmetry; scattered more
   // often, the same in all directions, per sr; and the forward peak around the sun
-  // (kPeakAsymmetry).
+  // (kPeakAsymmetry), which fog without a cloud has in the light scattered once.
   AirSpectrum cloud, cloud_asymmetry, diffuse_per_sr, peak;
 
   [[nodiscard]] AirSpectrum per_sr(const PhaseMean& phase) const;
@@ -204,7 +204,8 @@ class PathLayers {
   [[nodiscard]] Layer empty_layer() const;
 
   BandChoice bands_;
-  bool cloudy_ = false;  // layers have the spectra of cloud or fog
+  bool cloudy_ = false;      // layers have the spectra of cloud or fog
+  bool keeps_peak_ = false;  // in the light scattered once: core/atmosphere/forward_scattering.h
   ForwardPeak peak_ = ForwardPeak::kBeam;
   std::vector<Node> node_;
   std::vector<std::vector<double>> layer_;  // Layer's spectra one after the other, as Node has them

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/atmosphere/band_loops.h"
+#include "core/atmosphere/gas_table.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/atmosphere/scattered_again.h"
 #include "core/base/check.h"

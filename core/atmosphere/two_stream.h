@@ -26,6 +26,9 @@ struct StreamBoundaries {
 // which light travels.
 struct StreamLight {
   double mean, slope;
+  // Mean over all directions of radiance x Legendre's second polynomial of that cosine; 0 for two
+  // streams.
+  double second = 0;
 };
 
 // Returns the diffuse light at the layers' boundaries, from the top down; the sun's beam is not

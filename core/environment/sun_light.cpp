@@ -99,6 +99,7 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       surface_(surface),
       wavelengths_(wavelengths),
       bands_(wavelengths.bands),
+      only_fog_(atmosphere.only_fog()),
       sky_source_(weather.sky.size()),
       limb_source_(kLimb.size()),
       lower_source_(weather.lower.size()),
@@ -156,7 +157,7 @@ const ScatteredSun& SunLight::limb_source(std::size_t ring) const {
 }
 ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAmounts* near) const {
   ScatteredSun out = path.scattered(*sun_, near, cloud());
-  if (!cloud_) return out;
+  if (!cloud_ || only_fog_) return out;
   // The beam's loss to the forward peak.
   AbsorberAmounts amounts = near ? *near : AbsorberAmounts();
   const AirSpectrum beam = joined(amounts);

@@ -141,6 +141,7 @@ class SunLight {
   const SurfaceBoundary& surface_;
   const NodeWavelengths& wavelengths_;
   const BandChoice& bands_;
+  bool only_fog_;
   // Amounts for scattered light, and with a cloud other ones for the beam.
   std::optional<SunAmounts> sun_, beam_;
   std::optional<CloudSunlight> cloud_;

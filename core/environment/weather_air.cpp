@@ -66,7 +66,7 @@ AirSpectrum WeatherAir::Parts::Turbid::scattered_sun(Sight sight, const LightPat
   if (!amounts.lit()) return out;
   const CloudSunlight in_cloud(*light->cloud(), amounts, sun.zenith_deg);
   ScatteredSun source = layers.scattered(amounts, nullptr, &in_cloud);
-  if (sight == Sight::kDiffuse && path.end == PathEnd::kSpace) {
+  if (sight == Sight::kDiffuse && path.end == PathEnd::kSpace && !diffuse.only_fog()) {
     // The beam's loss to the forward peak.
     const auto through = [&](const Atmosphere& air) {
       AbsorberAmounts sum;

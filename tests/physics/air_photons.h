@@ -35,7 +35,7 @@ inline double kelvin(std::size_t band, double radiance) {
 // grey in the band. Molecules do not scatter. Above the column is the air without its particles.
 class AirPhotons {
  public:
-  // Azimuth of the direction of sight, from the sun's. [rad]
+  // Default azimuth of the direction of sight. [rad]
   static constexpr double kAzimuth = 1.5;
   //   top_m, step_m  of the column; layers of step_m
   AirPhotons(const WeatherSpec& weather, std::size_t band, double top_m = kFogTopM,
@@ -77,14 +77,15 @@ class AirPhotons {
   //   range_m  behind which the path's own light ends
   //   per_m    extinction of the path up to the first collision, where it is level; 0: the layers'
   //   sun      cosine of its zenith angle; its irradiance normal to the beam at the top is 1
-  [[nodiscard]] Light seen(double cosine, double range_m, double sun, double per_m) const {
-    constexpr int photons = kPhotons;
+  //   azimuth  of the direction of sight, from the sun's  [rad]
+  [[nodiscard]] Light seen(double cosine, double range_m, double sun, double per_m,
+                           double azimuth = kAzimuth, int photons = kPhotons) const {
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> u;
     Light sum;
     for (int i = 0; i < photons; ++i) {
-      Vec<Body> d{std::sqrt(1 - cosine * cosine) * std::cos(kAzimuth),
-                  std::sqrt(1 - cosine * cosine) * std::sin(kAzimuth), cosine};
+      Vec<Body> d{std::sqrt(1 - cosine * cosine) * std::cos(azimuth),
+                  std::sqrt(1 - cosine * cosine) * std::sin(azimuth), cosine};
       double z = kObserverM;
       for (bool first = true;; first = false) {
         const double depth = -std::log(1 - u(random));
