@@ -11,8 +11,13 @@ namespace irsig {
 
 AirSpectrum scattered_again_relative(const Atmosphere& atmosphere, double height_m,
                                      double zenith_deg, const BandChoice& bands) {
-  constexpr double kPerDepth = 0.6, kSkySlant = 2, kLowestCosine = 0.1, kMost = 1e4;
+  constexpr double kPerDepth = 0.6, kSkySlant = 2, kLowestCosine = 0.1, kMost = 1e4,
+                   kNoAzimuth = 0.65;
   AirSpectrum out(kAirBandCount, 0.0);
+  if (atmosphere.only_fog()) {
+    out.assign(kAirBandCount, kNoAzimuth * std::pow(std::sin(zenith_deg * kRadPerDeg), 8));
+    return out;
+  }
   if (!atmosphere.turbid_levels_m().empty() || atmosphere.spec().aerosol.kind == AerosolKind::kNone)
     return out;
   const AbsorberAmounts up = atmosphere.amounts(

@@ -10,8 +10,11 @@ namespace irsig {
 //   exp(0.6 S (1 / cosine + 2)) - 1 - kAerosolRelativeError,
 // with the vertical scattering depth S of the particles above a height, the slant of the sun, and
 // that of a sky seen 60 deg from the zenith; at most 1e4, as in the densest haze that was
-// compared. 0 where that is negative, in air that has clouds or fog, whose light is scattered as
-// often as it is, and without particles.
+// compared. 0 where that is negative, in air that has clouds, whose light is scattered as often as
+// it is, and without particles. In fog without clouds
+//   0.65 sin(zenith)^8
+// of all scattered sunlight: what is scattered more than once has no azimuth there, so that it is
+// too little below a low sun and too much opposite it (tests/physics/fog_light_test.cpp).
 //   zenith_deg  of the sun; its cosine is taken to be at least 0.1
 //
 // Accuracy: 0.6 makes rms z 1 against photons followed one by one in rural and maritime haze of 1

@@ -7,6 +7,7 @@
 
 #include "core/atmosphere/cloud_light.h"
 #include "core/atmosphere/path_layers.h"
+#include "core/atmosphere/scattered_again.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
 #include "core/base/status_macros.h"
@@ -118,10 +119,13 @@ PathRadiance WeatherAir::Parts::Turbid::radiance(Sight sight, const LightPath& p
   if (sun) {
     const AirSpectrum of_sun = scattered_sun(sight, path, layers, *sun);
     const UnknownCloud* unknown = light->unknown_cloud();
-    const AirSpectrum by_cloud = unknown ? unknown->diffuse_sun_relative(sun->zenith_deg) : dark;
+    const AirSpectrum by_cloud = unknown ? unknown->diffuse_sun_relative(sun->zenith_deg) : dark,
+                      again = scattered_again_relative(diffuse, path.node.front().height_m,
+                                                       sun->zenith_deg, bands);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       out.scattered_w_m2_sr_um[b] += of_sun[b];
-      out.model_error_w_m2_sr_um[b] += std::hypot(kAerosolRelativeError, by_cloud[b]) * of_sun[b];
+      out.model_error_w_m2_sr_um[b] +=
+          std::hypot(kAerosolRelativeError, by_cloud[b], again[b]) * of_sun[b];
     }
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b)
