@@ -18,16 +18,25 @@
 
 namespace irsig {
 
+// References to all that fields of gas in one view share; it outlives them.
+struct GasInView {
+  const PreparedScene& scene;
+  const ViewRequest& request;
+  const ViewPlan& plan;
+  const PreparedView& view;  // of the target itself
+  const ViewSources& sources;
+  const GasWavelengths& wavelengths;
+  const PictureFrame& pictures;
+};
+
 // One field of gas in one view: as it is seen, and behind it what else is; or as the target
 // reflects it, and what it takes on its way of other light that the target reflects.
 class GasMeasurement {
  public:
   enum class Where : std::uint8_t { kInSight, kOnHull };
-  // view: of the target itself. condition: those of the selected ones that have this field
-  GasMeasurement(Where where, const PreparedScene& scene, const ViewRequest& request,
-                 const ViewPlan& plan, const PreparedView& view, const ViewSources& sources,
-                 const GasWavelengths& wavelengths, const PictureFrame& pictures,
-                 std::shared_ptr<const PlumeField> field, std::vector<std::size_t> condition);
+  // condition: those of the selected ones that have this field
+  GasMeasurement(Where where, const GasInView& given, std::shared_ptr<const PlumeField> field,
+                 std::vector<std::size_t> condition);
 
   // Chooses what stands for all rays, and knows the pilot's. False: the gas is not met at all.
   absl::StatusOr<bool> find();
@@ -35,7 +44,7 @@ class GasMeasurement {
   // of the scene, of which the error may be a fraction.
   void measure(const std::vector<double>& sent_w_sr);
 
-  [[nodiscard]] std::uint64_t rays() const { return rays_; }
+  [[nodiscard]] std::uint64_t rays() const { return traced_.rays; }
   // Returns an upper bound of the gas's reflection where find() has met no gas. [m2]
   [[nodiscard]] double unmet_m2() const;
   // Returns the emission in each band of the scene, at the target. [W/sr]
@@ -77,12 +86,12 @@ class GasMeasurement {
   [[nodiscard]] absl::StatusOr<ImagePlan> plan_images(const std::vector<double>& sums);
   // Returns true if images have layers of what is behind the gas, too.
   [[nodiscard]] bool at_sensor() const {
-    return request_.image && request_.image->has(ImageLayer::kAtSensor);
+    return given_.request.image && given_.request.image->has(ImageLayer::kAtSensor);
   }
   // Returns the number of the first picture at the sensor; pictures at the target are by condition,
   // then band.
   [[nodiscard]] std::size_t source_images() const {
-    return condition_.size() * request_.selected_band.size();
+    return condition_.size() * given_.request.selected_band.size();
   }
   // Puts into picture `image` of the plan what one band's gas sends.
   //   tests  weights of tests whose sum is its emission; nodes: emission of the nodes
@@ -105,7 +114,9 @@ class GasMeasurement {
   [[nodiscard]] std::uint32_t reflections(bool pilot) const;
 
   // Returns the number of groups of reflected gas: one for each part that is seen.
-  [[nodiscard]] std::size_t groups() const { return on_hull_ ? scene_.target.part.size() : 1; }
+  [[nodiscard]] std::size_t groups() const {
+    return on_hull_ ? given_.scene.target.part.size() : 1;
+  }
 
   // Means over replicates, of one group or of all.
   static std::vector<double> sum_of(const std::vector<PathWeights>& weights, std::size_t first,
@@ -220,41 +231,54 @@ class GasMeasurement {
     std::uint64_t survey, first, second;
   };
   PilotSamples pilots_;
-  const PreparedScene& scene_;
-  const ViewRequest& request_;
-  const ViewPlan& plan_;
-  const ViewSources& sources_;
-  const GasWavelengths& wavelengths_;
-  const PictureFrame& pictures_;
+  const GasInView given_;
   std::shared_ptr<const PlumeField> field_;
   std::vector<std::size_t> condition_;
   std::shared_ptr<const AimedView> aimed_;
   std::optional<SightShares> sight_;  // of what is in sight
-  std::array<Nodes, 2> nodes_;
-  std::vector<std::vector<double>> reflected_;  // [group][wavelength]
-  GasOnView::Absorbed most_absorbed_{};
-  std::vector<std::vector<double>> class_tests_;
-  std::vector<HotColumn> class_column_;
-  std::vector<ColumnLight> class_here_;
-  std::vector<std::vector<double>> band_tests_;  // tests_of() both sets
-  // [band of the scene] As shares of what is sent: misfit_relative() and missed(); luck_relative().
+  std::shared_ptr<const GasOnView> gas_;
+
+  // Columns that stand for all rays.
+  struct Columns {
+    std::array<Nodes, 2> nodes;
+    std::vector<std::vector<double>> reflected;  // [group][wavelength]
+    GasOnView::Absorbed most_absorbed{};
+    std::vector<std::vector<double>> class_tests;
+    std::vector<HotColumn> class_column;
+    std::vector<ColumnLight> class_here;
+    std::vector<std::vector<double>> band_tests;  // tests_of() both sets
+  };
+  Columns columns_;
+
+  // As shares of what is sent: misfit_relative() and missed(); luck_relative().
   struct ColumnBounds {
     double missed, luck;
   };
-  std::vector<ColumnBounds> column_bounds_;
-  std::vector<double> class_error_;  // [band of the scene] relative, of what is taken
-  std::vector<double> voxel_error_;  // likewise, of what is sent
-  std::shared_ptr<const GasOnView> gas_;
-  std::vector<PathWeights> weights_;      // [replicate]
-  std::vector<PathWeights> mean_, each_;  // [first]; [replicate][first]
-  std::uint64_t samples_ = 0;             // of each replicate, of weights_
-  bool measured_ = false;                 // they are not a pilot's
-  std::uint64_t rays_ = 0;
-  ImagePlan image_plan_;
-  std::uint32_t pixel_samples_ = 0;
-  std::vector<double> emitted_relative_;  // [picture] GasPicture::emitted_relative
-  TracedPictures pictures_of_gas_;
-  SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());
+  // Errors beside the scatter of rays. [band of the scene]
+  struct Errors {
+    std::vector<ColumnBounds> columns;
+    std::vector<double> classes;  // relative, of what is taken
+    std::vector<double> voxels;   // likewise, of what is sent
+  };
+  Errors errors_;
+
+  struct Traced {
+    std::vector<PathWeights> weights;     // [replicate]
+    std::vector<PathWeights> mean, each;  // [first]; [replicate][first]
+    std::uint64_t samples = 0;            // of each replicate, of weights
+    bool is_measurement = false;          // not a pilot
+    std::uint64_t rays = 0;
+  };
+  Traced traced_;
+
+  struct Images {
+    ImagePlan plan;
+    std::uint32_t pixel_samples = 0;
+    std::vector<double> emitted_relative;  // [picture] GasPicture::emitted_relative
+    TracedPictures traced;
+  };
+  Images images_;
+  SourceLayout layout_ = SourceLayout(given_.scene.target.part.size(), given_.sources.geometry());
 };
 
 }  // namespace irsig

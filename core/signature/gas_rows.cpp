@@ -72,20 +72,15 @@ LedgerEntry entry_of(Effect effect, bool off, EffectReason reason, const RowBoun
 // One field of gas and all rows of a request that have it.
 class GasOfField {
  public:
-  GasOfField(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
-             const PreparedView& view, const ViewSources& sources,
-             const GasWavelengths& wavelengths, const PictureFrame& pictures,
-             const std::shared_ptr<const PlumeField>& field,
+  GasOfField(const GasInView& given, const std::shared_ptr<const PlumeField>& field,
              const std::vector<std::size_t>& condition)
-      : scene_(scene),
-        request_(request),
-        plan_(plan),
+      : scene_(given.scene),
+        request_(given.request),
+        plan_(given.plan),
         field_(field),
         condition_(condition),
-        in_sight_(GasMeasurement::Where::kInSight, scene, request, plan, view, sources, wavelengths,
-                  pictures, field, condition),
-        on_hull_(GasMeasurement::Where::kOnHull, scene, request, plan, view, sources, wavelengths,
-                 pictures, field, condition) {}
+        in_sight_(GasMeasurement::Where::kInSight, given, field, condition),
+        on_hull_(GasMeasurement::Where::kOnHull, given, field, condition) {}
 
   absl::Status trace() {
     ASSIGN_OR_RETURN(seen_, in_sight_.find());
@@ -229,11 +224,12 @@ absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
   out.resize(request.selected_condition.size() * bands);
   const ViewSources sources(source_request(scene, request, request.selected_condition),
                             plan.effects, {view, &view->environments}, scene.axis.node_um());
+  const GasInView given{scene, request, plan, *view, sources, wavelengths, pictures};
   for (const std::shared_ptr<const PlumeField>& field : fields) {
     std::vector<std::size_t> having;
     for (std::size_t i = 0; i < request.selected_condition.size(); ++i)
       if (request.condition[request.selected_condition[i]].gas == field) having.push_back(i);
-    GasOfField gas(scene, request, plan, *view, sources, wavelengths, pictures, field, having);
+    GasOfField gas(given, field, having);
     RETURN_IF_ERROR(gas.trace());
     for (std::size_t which = 0; which < having.size(); ++which) {
       const std::size_t first = having[which] * bands;

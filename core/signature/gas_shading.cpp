@@ -19,17 +19,18 @@ constexpr double kOfSteps = 0.25;
 }  // namespace
 
 absl::StatusOr<GasMeasurement::Sensor> GasMeasurement::behind_air(std::size_t which) const {
-  const ConditionSources& light = sources_.wanted(condition_[which]);
+  const ConditionSources& light = given_.sources.wanted(condition_[which]);
   const ViewEnvironment& environment = light.environment();
-  if (environment.air == nullptr && request_.environment != nullptr)
+  if (environment.air == nullptr && given_.request.environment != nullptr)
     return absl::InvalidArgumentError(
         "hot gas behind imported air: its lines are not known, and band means do not multiply");
   std::optional<AirBeforeColumns> air, overcast;
   if (environment.air != nullptr) {
-    ASSIGN_OR_RETURN(air, AirBeforeColumns::make(*environment.air, wavelengths_));
+    ASSIGN_OR_RETURN(air, AirBeforeColumns::make(*environment.air, given_.wavelengths));
   }
   if (environment.overcast_air != nullptr) {
-    ASSIGN_OR_RETURN(overcast, AirBeforeColumns::make(*environment.overcast_air, wavelengths_));
+    ASSIGN_OR_RETURN(overcast,
+                     AirBeforeColumns::make(*environment.overcast_air, given_.wavelengths));
   }
   const auto at_sensor = [&](const std::vector<HotColumn>& columns,
                              const std::vector<ColumnLight>& here) {
@@ -50,10 +51,10 @@ absl::StatusOr<GasMeasurement::Sensor> GasMeasurement::behind_air(std::size_t wh
     }
     return out;
   };
-  Sensor sensor{
-      {at_sensor(nodes_[0].column, nodes_[0].here), at_sensor(nodes_[1].column, nodes_[1].here)},
-      {nodes_[0].here, nodes_[1].here},
-      at_sensor(class_column_, class_here_)};
+  Sensor sensor{{at_sensor(columns_.nodes[0].column, columns_.nodes[0].here),
+                 at_sensor(columns_.nodes[1].column, columns_.nodes[1].here)},
+                {columns_.nodes[0].here, columns_.nodes[1].here},
+                at_sensor(columns_.class_column, columns_.class_here)};
   for (std::vector<ColumnLight>& columns : sensor.product)
     for (ColumnLight& column : columns)
       for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
@@ -62,16 +63,16 @@ absl::StatusOr<GasMeasurement::Sensor> GasMeasurement::behind_air(std::size_t wh
 }
 
 absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) const {
-  const ConditionSources& light = sources_.wanted(condition_[which]);
+  const ConditionSources& light = given_.sources.wanted(condition_[which]);
   ASSIGN_OR_RETURN(const Sensor sensor, behind_air(which));
-  const LitWeights of_classes(light, mean_, 1), of_replicates(light, each_, 1);
+  const LitWeights of_classes(light, traced_.mean, 1), of_replicates(light, traced_.each, 1);
   std::vector<GasRow> out;
-  for (const std::uint32_t b : request_.selected_band)
+  for (const std::uint32_t b : given_.request.selected_band)
     out.push_back(row_of(light, sensor, of_classes, of_replicates, b));
-  if (pictures_of_gas_.sum.empty()) return out;
+  if (images_.traced.sum.empty()) return out;
   for (std::size_t b = 0; b < out.size(); ++b) {
     const std::size_t image = which * out.size() + b;
-    const std::uint32_t band = request_.selected_band[b];
+    const std::uint32_t band = given_.request.selected_band[b];
     out[b].picture = picture_of(image, band);
     if (at_sensor()) out[b].apparent_picture = picture_of(source_images() + image, band);
   }
@@ -99,10 +100,10 @@ GasMeasurement::Sent GasMeasurement::sent_by(
   Sent out;
   out.by_bin.assign(grid.lambda_um.size(), 0.0);
   std::array<double, 2> of_set{};
-  for (std::size_t set = 0; set < nodes_.size(); ++set)
-    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {
+  for (std::size_t set = 0; set < columns_.nodes.size(); ++set)
+    for (std::size_t m = 0; m < columns_.nodes[set].column.size(); ++m) {
       const std::vector<double>& spectrum = (*light[set])[m].emitted_w_m2_sr_um;
-      const std::vector<double>& w = nodes_[set].weight[m];
+      const std::vector<double>& w = columns_.nodes[set].weight[m];
       of_set[set] += weighted(w, spectrum, band);
       out.steps += 0.5 * kOfSteps * std::abs(weighted(w, (*light[set])[m].step_w_m2_sr_um, band));
       for (std::size_t bin = 0; bin < out.by_bin.size(); ++bin)
@@ -116,10 +117,10 @@ GasMeasurement::Sent GasMeasurement::sent_by(
 }
 
 double GasMeasurement::misfit_relative(std::size_t which_band) const {
-  const std::vector<double>& tests = band_tests_[which_band];
-  const std::vector<double> sums = sum_of(weights_);
+  const std::vector<double>& tests = columns_.band_tests[which_band];
+  const std::vector<double> sums = sum_of(traced_.weights);
   double missed = 0;
-  for (const Nodes& nodes : nodes_)
+  for (const Nodes& nodes : columns_.nodes)
     missed += 0.5 * ordered_dot(tests.data(), nodes.misfit.data(), tests.size());
   const double all = ordered_dot(tests.data(), sums.data(), tests.size());
   return all > 0 ? missed / all : 0;
@@ -161,30 +162,30 @@ GasMeasurement::Taken GasMeasurement::taken_by(
 GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& sensor,
                               const LitWeights& of_classes, const LitWeights& of_replicates,
                               std::uint32_t which_band) const {
-  const BandOnAxis band = scene_.axis.band(which_band);
-  const std::size_t classes = class_column_.size(), bins = band.grid.lambda_um.size(),
-                    replicates = weights_.size();
+  const BandOnAxis band = given_.scene.axis.band(which_band);
+  const std::size_t classes = columns_.class_column.size(), bins = band.grid.lambda_um.size(),
+                    replicates = traced_.weights.size();
   const SourceTable whole =
-      source_table(light, scene_.path_basis(), band.first_node, band.grid.band_weight);
+      source_table(light, given_.scene.path_basis(), band.first_node, band.grid.band_weight);
   std::vector<RowTally> stored, in_bands;
-  tally_row(light, 1, of_classes, scene_.path_basis(), band, whole, true, stored);
-  tally_row(light, 1, of_replicates, scene_.path_basis(), band, whole, false, in_bands);
+  tally_row(light, 1, of_classes, given_.scene.path_basis(), band, whole, true, stored);
+  tally_row(light, 1, of_replicates, given_.scene.path_basis(), band, whole, false, in_bands);
 
-  const Sent here = sent_by({&nodes_[0].here, &nodes_[1].here}, band),
+  const Sent here = sent_by({&columns_.nodes[0].here, &columns_.nodes[1].here}, band),
              joined = sent_by({sensor.nodes.data(), sensor.nodes.data() + 1}, band),
              product = sent_by({sensor.product.data(), sensor.product.data() + 1}, band);
   // Two sets of columns that agree may both miss what the rays' tests add up to.
-  const auto [misfit, luck] = column_bounds_[which_band];
-  const bool without_lines = request_.effects.without(Effect::kHotLineCorrelation);
+  const auto [misfit, luck] = errors_.columns[which_band];
+  const bool without_lines = given_.request.effects.without(Effect::kHotLineCorrelation);
   const Sent& seen = without_lines ? product : joined;
   // At the sensor light is as the air lets it through.
-  const std::vector<double> smooth(scene_.axis.nodes(), 1.0);
+  const std::vector<double> smooth(given_.scene.axis.nodes(), 1.0);
   const std::vector<double>& through = light.environment().transmittance;
-  const Taken source = taken_by(class_here_, stored, 0, &RowTally::total_spectrum, &RowTally::total,
-                                1, smooth, band),
+  const Taken source = taken_by(columns_.class_here, stored, 0, &RowTally::total_spectrum,
+                                &RowTally::total, 1, smooth, band),
               apparent = taken_by(sensor.classes, stored, 0, &RowTally::apparent_spectrum,
                                   &RowTally::apparent, 1, through, band);
-  const std::vector<double> scatter = sent_by_replicates(weights_, which_band);
+  const std::vector<double> scatter = sent_by_replicates(traced_.weights, which_band);
   double mean = 0;
   for (const double s : scatter) mean += s / static_cast<double>(replicates);
   struct Loss {
@@ -226,11 +227,11 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
     }
     c.spectral.modes = leading_modes(deviations(spectra), stored_modes(bins));
     c.bound_w_sr = sent.steps + std::max(sent.sets, luck * std::abs(sent.in_band)) +
-                   misfit * std::abs(sent.in_band) + class_error_[which_band] * lost_w_sr;
+                   misfit * std::abs(sent.in_band) + errors_.classes[which_band] * lost_w_sr;
     return c;
   };
   GasRow out;
-  out.rays = rays_;
+  out.rays = traced_.rays;
   out.source = change(here, {{source, 0, &RowTally::total, 1}});
   out.apparent = change(seen, {{apparent, 0, &RowTally::apparent, 1}});
   if (on_hull_) {
@@ -250,20 +251,21 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   }
   out.lines_w_sr = std::abs(joined.in_band - product.in_band);
   if (!on_hull_) {
-    out.voxel_error_w_sr = voxel_error_[which_band] * here.in_band;
-    out.apparent_voxel_error_w_sr = voxel_error_[which_band] * seen.in_band;
+    out.voxel_error_w_sr = errors_.voxels[which_band] * here.in_band;
+    out.apparent_voxel_error_w_sr = errors_.voxels[which_band] * seen.in_band;
     ReplicateStatistics area(1);
-    for (const PathWeights& w : weights_)
+    for (const PathWeights& w : traced_.weights)
       // Rays of a pilot, of gas that is left out, do not say where it is thick.
-      area.add(std::array{measured_ ? w.gas_m2[ColumnTests::kCount + which_band] : 0.0});
+      area.add(
+          std::array{traced_.is_measurement ? w.gas_m2[ColumnTests::kCount + which_band] : 0.0});
     out.area_m2 = area.estimate(0);
   }
   // One model errs one way everywhere: its errors add up over columns and wavelengths.
-  for (std::size_t set = 0; set < nodes_.size(); ++set)
-    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {
-      const std::vector<double>& weight = nodes_[set].weight[m];
+  for (std::size_t set = 0; set < columns_.nodes.size(); ++set)
+    for (std::size_t m = 0; m < columns_.nodes[set].column.size(); ++m) {
+      const std::vector<double>& weight = columns_.nodes[set].weight[m];
       out.source_model_error_w_sr +=
-          0.5 * weighted(weight, nodes_[set].here[m].model_error_w_m2_sr_um, band);
+          0.5 * weighted(weight, columns_.nodes[set].here[m].model_error_w_m2_sr_um, band);
       out.model_error_w_sr +=
           0.5 * weighted(weight, sensor.nodes[set][m].model_error_w_m2_sr_um, band);
     }

@@ -112,15 +112,15 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
                                             : at.transmittance[i] * planck[i]);
         }
       };
-      Spectrum& emission = land_emission_.emplace_back(nodes);
+      Spectrum& emission = land_.emission.emplace_back(nodes);
       for (std::size_t i = 0; i < nodes; ++i)
         emission[i] = open ? emissivity[i] * planck[i] : planck[i];
-      add_land(environment.land.at_target, land_);
-      add_land(environment.land.apparent, land_apparent_);
-      add_land(environment.land.behind, behind_land_);
+      add_land(environment.land.at_target, land_.thermal);
+      add_land(environment.land.apparent, land_.apparent);
+      add_land(environment.land.behind, land_.behind);
       if (condition.land_temperature_error_k.empty()) continue;
       const double hotter_k = kelvin + condition.land_temperature_error_k[kind];
-      Spectrum& error = land_error_.emplace_back(nodes);
+      Spectrum& error = land_.error.emplace_back(nodes);
       for (std::size_t i = 0; i < nodes; ++i)
         error[i] = (open ? emissivity[i] : 1) *
                    (planck_radiance_w_m2_sr_um(node_um[i], hotter_k) - planck[i]);
@@ -133,9 +133,9 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
           mirrored[i] = (1 - land_emissivity[m][i]) / std::numbers::pi * at.sun[i];
       }
     };
-    add_sunlit(environment.land.at_target, land_sun_);
-    add_sunlit(environment.land.apparent, land_sun_apparent_);
-    add_sunlit(environment.land.behind, behind_land_sun_);
+    add_sunlit(environment.land.at_target, land_.sun);
+    add_sunlit(environment.land.apparent, land_.sun_apparent);
+    add_sunlit(environment.land.behind, land_.behind_sun);
   }
   light_.reserve(layout_.light.count());
   for (const SourceId id : layout_.light.all())
@@ -176,16 +176,17 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
                                : dark;
     // Without light from the environment (ViewSurroundings::without_light) land is dark.
     case Kind::kLand:
-      return effects.lower && !land_.empty() ? light(land_[at.index], land_apparent_[at.index])
-                                             : dark;
+      return effects.lower && !land_.thermal.empty()
+                 ? light(land_.thermal[at.index], land_.apparent[at.index])
+                 : dark;
     case Kind::kLandSun:
-      return effects.lower && !sun_.empty() && !land_.empty()
-                 ? light(land_sun_[at.second], land_sun_apparent_[at.second])
+      return effects.lower && !sun_.empty() && !land_.thermal.empty()
+                 ? light(land_.sun[at.second], land_.sun_apparent[at.second])
                  : dark;
     case Kind::kBehindLand:
-      return behind_land_.empty() ? dark : light(none_, behind_land_[at.index]);
+      return land_.behind.empty() ? dark : light(none_, land_.behind[at.index]);
     case Kind::kBehindLandSun:
-      return !sun_.empty() && !behind_land_.empty() ? light(none_, behind_land_sun_[at.second])
+      return !sun_.empty() && !land_.behind.empty() ? light(none_, land_.behind_sun[at.second])
                                                     : dark;
     case Kind::kBehind:
       return light(none_, environment_->background_apparent[at.index]);
@@ -297,9 +298,9 @@ ConditionSources::LandError ConditionSources::land_error_w_m2_sr(SourceId land,
                                                                  const BandOnAxis& band) const {
   const SourceLayout::Place at = layout_.light.place_of(land);
   const bool behind = at.kind == SourceLayout::Kind::kBehindLand;
-  if (land_error_.empty() || (!behind && at.kind != SourceLayout::Kind::kLand)) return {};
+  if (land_.error.empty() || (!behind && at.kind != SourceLayout::Kind::kLand)) return {};
   const std::uint32_t ranges = behind ? layout_.light.behind_ranges() : layout_.light.land_ranges();
-  const Spectrum& error = land_error_[at.index / ranges];
+  const Spectrum& error = land_.error[at.index / ranges];
   Spectrum arriving(error.size());
   const auto through = [&](const std::vector<LandAir>& air) {
     if (air.empty()) return 0.0;
@@ -320,7 +321,7 @@ ConditionSources::LandParts ConditionSources::land_parts_w_m2_sr(SourceId behind
   if (at.kind != SourceLayout::Kind::kBehindLand || environment_->land.behind.empty()) return {};
   const std::uint32_t ranges = layout_.light.behind_ranges();
   const LandAir& air = environment_->land.behind[at.index % ranges];
-  const Spectrum& emission = land_emission_[at.index / ranges];
+  const Spectrum& emission = land_.emission[at.index / ranges];
   Spectrum emitted(emission.size()), sky(emission.size());
   const std::span<const double> seen = apparent(behind);
   for (std::size_t i = 0; i < emission.size(); ++i) {

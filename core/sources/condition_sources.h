@@ -102,7 +102,7 @@ class ConditionSources {
     double without_air = 0, emitted = 0, sky = 0, sun = 0;
   };
   [[nodiscard]] LandParts land_parts_w_m2_sr(SourceId behind, const BandOnAxis& band) const;
-  [[nodiscard]] bool has_land_errors() const { return !land_error_.empty(); }
+  [[nodiscard]] bool has_land_errors() const { return !land_.error.empty(); }
   // Returns the largest relative error of a radiance between blackbodies.
   [[nodiscard]] double emission_error(double shortest_um) const {
     return by_element() ? layout_.nodes.relative_error(shortest_um) : 0;
@@ -149,11 +149,13 @@ class ConditionSources {
   // Spectra of land as SourceLayout numbers it: [kind x ranges + node of the range], materials that
   // face land as further kinds; and [material x ranges + node of the range] of its reflected
   // sunlight.
-  std::vector<Spectrum> land_, land_apparent_, land_sun_, land_sun_apparent_, behind_land_,
-      behind_land_sun_;
-  std::vector<Spectrum> land_emission_;  // [kind, then material] at the land
-  // Likewise, emission by which land may be wrong. Empty: temperatures are stated.
-  std::vector<Spectrum> land_error_;
+  struct LandSpectra {
+    std::vector<Spectrum> thermal, apparent, sun, sun_apparent, behind, behind_sun;
+    std::vector<Spectrum> emission;  // [kind, then material] at the land
+    // Likewise, emission by which land may be wrong. Empty: temperatures are stated.
+    std::vector<Spectrum> error;
+  };
+  LandSpectra land_;
   Spectrum none_;
   IncidentRadiance around_;
   std::vector<Light> light_;  // [source]

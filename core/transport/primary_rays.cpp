@@ -10,9 +10,9 @@
 
 namespace irsig {
 
-CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
-                           const std::vector<double>& x_m, const std::vector<double>& y_m,
-                           std::span<const std::uint32_t> facets, std::uint32_t cells_long_side) {
+CellGrid touched_cells(const Target& target, const PlaneRectangle& frame,
+                       const std::vector<double>& x_m, const std::vector<double>& y_m,
+                       std::span<const std::uint32_t> facets, std::uint32_t cells_long_side) {
   const double longest = std::max(frame.width_m, frame.height_m);
   const auto cells = [&](double side) {
     return std::clamp<int>(static_cast<int>(std::ceil(side / longest * cells_long_side)), 1,
@@ -76,8 +76,13 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
         covered = outside ? 0 : 1;
       }
   }
-  *this = CoverageMask(grid);
+  return grid;
 }
+
+CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
+                           const std::vector<double>& x_m, const std::vector<double>& y_m,
+                           std::span<const std::uint32_t> facets, std::uint32_t cells_long_side)
+    : CoverageMask(touched_cells(target, frame, x_m, y_m, facets, cells_long_side)) {}
 
 CoverageMask::CoverageMask(const CellGrid& grid) {
   float running = 0;

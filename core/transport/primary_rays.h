@@ -29,6 +29,14 @@ struct ViewFrame : PlaneRectangle {  // the target's bounding rectangle
   double plane_m = 0;                // distance from the sensor to the image plane
 };
 
+// Returns the cells of a rectangle of the image plane that facets touch, conservatively, with
+// cells_long_side cells along its longer side.
+//   x, y  the vertices' places on the image plane [m]
+[[nodiscard]] CellGrid touched_cells(const Target& target, const PlaneRectangle& frame,
+                                     const std::vector<double>& x_m, const std::vector<double>& y_m,
+                                     std::span<const std::uint32_t> facets,
+                                     std::uint32_t cells_long_side);
+
 // Mask at which primary rays of one stratum are aimed: uniformly over the cells of the bounding
 // rectangle that its triangles touch (conservatively), so that few rays miss; the density is
 // positive wherever the stratum can be seen, as an unbiased estimate requires. The unit square is

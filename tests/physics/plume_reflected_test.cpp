@@ -104,6 +104,34 @@ TEST(PlumeOnHull, APlateReflectsTheColumnsOverIt) {
   }
 }
 
+// The gas stands before a hundredth of a large target, which alone reflects it: few rays know what
+// is reflected, as they are aimed there: 0.14, 0.11. Spread evenly: 0.27, 0.25.
+TEST(PlumeOnHull, FewRaysFindTheFewFacetsBesideTheGas) {
+  SceneSpec scene = scene_of(generated("disk", 20000, 60), grey(1 - kReflectance), mwir());
+  scene.spectral_breaks_um = gas_band_edges_um(3, 12);
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, kViewDeg, 0, 1e4, {300});
+  r.max_reflections = 1;
+  r.condition[0].gas = slab(3, kGasK, 40);
+  const auto found = [&](std::uint64_t seed, std::uint64_t samples) {
+    r.seed = seed;
+    r.accuracy.samples_per_replicate = samples;
+    const auto view = simulator->simulate(r);
+    EXPECT_TRUE(view.ok()) << view.status();
+    return view->row[0].plume_reflected_w_sr;
+  };
+  const Estimate much = found(1, 4096);
+  double scatter = 0, stated = 0;
+  for (std::uint64_t seed = 2; seed <= 7; ++seed) {
+    const Estimate few = found(seed, 64);
+    scatter += std::pow(few.value / much.value - 1, 2) / 6;
+    stated += std::pow(few.stderr_ / much.value, 2) / 6;
+  }
+  std::printf("off by %.3f, stated %.3f\n", std::sqrt(scatter), std::sqrt(stated));
+  EXPECT_LT(std::sqrt(scatter), 0.2);
+  EXPECT_LT(std::sqrt(stated), 0.15);
+}
+
 // A painted plate: each wavelength by its own reflectance.
 TEST(PlumeOnHull, ReflectionsAreSpectral) {
   const auto reflectance = [](double um) { return um < 4.2 ? 0.2 : um < 6 ? 0.7 : 0.4; };
