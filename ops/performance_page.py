@@ -7,7 +7,7 @@ Each line is one run of `irsig run` in a folder of its own. CPU time is that of 
 resident size of any of them. The line above the table says the physics version, the date and the machine; a test compares
 the version with the program's (tests/architecture/check_performance_page.py).
 """
-import datetime, os, pathlib, re, subprocess, sys, tempfile, time
+import csv, datetime, io, os, pathlib, re, subprocess, sys, tempfile, time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/evidence/performance.md"
@@ -32,8 +32,8 @@ def machine():
 
 
 def physics_version(irsig, database):
-    row = subprocess.run([irsig, "query", database, "--csv"], capture_output=True, text=True, check=True).stdout.splitlines()
-    return int(dict(zip(row[0].split(","), row[1].split(",")))["physics_version"])
+    rows = subprocess.run([irsig, "query", database, "--csv"], capture_output=True, text=True, check=True).stdout
+    return int(next(csv.DictReader(io.StringIO(rows)))["physics_version"])
 
 
 def measure(irsig, name, changes, workers):
