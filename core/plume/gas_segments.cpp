@@ -89,152 +89,129 @@ TemperatureCourse course_of(const GasSegment& s) {
   return out;
 }
 
-bool GasPiece::is_fine(const SegmentSteps& steps) const {
-  double change = 0;
-  for (std::size_t s = 0; s < kPlumeSpecies; ++s)
-    change = std::max(change, most_fraction[s] - least_fraction[s]);
-  const double range = most_k / least_k - 1, optical_depth = steps.grey.optical_depth(segment);
-  if (!steps.allow(range, optical_depth, change)) return false;
-  return steps.allow(kRisesAndFalls * range, optical_depth, change) || course_of(segment).is_known;
-}
-
-SegmentBuilder::Open SegmentBuilder::open(const GasPiece& piece, double from_k) {
-  const GasSegment& s = piece.segment;
-  const double off = s.temperature_k - from_k,
-               variance = s.temperature_spread_k * s.temperature_spread_k;
-  Open out;
-  out.start_m = s.start_m;
-  out.end_m = s.end_m;
-  out.first_pressure_pa = s.pressure_pa;
-  out.from_k = from_k;
-  out.sums = {s.weight, s.weight * s.temperature_k, s.weight * s.pressure_pa, s.amount};
-  out.first = s.weight * off;
-  out.square = s.weight * (variance + off * off);
-  out.cube = s.weight * (s.temperature_skew_k3 + 3 * off * variance + off * off * off);
-  out.ordered = s.weight * s.weight * (s.temperature_change_k / 12 + 0.5 * off);
-  out.least_k = piece.least_k;
-  out.most_k = piece.most_k;
-  out.least_fraction = piece.least_fraction;
-  out.most_fraction = piece.most_fraction;
+GasPiece GasPiece::between(double a, const GasPoint& at_a, const GasPoint& at_middle, double b,
+                           const GasPoint& at_b) {
+  const GasSums &x = at_a.sums, &y = at_middle.sums, &z = at_b.sums;
+  const double sixth = (b - a) / 6;
+  const auto simpson = [sixth](double of_x, double of_y, double of_z) {
+    return sixth * (of_x + 4 * of_y + of_z);
+  };
+  GasPiece out;
+  out.start_m = a;
+  out.end_m = b;
+  out.sums.weight = simpson(x.weight, y.weight, z.weight);
+  if (!(out.sums.weight > 0)) return out;
+  const GasPoint& known = at_middle.holds_gas ? at_middle : at_a.holds_gas ? at_a : at_b;
+  out.from_k = known.temperature_k;
+  out.sums.weight_temperature =
+      simpson(x.weight_temperature, y.weight_temperature, z.weight_temperature);
+  out.sums.weight_pressure = simpson(x.weight_pressure, y.weight_pressure, z.weight_pressure);
+  for (std::size_t k = 0; k < kPlumeSpecies; ++k)
+    out.sums.amount[k] = simpson(x.amount[k], y.amount[k], z.amount[k]);
+  // At an end without gas the temperature has no weight, but still has a value: the limit of the
+  // temperature towards the end, which dominates the light of thick gas.
+  double t[3];
+  const GasPoint* point[] = {&at_a, &at_middle, &at_b};
+  out.least_fraction = out.most_fraction = known.share;
+  for (int i = 0; i < 3; ++i) {
+    t[i] = point[i]->holds_gas ? point[i]->temperature_k - out.from_k : 0;
+    if (!point[i]->holds_gas) continue;
+    for (std::size_t k = 0; k < kPlumeSpecies; ++k) {
+      out.least_fraction[k] = std::min(out.least_fraction[k], point[i]->share[k]);
+      out.most_fraction[k] = std::max(out.most_fraction[k], point[i]->share[k]);
+    }
+  }
+  if (!at_a.holds_gas) t[0] = 2 * t[1] - t[2];
+  if (!at_b.holds_gas) t[2] = 2 * t[1] - t[0];
+  out.least_k = out.from_k + std::min({t[0], t[1], t[2]});
+  out.most_k = out.from_k + std::max({t[0], t[1], t[2]});
+  const double w[] = {sixth * x.weight, 4 * sixth * y.weight, sixth * z.weight};
+  for (int i = 0; i < 3; ++i) {
+    out.first += w[i] * t[i];
+    out.square += w[i] * t[i] * t[i];
+    out.cube += w[i] * t[i] * t[i] * t[i];
+  }
+  // The weight in front of the middle is that of the parabola through all three. Temperatures from
+  // their mean, as the places of three points have a mean of their own.
+  const double weight = out.sums.weight, off = out.first / weight,
+               front = 0.25 * sixth * (5 * x.weight + 8 * y.weight - z.weight);
+  out.ordered = 0.5 * weight * (w[2] * (t[2] - off) - w[0] * (t[0] - off)) +
+                w[1] * (front - 0.5 * weight) * (t[1] - off) + 0.5 * weight * out.first;
   return out;
 }
 
-GasPiece SegmentBuilder::closed(const Open& of) {
-  GasPiece out{{}, of.least_k, of.most_k, of.least_fraction, of.most_fraction};
-  GasSegment& s = out.segment;
-  const double per_weight = 1 / of.sums.weight, off = of.first * per_weight,
-               variance = std::max(0.0, of.square * per_weight - off * off);
-  s.start_m = of.start_m;
-  s.end_m = of.end_m;
-  s.amount = of.sums.amount;
-  s.weight = of.sums.weight;
-  s.temperature_k = of.from_k + off;
-  s.pressure_pa = of.sums.weight_pressure * per_weight;
-  s.temperature_change_k = 12 * (of.ordered * per_weight * per_weight - 0.5 * off);
-  s.temperature_spread_k = std::sqrt(variance);
-  s.temperature_skew_k3 = of.cube * per_weight - 3 * off * variance - off * off * off;
-  return out;
-}
-
-void SegmentBuilder::append(const Open& next, Open& to) {
-  to.end_m = next.end_m;
-  to.ordered += to.sums.weight * next.first + next.ordered;
-  to.first += next.first;
-  to.square += next.square;
-  to.cube += next.cube;
-  to.sums.weight += next.sums.weight;
-  to.sums.weight_pressure += next.sums.weight_pressure;
-  to.least_k = std::min(to.least_k, next.least_k);
-  to.most_k = std::max(to.most_k, next.most_k);
+void GasPiece::append(const GasPiece& next) {
+  // From this piece's temperature: (T - from) = (T - next.from) + d.
+  const double d = next.from_k - from_k, weight = next.sums.weight;
+  const double of_next = next.first + d * weight;
+  ordered += sums.weight * of_next + next.ordered + 0.5 * d * weight * weight;
+  first += of_next;
+  square += next.square + d * (2 * next.first + d * weight);
+  cube += next.cube + d * (3 * next.square + d * (3 * next.first + d * weight));
+  end_m = next.end_m;
+  sums.weight += weight;
+  sums.weight_temperature += next.sums.weight_temperature;
+  sums.weight_pressure += next.sums.weight_pressure;
+  least_k = std::min(least_k, next.least_k);
+  most_k = std::max(most_k, next.most_k);
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
-    to.sums.amount[s] += next.sums.amount[s];
-    to.least_fraction[s] = std::min(to.least_fraction[s], next.least_fraction[s]);
-    to.most_fraction[s] = std::max(to.most_fraction[s], next.most_fraction[s]);
+    sums.amount[s] += next.sums.amount[s];
+    least_fraction[s] = std::min(least_fraction[s], next.least_fraction[s]);
+    most_fraction[s] = std::max(most_fraction[s], next.most_fraction[s]);
   }
 }
 
-bool SegmentBuilder::continues(double start_m, double end_m, double pressure_pa) const {
-  return is_open_ && start_m - open_.end_m <= 1e-6 * (end_m - open_.start_m) &&
-         std::abs(pressure_pa - open_.first_pressure_pa) <=
-             steps_.pressure_step * open_.first_pressure_pa;
+GasSegment GasPiece::segment() const {
+  GasSegment s;
+  const double per_weight = 1 / sums.weight, off = first * per_weight,
+               variance = std::max(0.0, square * per_weight - off * off);
+  s.start_m = start_m;
+  s.end_m = end_m;
+  s.amount = sums.amount;
+  s.weight = sums.weight;
+  s.temperature_k = from_k + off;
+  s.pressure_pa = pressure_pa();
+  s.temperature_change_k = 12 * (ordered * per_weight * per_weight - 0.5 * off);
+  s.temperature_spread_k = std::sqrt(variance);
+  s.temperature_skew_k3 = cube * per_weight - 3 * off * variance - off * off * off;
+  return s;
+}
+
+bool GasPiece::is_fine(const SegmentSteps& steps) const {
+  double change = 0, depth = 0;
+  for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
+    change = std::max(change, most_fraction[s] - least_fraction[s]);
+    depth += steps.grey.per_amount[s] * sums.amount[s];
+  }
+  const double range = most_k / least_k - 1;
+  if (!steps.allow(range, depth, change)) return false;
+  return steps.allow(kRisesAndFalls * range, depth, change) || course_of(segment()).is_known;
+}
+
+bool SegmentBuilder::continues(const GasPiece& next) const {
+  return is_open_ && next.start_m - open_.end_m <= 1e-6 * (next.end_m - open_.start_m) &&
+         std::abs(next.pressure_pa() - first_pressure_pa_) <=
+             steps_.pressure_step * first_pressure_pa_;
 }
 
 void SegmentBuilder::add(const GasPiece& piece) {
-  const GasSegment& next = piece.segment;
-  if (!(next.weight > 0)) return;
-  if (continues(next.start_m, next.end_m, next.pressure_pa)) {
-    Open both = open_;
-    append(open(piece, open_.from_k), both);
-    if (closed(both).is_fine(steps_)) {
+  if (!(piece.sums.weight > 0)) return;
+  if (continues(piece)) {
+    GasPiece both = open_;
+    both.append(piece);
+    if (both.is_fine(steps_)) {
       open_ = both;
       return;
     }
   }
-  if (is_open_) out_.push_back(closed(open_).segment);
-  open_ = open(piece, next.temperature_k);
+  if (is_open_) out_.push_back(open_.segment());
+  open_ = piece;
+  first_pressure_pa_ = piece.pressure_pa();
   is_open_ = true;
 }
 
-bool SegmentBuilder::extend(double a, const GasPoint& at_a, const GasPoint& at_middle, double b,
-                            const GasPoint& at_b) {
-  const GasSums &x = at_a.sums, &y = at_middle.sums, &z = at_b.sums;
-  const double sixth = (b - a) / 6, weight = sixth * (x.weight + 4 * y.weight + z.weight);
-  if (!is_open_ || !(weight > 0) || !at_middle.holds_gas) return false;
-  const double per_weight = 1 / weight,
-               weight_pressure =
-                   sixth * (x.weight_pressure + 4 * y.weight_pressure + z.weight_pressure);
-  if (!continues(a, b, weight_pressure * per_weight)) return false;
-  // At an end without gas the temperature still has a value: as piece_of() has it.
-  double t[] = {at_a.temperature_k - open_.from_k, at_middle.temperature_k - open_.from_k,
-                at_b.temperature_k - open_.from_k};
-  if (!at_a.holds_gas) t[0] = at_b.holds_gas ? 2 * t[1] - t[2] : t[1];
-  if (!at_b.holds_gas) t[2] = 2 * t[1] - t[0];
-  const double least_k = std::min(open_.least_k, open_.from_k + std::min({t[0], t[1], t[2]})),
-               most_k = std::max(open_.most_k, open_.from_k + std::max({t[0], t[1], t[2]}));
-  std::array<double, kPlumeSpecies> least = open_.least_fraction, most = open_.most_fraction;
-  for (const GasPoint* point : {&at_a, &at_middle, &at_b}) {
-    if (!point->holds_gas) continue;
-    for (std::size_t k = 0; k < kPlumeSpecies; ++k) {
-      least[k] = std::min(least[k], point->share[k]);
-      most[k] = std::max(most[k], point->share[k]);
-    }
-  }
-  GasSums sums = open_.sums;
-  double depth = 0, change = 0;
-  for (std::size_t k = 0; k < kPlumeSpecies; ++k) {
-    sums.amount[k] += sixth * (x.amount[k] + 4 * y.amount[k] + z.amount[k]);
-    depth += steps_.grey.per_amount[k] * sums.amount[k];
-    change = std::max(change, most[k] - least[k]);
-  }
-  if (!steps_.allow(kRisesAndFalls * (most_k / least_k - 1), depth, change)) return false;
-  const double w[] = {sixth * x.weight, 4 * sixth * y.weight, sixth * z.weight};
-  const double first = w[0] * t[0] + w[1] * t[1] + w[2] * t[2],
-               square = w[0] * t[0] * t[0] + w[1] * t[1] * t[1] + w[2] * t[2] * t[2],
-               cube = w[0] * t[0] * t[0] * t[0] + w[1] * t[1] * t[1] * t[1] +
-                      w[2] * t[2] * t[2] * t[2];
-  // The middle's place in the weight: the share of the first half, of the parabola through all
-  // three. Temperatures from their mean, as places of three points have a mean of their own.
-  const double place = 0.25 * sixth * (5 * x.weight + 8 * y.weight - z.weight) * per_weight - 0.5,
-               off = first * per_weight,
-               change_k =
-                   0.5 * (w[2] * (t[2] - off) - w[0] * (t[0] - off)) + w[1] * place * (t[1] - off);
-  open_.ordered += open_.sums.weight * first + weight * (change_k + 0.5 * first);
-  open_.first += first;
-  open_.square += square;
-  open_.cube += cube;
-  open_.end_m = b;
-  sums.weight += weight;
-  sums.weight_pressure += weight_pressure;
-  open_.sums = sums;
-  open_.least_k = least_k;
-  open_.most_k = most_k;
-  open_.least_fraction = least;
-  open_.most_fraction = most;
-  return true;
-}
-
 std::vector<GasSegment> SegmentBuilder::take() {
-  if (is_open_) out_.push_back(closed(open_).segment);
+  if (is_open_) out_.push_back(open_.segment());
   is_open_ = false;
   return std::move(out_);
 }

@@ -79,13 +79,26 @@ struct SegmentSteps {
                            double composition_change) const;
 };
 
-// One piece to be added: a segment, and the extremes of its temperature and of the shares of
-// species in its weight.
+// A piece of a ray as sums, to which further gas is appended without a division, and the extremes
+// of its temperature and of the shares of species in its weight.
 struct GasPiece {
-  GasSegment segment;
+  double start_m = 0, end_m = 0;
+  double from_k = 0;  // temperatures are counted from it
+  GasSums sums;       // times length
+  // Integrals over the weight of the temperature, its square, its cube, and of it times the weight
+  // in front.
+  double first = 0, square = 0, cube = 0, ordered = 0;
   double least_k = 0, most_k = 0;
   std::array<double, kPlumeSpecies> least_fraction{}, most_fraction{};
 
+  // Returns the gas between a and b, known there and in the middle: by Simpson's rule, exact where
+  // amounts are cubic in the distance. Without gas its weight is 0.
+  [[nodiscard]] static GasPiece between(double a, const GasPoint& at_a, const GasPoint& at_middle,
+                                        double b, const GasPoint& at_b);
+  // Appends a piece that lies behind this one.
+  void append(const GasPiece& next);
+  [[nodiscard]] double pressure_pa() const { return sums.weight_pressure / sums.weight; }
+  [[nodiscard]] GasSegment segment() const;
   [[nodiscard]] bool is_fine(const SegmentSteps& steps) const;
 };
 
@@ -94,33 +107,15 @@ class SegmentBuilder {
  public:
   explicit SegmentBuilder(const SegmentSteps& steps) : steps_(steps) {}
   void add(const GasPiece& piece);
-  // Adds the gas between a and b, known there and in the middle, if it continues the open segment
-  // and both together are surely fine, whatever the course of the temperature. Returns false, and
-  // changes nothing, otherwise; add() decides then.
-  bool extend(double a, const GasPoint& at_a, const GasPoint& at_middle, double b,
-              const GasPoint& at_b);
   [[nodiscard]] std::vector<GasSegment> take();
 
  private:
-  // Sums over an open segment, to which further gas is added without a division. Temperatures are
-  // counted from `from_k`.
-  struct Open {
-    double start_m = 0, end_m = 0, first_pressure_pa = 0, from_k = 0;
-    GasSums sums;  // times length
-    // Integrals over the weight of the temperature, its square, its cube, and of it times the
-    // weight in front.
-    double first = 0, square = 0, cube = 0, ordered = 0;
-    double least_k = 0, most_k = 0;
-    std::array<double, kPlumeSpecies> least_fraction{}, most_fraction{};
-  };
-  [[nodiscard]] static Open open(const GasPiece& piece, double from_k);
-  [[nodiscard]] static GasPiece closed(const Open& of);
-  static void append(const Open& next, Open& to);  // both from the same temperature
-  [[nodiscard]] bool continues(double start_m, double end_m, double pressure_pa) const;
+  [[nodiscard]] bool continues(const GasPiece& next) const;
 
   const SegmentSteps& steps_;
   std::vector<GasSegment> out_;
-  Open open_;
+  GasPiece open_;
+  double first_pressure_pa_ = 0;
   bool is_open_ = false;
 };
 

@@ -27,7 +27,7 @@ struct GasSums {
 };
 inline constexpr double kSootMolPerM3 = 1800 / 0.012011;  // carbon atoms in solid soot
 
-// What is stored of a voxel: its weight, temperature [K] and pressure [Pa], its amounts as GasSums
+// A stored voxel: its weight, temperature [K] and pressure [Pa], its amounts as GasSums
 // has them, and a 0. Temperatures stay exact, so that gas of one temperature has that everywhere.
 using StoredGas = std::array<float, 8>;
 
