@@ -213,8 +213,9 @@ TEST(Fog, SunlightAllOverTheSkyIsWithinTheStatedError) {
   const double rms = std::sqrt(squares / count);
   RecordProperty("rms_z", std::to_string(rms));
   RecordProperty("largest_z", std::to_string(largest));
-  EXPECT_LT(rms, 0.6);
-  EXPECT_LT(largest, 3);
+  // 0.40 and 1.4; with 30 % under all suns 0.60 and 2.4.
+  EXPECT_LT(rms, 0.48);
+  EXPECT_LT(largest, 2);
 }
 
 // Sum over Legendre's moments that core/atmosphere/forward_scattering.h states.

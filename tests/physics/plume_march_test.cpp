@@ -320,5 +320,30 @@ TEST(PlumeMarch, FarFromTheOrigin) {
   }
 }
 
+// Pieces that are appended keep amounts, mean, change, spread and skew as merging their segments
+// does, whatever temperatures they count from.
+TEST(GasPiece, AppendsAsSegmentsMerge) {
+  std::mt19937 random(7);
+  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  const auto point = [&](double kelvin) {
+    const double mol = 0.1 + uniform();
+    return GasPoint({mol, mol * kelvin, mol * 1e5, {0.3 * mol, 0.5 * mol, 0.2 * mol, 0}});
+  };
+  for (int n = 0; n < 100; ++n) {
+    std::array<GasPoint, 5> at;
+    for (GasPoint& p : at) p = point(600 + 800 * uniform());
+    GasPiece a = GasPiece::between(1, at[0], at[1], 2, at[2]);
+    const GasPiece b = GasPiece::between(2, at[2], at[3], 2.5, at[4]);
+    const GasSegment expected = merged(a.segment(), b.segment());
+    a.append(b);
+    const GasSegment found = a.segment();
+    EXPECT_NEAR(found.weight, expected.weight, 1e-12 * expected.weight);
+    EXPECT_NEAR(found.temperature_k, expected.temperature_k, 1e-9);
+    EXPECT_NEAR(found.temperature_change_k, expected.temperature_change_k, 1e-8);
+    EXPECT_NEAR(found.temperature_spread_k, expected.temperature_spread_k, 1e-8);
+    EXPECT_NEAR(found.temperature_skew_k3, expected.temperature_skew_k3, 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace irsig

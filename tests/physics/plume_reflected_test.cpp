@@ -265,6 +265,15 @@ TEST(PlumeOnHull, WhatNoRayHasMetIsBounded) {
   }
   EXPECT_GT(bound[1], 0);
   EXPECT_NEAR(bound[0] / bound[1], 8, 1e-6);
+  // The least density of rays on the plate is three tenths of an even one. Three rays of four
+  // reflections each may have missed gas as hot and black as any; cells cover more than the plate.
+  std::vector<double> hottest;
+  for (const double um : nodes_of(*simulator))
+    hottest.push_back(planck_radiance_w_m2_sr_um(um, kGasK));
+  const double most =
+      3 * plate_m2() / (4 * 0.3 * 512 * r.accuracy.replicates) * in_band_of(*simulator, 0, hottest);
+  EXPECT_GT(bound[0], most);
+  EXPECT_LT(bound[0], 1.5 * most);
 }
 
 TEST(PlumeOnHull, SeedsScatterAsTheyState) {
