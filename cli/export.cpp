@@ -1,7 +1,11 @@
 #include "view/export/export.h"
 
+#include <fmt/format.h>
+
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "cli/commands.h"
@@ -22,10 +26,30 @@
 namespace irsig {
 namespace {
 
+// Returns all formats: those of rows, then of pictures and temperatures.
+std::vector<std::string> export_format_names() {
+  std::vector<std::string> out;
+  for (const ExportFormat& of : export_formats()) out.emplace_back(of.name);
+  out.insert(out.end(), {"thumbnails", "temperatures"});
+  return out;
+}
+
+std::string export_description() {
+  std::string out = "Write signatures to a file: ";
+  const std::span<const ExportFormat> of = export_formats();
+  for (std::size_t i = 0; i < of.size(); ++i)
+    out += fmt::format("{} ({}){}", of[i].name, of[i].what,
+                       i + 2 < of.size()   ? ", "
+                       : i + 1 < of.size() ? " or "
+                                           : ". ");
+  return out +
+         "thumbnails writes a folder of pictures with their labels. temperatures writes those of "
+         "all facets as CSV.";
+}
+
 struct ExportCommand {
   explicit ExportCommand(CLI::App& command)
-      : filter(command),
-        output(command, {"csv", "netcdf", "envi", "tsf", "thumbnails", "temperatures"}) {
+      : filter(command), output(command, export_format_names()) {
     output.out_option()->required();
   }
   FilterOptions filter;
@@ -150,12 +174,7 @@ struct ExportCommand {
 }  // namespace
 
 void add_export(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand(
-      "export",
-      "Write signatures to a file: csv (one line each), netcdf (netCDF-4 with CF "
-      "attributes), envi (spectral library of one --band, with its .hdr) or tsf (STK's "
-      "target signature file of one --season and --band). thumbnails writes a folder of "
-      "pictures with their labels. temperatures writes those of all facets as CSV.");
+  CLI::App* command = app.add_subcommand("export", export_description());
   const auto options = std::make_shared<ExportCommand>(*command);
   options->filter.add_ranges(*command);
   command

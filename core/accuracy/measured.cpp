@@ -8,19 +8,9 @@
 namespace irsig {
 namespace {
 
-constexpr std::array<BoundInfo, kBounds> kInfo = {{
-    {"truncation", true, "of reflections after the last one allowed"},
-    {"quadrature", false, "over wavelength"},
-    {"spectral_basis", false, "of spectra carried at a few nodes"},
-    {"undersampling", true, "of rare bright paths"},
-    {"direction_interpolation", true, "between the sky's directions"},
-    {"omitted", true, "of effects that are off"},
-    {"target_depth", true, "of one range for all of the target"},
-    {"background", true, "of directions, and of computed land, behind the target"},
-    {"temperature", true, "of the temperatures of facets"},
-    {"plume", true, "of hot gas: steps along rays, spectra of a few columns"},
-    {"moved", true, "of bringing the row to another range"},
-}};
+#define IRSIG_BOUND_INFO(enumerator, name, shared, what) BoundInfo{name, shared, what},
+constexpr std::array<BoundInfo, kBounds> kInfo = {IRSIG_BOUNDS(IRSIG_BOUND_INFO)};
+#undef IRSIG_BOUND_INFO
 
 }  // namespace
 

@@ -9,20 +9,28 @@
 namespace irsig {
 
 // Why a value can be off by more than its samples show. Disjoint: each reason is in one bound only.
-enum class BoundOf : std::uint8_t {
-  kTruncation,
-  kQuadrature,  // without the basis
-  kBasis,
-  kUnseen,
-  kSky,
-  kOmitted,
-  kDepth,
-  kBackground,   // of contrasts
-  kTemperature,  // of temperatures that are not stated, but measured or computed
-  kPlume,        // of hot gas: steps along rays, spectra of a few columns
-  kMoved         // of bringing a stored row to another range; the last
-};
-inline constexpr std::size_t kBounds = static_cast<std::size_t>(BoundOf::kMoved) + 1;
+//
+//   BOUND(enumerator, name, shared between bands, what)   see BoundInfo
+#define IRSIG_BOUNDS(BOUND)                                                                        \
+  BOUND(kTruncation, "truncation", true, "of reflections after the last one allowed")              \
+  BOUND(kQuadrature, "quadrature", false, "over wavelength") /* without the basis */               \
+  BOUND(kBasis, "spectral_basis", false, "of spectra carried at a few nodes")                      \
+  BOUND(kUnseen, "undersampling", true, "of rare bright paths")                                    \
+  BOUND(kSky, "direction_interpolation", true, "between the sky's directions")                     \
+  BOUND(kOmitted, "omitted", true, "of effects that are off")                                      \
+  BOUND(kDepth, "target_depth", true, "of one range for all of the target")                        \
+  BOUND(kBackground, "background", true, "of directions, and of computed land, behind the target") \
+  BOUND(kTemperature, "temperature", true, "of the temperatures of facets")                        \
+  BOUND(kPlume, "plume", true, "of hot gas: steps along rays, spectra of a few columns")           \
+  BOUND(kMoved, "moved", true, "of bringing the row to another range")
+
+#define IRSIG_BOUND_ENUMERATOR(enumerator, name, shared, what) enumerator,
+enum class BoundOf : std::uint8_t { IRSIG_BOUNDS(IRSIG_BOUND_ENUMERATOR) };
+#undef IRSIG_BOUND_ENUMERATOR
+
+#define IRSIG_COUNT_BOUND(enumerator, name, shared, what) +1
+inline constexpr std::size_t kBounds = 0 IRSIG_BOUNDS(IRSIG_COUNT_BOUND);
+#undef IRSIG_COUNT_BOUND
 
 struct BoundInfo {
   std::string_view name;

@@ -226,8 +226,7 @@ struct Environment::SightLine::Parts {
     SensorRay path;
     std::optional<LineHorizon> horizon;
     std::unique_ptr<const SensorPath> leg;
-    std::vector<SensorPath> end;   // [Line::end]
-    std::vector<SensorPath> land;  // [Line::land_range_m]
+    FurtherPaths further;
     std::unique_ptr<ViewLight> light;
   };
   std::map<std::uint32_t, Weather> weather;
@@ -269,16 +268,16 @@ struct Environment::SightLine::Parts {
       const Environment::Parts::Weather& w = of.weather[index];
       for (Line::End end : line.end) {
         end.height_m += w.reference_m;
-        here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end), w.beam(),
-                              w.height_m, of.wavelengths, of.cloud_of(w));
+        here.further.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end),
+                                      w.beam(), w.height_m, of.wavelengths, of.cloud_of(w));
       }
       for (const double range_m : line.land_range_m) {
         const SensorRay ray =
             land_path(w.spec, *w.atmosphere, w.height_m, here.path, line, range_m);
-        here.land.emplace_back(ray, w.beam(), w.height_m, of.wavelengths, of.cloud_of(w));
+        here.further.land.emplace_back(ray, w.beam(), w.height_m, of.wavelengths, of.cloud_of(w));
       }
       here.light = std::make_unique<ViewLight>(sensor_path_of(index), of.light_of(w), line,
-                                               *here.horizon, of.wavelengths, here.end, here.land);
+                                               *here.horizon, of.wavelengths, here.further);
     }
     return *here.light;
   }

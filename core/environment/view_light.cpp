@@ -71,15 +71,13 @@ struct ViewLight::Solar {
 
 ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
                      const SensorLine& line, const LineHorizon& horizon,
-                     const NodeWavelengths& wavelengths, const std::vector<SensorPath>& end,
-                     const std::vector<SensorPath>& land)
+                     const NodeWavelengths& wavelengths, const FurtherPaths& further)
     : leg_(leg),
       light_(light),
       line_(line),
       horizon_(horizon),
       wavelengths_(wavelengths),
-      end_(end),
-      land_(land),
+      further_(further),
       path_radiance_(leg.radiance(&light.surroundings)),
       sky_ratio_(light.sky.size(),
                  [this](std::size_t r) {
@@ -339,7 +337,7 @@ void ViewLight::add_land(ViewEnvironment& out, const SunLight* sun, const SunLig
              thermal_of(seen.thermal_w_m2_sr_um, seen.surroundings_fraction),
              sun ? sun->scattered_around(air, &near) : dark, around));
   }
-  for (const SensorPath& air : land_) {
+  for (const SensorPath& air : further_.land) {
     AirSpectrum thermal = air.radiance(&light_.surroundings),
                 scattered = behind ? behind->scattered_by(air.layers, line_.direction) : dark;
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -353,14 +351,14 @@ void ViewLight::add_land(ViewEnvironment& out, const SunLight* sun, const SunLig
 
 // An imported path holds for one place: the others differ from it as in the embedded model.
 void ViewLight::add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun) {
-  if (end_.empty()) return;
+  if (further_.end.empty()) return;
   const auto emitted = [&](const SensorPath& leg, std::size_t b) {
     return leg.layers.thermal_w_m2_sr_um[b] +
            leg.layers.surroundings_fraction[b] * light_.surroundings[b];
   };
   const AirSpectrum dark(kAirBandCount, 0.0);
   const AirSpectrum sun_here = sun ? sun->scattered_by(leg_.layers, line_.direction) : dark;
-  for (const SensorPath& end : end_) {
+  for (const SensorPath& end : further_.end) {
     const AirSpectrum sun_there = sun ? sun->scattered_by(end.layers, line_.direction) : dark;
     AirSpectrum transmittance = leg_.transmittance, thermal = path_radiance_, solar = scattered;
     for (const std::uint32_t b : wavelengths_.used) {

@@ -14,6 +14,12 @@
 
 namespace irsig {
 
+// Paths from a line's sensor beside the one to the target.
+struct FurtherPaths {
+  std::vector<SensorPath> end;   // [SensorLine::end]
+  std::vector<SensorPath> land;  // [SensorLine::land_range_m]
+};
+
 // One weather seen along one line. Parts that all conditions share are computed when first asked
 // for. For one thread only. Private to core/environment.
 class ViewLight {
@@ -21,7 +27,7 @@ class ViewLight {
   // All arguments outlive the object.
   ViewLight(const SensorPath& leg, const ThermalSurroundings& light, const SensorLine& line,
             const LineHorizon& horizon, const NodeWavelengths& wavelengths,
-            const std::vector<SensorPath>& end, const std::vector<SensorPath>& land);
+            const FurtherPaths& further);
   ViewLight(const ViewLight&) = delete;
   ViewLight& operator=(const ViewLight&) = delete;
 
@@ -77,8 +83,7 @@ class ViewLight {
   const SensorLine& line_;
   const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
-  const std::vector<SensorPath>& end_;   // [SensorLine::end]
-  const std::vector<SensorPath>& land_;  // [SensorLine::land_range_m]
+  const FurtherPaths& further_;
   AirSpectrum path_radiance_;
   ModelError error_;
   RingRatios sky_ratio_, mirrored_ratio_;  // of the sky, and of what the surface mirrors of it

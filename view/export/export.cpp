@@ -1,8 +1,10 @@
 #include "view/export/export.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <fstream>
+#include <vector>
 
 #include "core/base/status_macros.h"
 #include "view/base/atomic_file.h"
@@ -29,7 +31,38 @@ absl::Status export_netcdf(StoreReader& reader, const ExportAsked& asked, const 
   });
 }
 
+absl::Status export_envi(StoreReader& reader, const ExportAsked& asked, const std::string& path) {
+  ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
+  return write_envi(reader, *rows, asked.query.quantity, path);
+}
+
+absl::Status export_tsf(StoreReader& reader, const ExportAsked& asked, const std::string& path) {
+  if (asked.query.quantity != SignatureQuantity::kIntensity)
+    return absl::InvalidArgumentError(
+        "--quantity: a target signature file has the intensity at the target: STK puts its own "
+        "air and background to it");
+  ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
+  return write_tsf(reader, *rows, path);
+}
+
+absl::Status export_csv_file(StoreReader& reader, const ExportAsked& asked,
+                             const std::string& path) {
+  return replace_file(path, [&](const std::string& beside) -> absl::Status {
+    std::ofstream file(beside, std::ios::trunc);
+    return export_csv(reader, asked, file);
+  });
+}
+
+constexpr ExportFormat kFormats[] = {
+    {"csv", "one line each", export_csv_file},
+    {"netcdf", "netCDF-4 with CF attributes", export_netcdf},
+    {"envi", "spectral library of one --band, with its .hdr", export_envi},
+    {"tsf", "STK's target signature file of one --season and --band", export_tsf},
+};
+
 }  // namespace
+
+std::span<const ExportFormat> export_formats() { return kFormats; }
 
 absl::Status export_csv(StoreReader& reader, const ExportAsked& asked, std::ostream& out) {
   ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
@@ -57,26 +90,13 @@ absl::Status export_csv(StoreReader& reader, const ExportAsked& asked, std::ostr
 
 absl::Status export_file(StoreReader& reader, const ExportAsked& asked, std::string_view format,
                          const std::string& path) {
-  if (format == "netcdf") return export_netcdf(reader, asked, path);
-  if (format == "envi") {
-    ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
-    return write_envi(reader, *rows, asked.query.quantity, path);
+  std::vector<std::string_view> names;
+  for (const ExportFormat& of : kFormats) {
+    if (of.name == format) return of.write(reader, asked, path);
+    names.push_back(of.name);
   }
-  if (format == "tsf") {
-    if (asked.query.quantity != SignatureQuantity::kIntensity)
-      return absl::InvalidArgumentError(
-          "--quantity: a target signature file has the intensity at the target: STK puts its own "
-          "air and background to it");
-    ASSIGN_OR_RETURN(const auto rows, QueryRows::open(reader, asked.query, asked.extent_of));
-    return write_tsf(reader, *rows, path);
-  }
-  if (format != "csv")
-    return absl::InvalidArgumentError(
-        fmt::format("unknown format \"{}\": expected csv, netcdf, envi or tsf", format));
-  return replace_file(path, [&](const std::string& beside) -> absl::Status {
-    std::ofstream file(beside, std::ios::trunc);
-    return export_csv(reader, asked, file);
-  });
+  return absl::InvalidArgumentError(
+      fmt::format("unknown format \"{}\": expected one of {}", format, fmt::join(names, ", ")));
 }
 
 }  // namespace irsig

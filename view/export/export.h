@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ostream>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,13 @@ struct ExportAsked {
   ExtentOf extent_of = {};                     // where rows are moved: query.range_m
 };
 
+// A format of export_file().
+struct ExportFormat {
+  std::string_view name, what;
+  absl::Status (*write)(StoreReader&, const ExportAsked&, const std::string& path);
+};
+[[nodiscard]] std::span<const ExportFormat> export_formats();
+
 // Writes the rows that a query selects to a file, completely or not at all. Memory does not grow
 // with the number of rows, except for netcdf (4 kB a row, and its spectrum if the row is moved).
 //   csv      the columns of `irsig query --format csv --causes`, one line per signature, or with
@@ -37,7 +45,7 @@ struct ExportAsked {
 //            wavelengths, a spectrum and its name for each signature
 //   tsf      STK's target signature file: the source spectra of one sweep, season, band and range,
 //            by time and direction
-// NOT_FOUND: nothing matches.
+// A further format is a line in export_formats(). NOT_FOUND: nothing matches.
 [[nodiscard]] absl::Status export_file(StoreReader& reader, const ExportAsked& asked,
                                        std::string_view format, const std::string& path);
 

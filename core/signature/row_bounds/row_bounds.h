@@ -11,7 +11,8 @@
 namespace irsig {
 
 // The bounds on the error of a row that no scatter of samples shows, one file each. A new bound is
-// a file beside these, and a line in kBoundsOfWeights (row_bounds.cpp) or in measured().
+// a file beside these, its name in IRSIG_BOUNDS (core/accuracy/measured.h), and a line in
+// IRSIG_BOUNDS_OF_WEIGHTS below or in measured().
 
 // Inputs of a row's bounds, from the paths of one run.
 struct BoundInput {
@@ -25,18 +26,29 @@ struct BoundInput {
   double front_area_m2 = 0;                            // of the silhouette that emits
 };
 
-// Weights between the wavelengths that paths carry, and temperatures between blackbodies.
-[[nodiscard]] ThreeBounds spectral_basis_bound(const BoundInput& in);
-// Bounds the light of sky and sea between the directions in which it is known.
-[[nodiscard]] ThreeBounds direction_interpolation_bound(const BoundInput& in);
-// Temperatures of emitters that are computed or measured.
-[[nodiscard]] ThreeBounds temperature_bound(const BoundInput& in);
-// Bounds the interpolation of the background, and the errors of computed temperatures of land in
-// it. Stored runs only.
-[[nodiscard]] ThreeBounds background_bound(const BoundInput& in);
-// Bounds the error of the air in front of one place of the target, taken for that in front of all.
-// Stored runs only.
-[[nodiscard]] ThreeBounds target_depth_bound(const BoundInput& in);
+// The bounds that follow from the weights of paths:
+//
+//   BOUND(enumerator, function, stored runs only)
+//
+//   spectral_basis_bound           weights between the wavelengths that paths carry, and
+//                                  temperatures between blackbodies
+//   direction_interpolation_bound  light of sky and sea between the directions in which it is known
+//   temperature_bound              temperatures of emitters that are computed or measured
+//   background_bound               interpolation of the background, and the errors of computed
+//                                  temperatures of land in it
+//   target_depth_bound             the air in front of one place of the target, taken for that in
+//                                  front of all
+#define IRSIG_BOUNDS_OF_WEIGHTS(BOUND)              \
+  BOUND(kBasis, spectral_basis_bound, false)        \
+  BOUND(kSky, direction_interpolation_bound, false) \
+  BOUND(kTemperature, temperature_bound, false)     \
+  BOUND(kBackground, background_bound, true)        \
+  BOUND(kDepth, target_depth_bound, true)
+
+#define IRSIG_DECLARE_BOUND(enumerator, function, stored_only) \
+  [[nodiscard]] ThreeBounds function(const BoundInput& in);
+IRSIG_BOUNDS_OF_WEIGHTS(IRSIG_DECLARE_BOUND)
+#undef IRSIG_DECLARE_BOUND
 
 // Returns one sigma of the models of the background, in the contrast. [W/sr]
 [[nodiscard]] double background_model_w_sr(const BoundInput& in);
