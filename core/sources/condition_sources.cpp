@@ -99,25 +99,10 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
       const double kelvin = condition.land_temperature_k[kind];
       coldest_k_ = std::min(coldest_k_, kelvin);
       hottest_k_ = std::max(hottest_k_, kelvin);
-      std::vector<double> planck(nodes);
+      Spectrum& planck = land_.planck.emplace_back(nodes);
       for (std::size_t i = 0; i < nodes; ++i)
         planck[i] = planck_radiance_w_m2_sr_um(node_um[i], kelvin);
-      const auto add_land = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& thermal) {
-        for (const LandAir& at : air) {
-          Spectrum& sent = thermal.emplace_back(nodes);
-          for (std::size_t i = 0; i < nodes; ++i)
-            sent[i] =
-                at.path_radiance[i] + (open ? at.transmittance[i] * emissivity[i] * planck[i] +
-                                                  (1 - emissivity[i]) * at.sky[i]
-                                            : at.transmittance[i] * planck[i]);
-        }
-      };
-      Spectrum& emission = land_.emission.emplace_back(nodes);
-      for (std::size_t i = 0; i < nodes; ++i)
-        emission[i] = open ? emissivity[i] * planck[i] : planck[i];
-      add_land(environment.land.at_target, land_.thermal);
-      add_land(environment.land.apparent, land_.apparent);
-      add_land(environment.land.behind, land_.behind);
+      land_.material.push_back(land->material_of(kind));
       if (condition.land_temperature_error_k.empty()) continue;
       const double hotter_k = kelvin + condition.land_temperature_error_k[kind];
       Spectrum& error = land_.error.emplace_back(nodes);
@@ -125,6 +110,8 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         error[i] = (open ? emissivity[i] : 1) *
                    (planck_radiance_w_m2_sr_um(node_um[i], hotter_k) - planck[i]);
     }
+  land_.open = kinds;
+  land_.emissivity.assign(land_emissivity.begin(), land_emissivity.end());
   for (std::size_t m = 0; m < land_emissivity.size(); ++m) {
     const auto add_sunlit = [&](const std::vector<LandAir>& air, std::vector<Spectrum>& sunlit) {
       for (const LandAir& at : air) {
@@ -146,7 +133,7 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
                                                    const EffectSet& effects) const {
   using Kind = SourceLayout::Kind;
   const SourceLayout::Place at = layout_.light.place_of(id);
-  const Light dark{none_.data(), none_.data()};
+  const Light dark{none_.data(), none_.data()}, land{nullptr, nullptr, true};
   const auto light = [&](const Spectrum& radiance, const Spectrum& apparent) {
     return Light{radiance.data(), apparent.data()};
   };
@@ -176,22 +163,50 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
                                : dark;
     // Without light from the environment (ViewSurroundings::without_light) land is dark.
     case Kind::kLand:
-      return effects.lower && !land_.thermal.empty()
-                 ? light(land_.thermal[at.index], land_.apparent[at.index])
-                 : dark;
+      return effects.lower && !environment_->land.at_target.empty() ? land : dark;
     case Kind::kLandSun:
-      return effects.lower && !sun_.empty() && !land_.thermal.empty()
+      return effects.lower && !sun_.empty() && !environment_->land.at_target.empty()
                  ? light(land_.sun[at.second], land_.sun_apparent[at.second])
                  : dark;
     case Kind::kBehindLand:
-      return land_.behind.empty() ? dark : light(none_, land_.behind[at.index]);
+      return environment_->land.behind.empty() ? dark : land;
     case Kind::kBehindLandSun:
-      return !sun_.empty() && !land_.behind.empty() ? light(none_, land_.behind_sun[at.second])
-                                                    : dark;
+      return !sun_.empty() && !environment_->land.behind.empty()
+                 ? light(none_, land_.behind_sun[at.second])
+                 : dark;
     case Kind::kBehind:
       return light(none_, environment_->background_apparent[at.index]);
   }
   return dark;
+}
+
+ConditionSources::Spectrum ConditionSources::land_through(std::uint32_t index,
+                                                          const LandAir& air) const {
+  const Spectrum &planck = land_.planck[index],
+                 &emissivity = land_.emissivity[land_.material[index]];
+  Spectrum out(planck.size());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = air.path_radiance[i] + (index < land_.open
+                                         ? air.transmittance[i] * emissivity[i] * planck[i] +
+                                               (1 - emissivity[i]) * air.sky[i]
+                                         : air.transmittance[i] * planck[i]);
+  return out;
+}
+
+void ConditionSources::make_land(SourceId id, Light& light) const {
+  const SourceLayout::Place at = layout_.light.place_of(id);
+  const LandLight& air = environment_->land;
+  const auto make = [&](const std::vector<LandAir>& through) {
+    const auto ranges = static_cast<std::uint32_t>(through.size());
+    return land_.made.emplace_back(land_through(at.index / ranges, through[at.index % ranges]))
+        .data();
+  };
+  if (at.kind == SourceLayout::Kind::kBehindLand) {
+    light = {none_.data(), make(air.behind), true};
+  } else {
+    light.radiance = make(air.at_target);
+    light.apparent = make(air.apparent);
+  }
 }
 
 ConditionSources::EmitterShare ConditionSources::fraction_of(std::uint32_t emitter) const {
@@ -321,7 +336,11 @@ ConditionSources::LandParts ConditionSources::land_parts_w_m2_sr(SourceId behind
   if (at.kind != SourceLayout::Kind::kBehindLand || environment_->land.behind.empty()) return {};
   const std::uint32_t ranges = layout_.light.behind_ranges();
   const LandAir& air = environment_->land.behind[at.index % ranges];
-  const Spectrum& emission = land_.emission[at.index / ranges];
+  const std::uint32_t kind = at.index / ranges;
+  Spectrum emission = land_.planck[kind];
+  if (kind < land_.open)
+    for (std::size_t i = 0; i < emission.size(); ++i)
+      emission[i] *= land_.emissivity[land_.material[kind]][i];
   Spectrum emitted(emission.size()), sky(emission.size());
   const std::span<const double> seen = apparent(behind);
   for (std::size_t i = 0; i < emission.size(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,7 +35,7 @@ struct LightLayout {
 };
 
 // The light of every source under one condition, on the sweep's nodes. What the effects leave out
-// is dark.
+// is dark. For one thread: spectra of land are made when they are first asked for.
 class ConditionSources {
  public:
   using Spectrum = std::vector<double>;
@@ -53,12 +54,10 @@ class ConditionSources {
   // at the target, and the part of it that arrives at the sensor. The background behind the target
   // is no source and has the second alone. [W/(m2 sr um)], [W/(m2 um)]
   [[nodiscard]] std::span<const double> radiance(SourceId id) const {
-    IRSIG_CHECK(light_[index_of(id)].radiance != nullptr);
-    return {light_[index_of(id)].radiance, none_.size()};
+    return {made(id).radiance, none_.size()};
   }
   [[nodiscard]] std::span<const double> apparent(SourceId id) const {
-    IRSIG_CHECK(light_[index_of(id)].apparent != nullptr);
-    return {light_[index_of(id)].apparent, none_.size()};
+    return {made(id).apparent, none_.size()};
   }
   // Radiance of the direction nodes, in the layout's order.
   [[nodiscard]] const IncidentRadiance& around() const { return around_; }
@@ -132,7 +131,18 @@ class ConditionSources {
  private:
   struct Light {  // spectra of this condition or of its environment
     const double *radiance, *apparent;
+    bool is_land = false;  // of which both may have to be made
   };
+  // Returns the light of a source that is not around the target.
+  [[nodiscard]] const Light& made(SourceId id) const {
+    Light& light = light_[index_of(id)];
+    if (light.apparent == nullptr && light.is_land) make_land(id, light);
+    IRSIG_CHECK(light.apparent != nullptr);  // both are, or none is
+    return light;
+  }
+  void make_land(SourceId id, Light& light) const;
+  // Returns what land of one index, without its sunlight, sends through air.
+  [[nodiscard]] Spectrum land_through(std::uint32_t index, const LandAir& air) const;
   [[nodiscard]] Light light_of(SourceId id, const Emitters& emitters,
                                const EffectSet& effects) const;
 
@@ -146,19 +156,22 @@ class ConditionSources {
   std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
-  // Spectra of land as SourceLayout numbers it: [kind x ranges + node of the range], materials that
-  // face land as further kinds; and [material x ranges + node of the range] of its reflected
-  // sunlight.
+  // Land as SourceLayout numbers it: kinds, then materials that face land as further kinds.
   struct LandSpectra {
-    std::vector<Spectrum> thermal, apparent, sun, sun_apparent, behind, behind_sun;
-    std::vector<Spectrum> emission;  // [kind, then material] at the land
-    // Likewise, emission by which land may be wrong. Empty: temperatures are stated.
+    std::vector<std::uint32_t> material;  // [kind]
+    std::uint32_t open = 0;               // kinds that face the sky; others have emissivity 1
+    std::vector<Spectrum> planck;         // [kind] of its temperature
+    // [kind] Emission by which land may be wrong. Empty: temperatures are stated.
     std::vector<Spectrum> error;
+    std::vector<Spectrum> emissivity;                     // [material]
+    std::vector<Spectrum> sun, sun_apparent, behind_sun;  // [material x ranges + node of the range]
+    // Those made so far, at any place: spectra stay where they are.
+    mutable std::deque<Spectrum> made;
   };
   LandSpectra land_;
   Spectrum none_;
   IncidentRadiance around_;
-  std::vector<Light> light_;  // [source]
+  mutable std::vector<Light> light_;  // [source]
   const ViewEnvironment* environment_;
 };
 
