@@ -250,6 +250,7 @@ COMMANDS = [
     (["query", "ship.toml"], r"is not a signature database"),
     (["query", "DB", "--seasn", "winter"], r'--seasn: did you mean "--season"\?'),
     (["query", "DB", "--season", "wintr"], r'no season "wintr" in this database; there is: summer'),
+    (["query", "DB", "--season", "summer", "--season", "wintr"], r'no season "wintr" in this database; there is: summer'),
     (["query", "DB", "--aspect", "45,10"], r"exactly one of --nearest N, --within DEG and --interpolate"),
     (["query", "DB", "--aspect", "45 10", "--nearest", "1"], r"expected AZ,EL in degrees"),
     (["query", "DB", "--sort", "beauty"], r'no column "beauty" to sort by'),
