@@ -9,6 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
 #include "cli/help.h"
+#include "cli/renamed_option.h"
 #include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
@@ -67,10 +68,20 @@ std::string in_words(const std::string& what) {
          (near ? "; did you mean " + *near + "?" : "");
 }
 
+// "irsig show sky".
+std::string command_words(const CLI::App& command) {
+  return (command.get_parent() != nullptr ? command_words(*command.get_parent()) + " " : "") +
+         command.get_name();
+}
+
 // Returns the error message, with the nearest known name for each unknown argument.
 std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> extras = app->remaining(true);
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  for (const std::string& extra : extras)
+    if (const std::string is = irsig::new_spelling(*app, extra); !is.empty())
+      return "irsig: " + extra.substr(0, extra.find('=')) + ": this option of `" +
+             command_words(*app) + "` is called " + is + "\n";
   const std::vector<std::string> commands = names_of(*app, false);
   const bool bare = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr &&
                     app->get_require_subcommand_min() > 0;

@@ -344,13 +344,16 @@ void add_plan(CLI::App& app, int& exit_code) {
                 ->type_name("N")
                 ->check(CLI::Range(1, 100000))
                 ->capture_default_str());
-  of_refine(command->add_option("--sweep", asked->refine_sweep, "of several sweeps"));
-  of_refine(command->add_option("--at-range-m", asked->refine_range_m, "of several ranges")
+  of_refine(command->add_option("--sweep", asked->refine_sweep, "Name of the sweep, of several"));
+  of_refine(command
+                ->add_option("--at-range-m", asked->refine_range_m,
+                             "Only viewpoints at this range, of several")
                 ->type_name("R"));
   of_refine(command
                 ->add_option("--quantity", asked->refine_quantity,
                              "intensity, apparent_intensity, contrast_intensity or "
                              "background_radiance")
+                ->type_name("QUANTITY")
                 ->check(CLI::IsMember(quantity_names()))
                 ->capture_default_str());
   of_refine(command

@@ -67,11 +67,11 @@ void add_profile(CLI::App& app, int& exit_code) {
   const auto add = [&](const char* name, auto& value, const char* what, const char* type) {
     command->add_option(name, value, what)->group(kGroup)->type_name(type);
   };
-  add("--profile", options->query.filter.profile, "Name of the profile", "NAME");
+  add("--profile-name", options->query.filter.profile, "Name of the profile", "NAME");
   add("--sweep", options->query.filter.sweep, "Name of the sweep", "NAME");
   add_seasons(*command, options->season)->group(kGroup);
   add("--band", options->query.filter.band, "Name of the band", "NAME");
-  add("--row", options->row, "Row number of the viewpoint's signature", "K");
+  add("--row", options->row, "The one signature with this row number", "K");
   command->footer(
       "csv and json have every row, column and digit; svg draws the first profile along a line, "
       "or\n"

@@ -317,7 +317,7 @@ COMMANDS = [
     (["bands", "DB", "--detector", "table.csv"], r"table.csv:1:1: this is a table, expected a detector file \(.toml\) that names it with response_file"),
     (["bands", "DB"], r"Exactly 1 option from \[--detector,--nei\] is required"),
     (["model", "check", "land/heights.asc", "--repair", "x.obj"], r"--repair: this is a map of heights, expected a model"),
-    (["model", "terrain", "--layer", "height", "--out", "x.asc"], r"--layer height: expected one of heights, asphalt, .*did you mean heights\?"),
+    (["model", "terrain", "--map-layer", "height", "--out", "x.asc"], r"--map-layer height: expected one of heights, asphalt, .*did you mean heights\?"),
     (["export", "DB", "--thumbnails", "--imager", "nothere.toml", "--out", "x"], r"nothere.toml:1:1: No such file"),
     (["export", "DB", "--csv", "--imager", "ship.toml", "--out", "x.csv"], r"--imager: belongs to the format thumbnails"),
     (["completion", "fish"], r"SHELL fish: expected one of bash, zsh"),
