@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -289,6 +290,9 @@ absl::Status plan_sweep(const PlanAsked& asked) {
   if (!asked.refine_db.empty()) return plan_refinement(asked);
   if (asked.sweep_path.empty())
     return absl::InvalidArgumentError("SWEEP is missing, or --refine DB");
+  // A file that is no database is refused before the pilot.
+  if (!asked.db_path.empty() && std::filesystem::exists(asked.db_path))
+    RETURN_IF_ERROR(StoreReader::open(asked.db_path).status());
   ASSIGN_OR_RETURN(auto loaded, load_shown(asked.sweep_path, asked.accuracy));
   for (const std::string& line : loaded.warnings) print_note("{}\n", line);
   print_note("irsig: {}\n", size_text(loaded.size));

@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "core/base/status_macros.h"
@@ -69,12 +70,20 @@ void keep_exact(std::vector<QueryRow>& rows, const Query& query) {
   });
 }
 
+// "; did you mean "lwir"?" of "LWIR".
+std::string in_other_case(const std::string& name, const std::set<std::string>& known) {
+  for (const std::string& k : known)
+    if (absl::EqualsIgnoreCase(name, k)) return fmt::format("; did you mean \"{}\"?", k);
+  return "";
+}
+
 absl::Status check_known(std::string_view what, const NameSet& asked,
                          const std::set<std::string>& known) {
   for (const std::string& name : asked.names())
     if (!known.contains(name))
-      return absl::NotFoundError(fmt::format("no {} \"{}\" in this database; there is: {}", what,
-                                             name, absl::StrJoin(known, ", ")));
+      return absl::NotFoundError(fmt::format("no {} \"{}\" in this database; there is: {}{}", what,
+                                             name, absl::StrJoin(known, ", "),
+                                             in_other_case(name, known)));
   return absl::OkStatus();
 }
 
