@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <csignal>
 #include <exception>
@@ -46,6 +47,13 @@ std::vector<std::string> names_of(const CLI::App& app, bool options) {
       out.push_back(command->get_name());
   }
   return out;
+}
+
+// Returns true for the name of a file of a kind that commands write.
+bool is_written(const std::string& word) {
+  constexpr std::array kEndings = {".csv", ".json", ".nc", ".png", ".sli", ".svg", ".tsf", ".txt"};
+  return !word.starts_with("-") &&
+         std::ranges::any_of(kEndings, [&](const char* ending) { return word.ends_with(ending); });
 }
 
 // The one name that begins with a word: contrast_intensity of "contrast".
@@ -159,10 +167,9 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
                 (std::ranges::find(known, name) != known.end() && name != extra
                      ? "did you mean \"" + name + "\"?"
                      : irsig::suggestion(name, known));
-      const bool file = extra.find('.') != std::string::npos && !extra.starts_with("-");
       const bool takes_out = app->get_option_no_throw("--out") != nullptr &&
                              app->get_option_no_throw("--out")->count() == 0;
-      if (file && takes_out)
+      if (is_written(extra) && takes_out)
         text += "\n       " + irsig::printable(extra) + ": expected --out before a file to write";
     }
   }

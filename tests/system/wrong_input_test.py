@@ -330,6 +330,7 @@ COMMANDS = [
     (["explain", "DB", "5"], r"--row is required; not expected: 5"),
     (["plot", "DB", "polar", "a.svg"], r"--out is required; .*not expected: polar a.svg\n +a.svg: expected --out before a file to write"),
     (["query", "DB", "--csv", "out.csv"], r"not expected: out.csv\n +out.csv: expected --out before a file to write"),
+    (["query", "DB", "copy"], r"\Airsig: not expected: copy \("),
     (["query", "DB", "--format", "excel"], r"--format excel: expected one of text, csv, json \("),
     (["query", "DB", "--range-m", "5km"], r"--range-m = 5km, expected a number without a unit \(--help"),
     (["query", "DB", "--band", "LWIR"], r'no band "LWIR" in this database; there is: lwir, mwir; did you mean "lwir"\?'),

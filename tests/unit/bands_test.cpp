@@ -257,6 +257,7 @@ TEST(BandSearchTest, WindowsAreAlikeThatShareMoreThanHalf) {
   EXPECT_TRUE(alike({1, 9}, {2, 10}));    // 7 of 9
   EXPECT_TRUE(alike({1, 10}, {3, 12}));   // 7 of 11
   EXPECT_FALSE(alike({1, 10}, {4, 13}));  // 6 of 12
+  EXPECT_TRUE(alike({1, 20}, {1, 11}));   // 10 of 19
   EXPECT_FALSE(alike({1, 9}, {1, 5}));    // half
   EXPECT_FALSE(alike({1, 9}, {4, 13}));   // 5 of 12
   EXPECT_FALSE(alike({1, 9}, {9, 17}));   // none
