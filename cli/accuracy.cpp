@@ -198,16 +198,19 @@ void add_accuracy(CLI::App& app, int& exit_code) {
       "against runs 100 times as long.");
   command->add_option("SWEEP|DB", given->source, "Sweep file, or a database with its sweep")
       ->required();
-  command->add_option("--sweep", given->sweep, "The sweep's name, where a database holds several")
+  command->add_option("--sweep", given->sweep, "Name of the sweep, where a database holds several")
       ->type_name("NAME");
   CLI::Option* out =
       command->add_option("-o,--out", given->out, "Folder for the page, pictures and numbers")
-          ->type_name("DIR");
-  command->add_option("--season", given->rows.season, "Season (default: the first)")
+          ->type_name("FOLDER");
+  command->add_option("--season", given->rows.season, "Name of the season (default: the first)")
       ->type_name("NAME");
-  command->add_option("--time", given->rows.time, "Time, RFC 3339 (default: the first)")
+  command
+      ->add_option("--time", given->rows.time,
+                   "Time, RFC 3339 with any offset (default: the first)")
       ->type_name("TIME");
-  command->add_option("--band", given->rows.band, "Band (default: each)")->type_name("NAME");
+  command->add_option("--band", given->rows.band, "Name of the band (default: each)")
+      ->type_name("NAME");
   CLI::Option* aspect =
       command
           ->add_option("--aspect", given->aspect,
@@ -259,7 +262,7 @@ void add_accuracy(CLI::App& app, int& exit_code) {
       ->needs(check);
   command
       ->add_option("--workers", given->check.workers,
-                   "With --check-errors: threads (default: one for each core)")
+                   "With --check-errors: worker threads (default: one for each core)")
       ->check(CLI::Range(1, 4096))
       ->needs(check);
   command->callback([given, &exit_code] { exit_code = run(*given); });

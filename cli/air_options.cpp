@@ -71,11 +71,11 @@ std::string cloud_title(const WeatherSpec& weather, const std::string& type) {
 
 AirOptions::AirOptions(CLI::App& command, Use use) : group_(command.add_option_group("The air")) {
   group_
-      ->add_option(
-          "--sweep", sweep_,
-          "The air of a sweep with air.model = \"atmosphere\", instead of all that follows")
+      ->add_option("--sweep-file", sweep_,
+                   "Sweep file with air.model = \"atmosphere\", whose air is taken instead of all "
+                   "that follows")
       ->type_name("FILE");
-  group_->add_option("--season", season_, "Which season of the sweep; needed if it has several")
+  group_->add_option("--season", season_, "Name of the season; needed if the sweep has several")
       ->type_name("NAME");
   group_->add_option("--profile", profile_, profile_names())->type_name("NAME");
   group_
@@ -87,12 +87,12 @@ AirOptions::AirOptions(CLI::App& command, Use use) : group_(command.add_option_g
   group_->add_option("--aerosol", aerosol_, aerosol_list())->type_name("NAME");
   group_->add_option("--visibility-m", visibility_m_, "Meteorological range: 100 to 100000");
   group_->add_option(
-      use == Use::kHotGas ? "--air-temperature-k" : "--air-temperature-k,--temperature-k",
-      air_temperature_k_,
-      "Weather at the surface, to which the lowest 2 km are bent: all three or none");
+      "--air-temperature-k", air_temperature_k_,
+      "Temperature of the air at the surface, to which the lowest 2 km are bent, with humidity and "
+      "pressure: all three or none");
   group_->add_option("--relative-humidity-percent,--humidity-percent,--humidity",
                      relative_humidity_percent_, "0 to 100, over water");
-  group_->add_option("--pressure-pa", pressure_pa_, "50000 to 110000");
+  group_->add_option("--pressure-pa", pressure_pa_, "Pressure at the surface: 50000 to 110000");
   group_->add_option("--wind-speed-m-s", wind_speed_m_s_, "Navy aerosol: now");
   group_->add_option("--wind-speed-24h-m-s", wind_speed_24h_m_s_,
                      "Navy aerosol: mean of the last 24 h; default: now");
@@ -157,7 +157,7 @@ bool AirOptions::given() const {
 absl::StatusOr<AirProfile> AirOptions::profile() const {
   if (profile_.empty()) {
     return absl::InvalidArgumentError(
-        absl::StrCat("--profile is missing (or --sweep), expected one of ", profile_names()));
+        absl::StrCat("--profile is missing (or --sweep-file), expected one of ", profile_names()));
   }
   const auto base = afgl_profile_named(profile_);
   if (!base.ok()) {
@@ -220,8 +220,9 @@ absl::StatusOr<AerosolSpec> AirOptions::aerosol() const {
 absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
   for (const CLI::Option* option : group_->get_options()) {
     const std::string name = option->get_name();
-    if (option->count() > 0 && name != "--sweep" && name != "--season") {
-      return absl::InvalidArgumentError(absl::StrCat(name, " contradicts --sweep, which has it"));
+    if (option->count() > 0 && name != "--sweep-file" && name != "--season") {
+      return absl::InvalidArgumentError(
+          absl::StrCat(name, " contradicts --sweep-file, which has it"));
     }
   }
   ASSIGN_OR_RETURN(auto file, load_sweep_file(sweep_));
@@ -267,7 +268,7 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
 
 absl::StatusOr<ChosenAir> AirOptions::choose() const {
   if (!sweep_.empty()) return of_sweep();
-  if (!season_.empty()) return absl::InvalidArgumentError("--season belongs to --sweep");
+  if (!season_.empty()) return absl::InvalidArgumentError("--season belongs to --sweep-file");
   for (const auto& [key, name, value] :
        {Stated{"Season.visibility_m", "--visibility-m", visibility_m_},
         {"Season.air_temperature_k", "--air-temperature-k", air_temperature_k_},

@@ -14,12 +14,12 @@ namespace irsig {
 // An atmosphere, as the command line describes it.
 struct ChosenAir {
   Atmosphere atmosphere;  // without a cloud
-  // Air and cloud of the weather. Its surface is the season's with --sweep; else black ground as
-  // warm as the air above it.
+  // Air and cloud of the weather. Its surface is the season's with --sweep-file; else black ground
+  // as warm as the air above it.
   WeatherSpec weather;
   std::string title;  // for a plot
 
-  // The sweep's place, with --sweep, and the time of the season's first condition.
+  // The sweep's place, with --sweep-file, and the time of the season's first condition.
   struct Place {
     double latitude_deg, longitude_deg, height_m;
     std::string time;

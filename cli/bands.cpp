@@ -45,7 +45,7 @@ struct BandsCommand {
   std::vector<double> range_m, window_um;
   double percentile = 10, threshold = 5;
   std::optional<double> min_width_um, nei_w_m2;
-  bool clutter = false;
+  bool clutter = false, overlapping = false;
   std::size_t top = 10;
 
   [[nodiscard]] absl::StatusOr<MeritOf> asked_merit() const {
@@ -225,7 +225,8 @@ struct BandsCommand {
           "--map is of every window: not with --window or --filter, which compare these alone");
     ASSIGN_OR_RETURN(const auto found,
                      own ? asked(*search, of)
-                         : search->search(of, min_width_um.value_or(search->step_um()), top));
+                         : search->search(of, min_width_um.value_or(search->step_um()), top,
+                                          overlapping ? Listed::kAll : Listed::kDifferent));
     if (found.best.empty() && !min_width_um)
       return absl::InvalidArgumentError(
           fmt::format("the detector responds to {:g} to {:g} um, narrower than {} stored step{} of "
@@ -395,8 +396,9 @@ void add_bands(CLI::App& app, int& exit_code) {
                     "Count the structure of the background around the target as noise: signal to "
                     "clutter and noise (SCNR)");
   command
-      ->add_option("--range-m", o->range_m,
-                   "At these ranges instead of the stored one, without tracing (docs of query)")
+      ->add_option(
+          "--range-m", o->range_m,
+          "As seen from these ranges instead of the stored one, without tracing (docs of query)")
       ->type_name("R,...")
       ->delimiter(',');
   command
@@ -409,7 +411,7 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->needs("--against");
   command
       ->add_option("--window", o->window_um,
-                   "Compare these windows alone; may be repeated, L1,L2 [um]")
+                   "Compare these windows from L1 to L2 [um] alone; may be repeated")
       ->type_name("L1,L2")
       ->delimiter(',')
       ->expected(2)
@@ -420,10 +422,17 @@ void add_bands(CLI::App& app, int& exit_code) {
                    "detector; may be repeated")
       ->type_name("FILE");
   command->add_option("--min-width-um", o->min_width_um, "No narrower windows")->type_name("W");
-  command->add_option("--top", o->top, "So many windows are compared and printed")
+  command
+      ->add_option("--top", o->top,
+                   "So many windows are compared and printed, none of which shares more than half "
+                   "of what both cover with a better one (of pairs: both windows)")
       ->type_name("N")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      ->add_flag("--overlapping", o->overlapping,
+                 "Compare and print the best windows even where they are nearly the same")
+      ->excludes("--window", "--filter");
   command
       ->add_option("--map", o->map, "The merit of every window: a picture (.svg) or numbers (.csv)")
       ->type_name("FILE");

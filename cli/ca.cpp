@@ -61,7 +61,8 @@ void add_ca_issue(CLI::App& ca, int& exit_code) {
                       "of a coordinator: a name or address under which it is reached; several");
   command->add_option("--role", options->roles,
                       "of a user or worker: submit, work or read; several");
-  command->add_option("-o,--out", options->out, "the folder of the two files")
+  command->add_option("-o,--out", options->out, "the folder of the two files to write")
+      ->type_name("FOLDER")
       ->capture_default_str();
   add_days(*command, options->days);
   command->callback([=, &exit_code] {

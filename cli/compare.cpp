@@ -57,9 +57,10 @@ struct CompareCommand {
           "--b-time or --b-band");
     ASSIGN_OR_RETURN(const Query a_query, filter.query());
     Query b_query = a_query;
+    if (!season.empty()) b_query.season = season;
     for (const auto& [given, name] :
-         {std::pair{&sweep, &b_query.sweep}, std::pair{&season, &b_query.season},
-          std::pair{&time, &b_query.time}, std::pair{&band, &b_query.band}})
+         {std::pair{&sweep, &b_query.sweep}, std::pair{&time, &b_query.time},
+          std::pair{&band, &b_query.band}})
       if (!given->empty()) *name = *given;
     ASSIGN_OR_RETURN(const Side a, side_of(filter.database(), a_query));
     ASSIGN_OR_RETURN(const Side b, side_of(other.empty() ? filter.database() : other, b_query));

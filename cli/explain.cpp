@@ -36,11 +36,13 @@ void add_explain(CLI::App& app, int& exit_code) {
       "part.");
   auto asked = std::make_shared<ExplainAsked>(*command);
   command->add_option("DB", asked->db_path, "the database")->required();
-  command->add_option("--row", asked->row, "the row's number, as `irsig query` prints it")
+  command
+      ->add_option("--row", asked->row,
+                   "The signature with this row number, as `irsig query` prints it")
       ->check(positive_number())
       ->required()
       ->type_name("K");
-  command->add_option("--sweep", asked->sweep, "the sweep's name, where several have the row")
+  command->add_option("--sweep", asked->sweep, "Name of the sweep, where several have the row")
       ->type_name("NAME");
   command->callback([=, &exit_code] { exit_code = report(explain(*asked)); });
 }

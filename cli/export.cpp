@@ -80,7 +80,8 @@ struct ExportCommand {
     for (const CLI::Option* option : of_thumbnails)
       if (format != "thumbnails" && option->count() > 0)
         return absl::InvalidArgumentError(
-            absl::StrCat(option->get_name(), ": belongs to the format thumbnails"));
+            absl::StrCat(option->get_name(),
+                         ": belongs to the format thumbnails, expected --thumbnails beside it"));
     if (!spectra.empty() && format != "csv")
       return absl::InvalidArgumentError(
           absl::StrCat("--spectra: belongs to the format csv; ", format, " has them as it is"));

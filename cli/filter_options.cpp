@@ -32,7 +32,19 @@ absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text)
   return out;
 }
 
+std::string shell_quoted(const std::string& value) {
+  const bool plain = value.find_first_of(" '\"") == std::string::npos;
+  return plain ? value : "'" + value + '\'';
+}
+
 }  // namespace
+
+CLI::Option* add_seasons(CLI::App& command, std::vector<std::string>& season) {
+  return command
+      .add_option("--season", season, "Name of the season; may be repeated: any of these seasons")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+}
 
 FilterOptions::FilterOptions(CLI::App& command) : command_(&command) {
   command.add_option("DB", database_, "Signature database (.sigdb)")->required();
@@ -40,7 +52,7 @@ FilterOptions::FilterOptions(CLI::App& command) : command_(&command) {
     return command.add_option(name, value, what)->group(kGroup);
   };
   add("--sweep", query_.sweep, "Name of the sweep")->type_name("NAME");
-  add("--season", query_.season, "Name of the season")->type_name("NAME");
+  add_seasons(command, season_)->group(kGroup);
   add("--time", query_.time, "Time, RFC 3339 with any offset: 2025-12-21T10:30:00+09:00")
       ->type_name("TIME");
   add("--band", query_.band, "Name of the band")->type_name("NAME");
@@ -88,18 +100,22 @@ std::string FilterOptions::text() const {
   std::string out;
   for (const CLI::Option* option : command_->get_options()) {
     if (option->get_group() != kGroup || option->count() == 0) continue;
-    if (!out.empty()) out += ' ';
-    out += option->get_name();
-    if (option->get_expected_max() == 0) continue;  // a flag
-    const std::string value = absl::StrJoin(option->results(), ",");
-    const bool plain = value.find_first_of(" '\"") == std::string::npos;
-    out += plain ? ' ' + value : " '" + value + '\'';
+    const bool flag = option->get_expected_max() == 0;
+    const bool repeated = option->get_name() == "--season";
+    for (const std::string& value :
+         repeated ? option->results()
+                  : std::vector<std::string>{absl::StrJoin(option->results(), ",")}) {
+      if (!out.empty()) out += ' ';
+      out += option->get_name();
+      if (!flag) out += ' ' + shell_quoted(value);
+    }
   }
   return out;
 }
 
 absl::StatusOr<Query> FilterOptions::query() const {
   Query out = query_;
+  out.season = NameSet(season_);
   ASSIGN_OR_RETURN(const auto quantity, quantity_named(quantity_));
   out.quantity = quantity;
   if (*aspect_option_) {

@@ -3,11 +3,16 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "view/query/query.h"
 
 namespace irsig {
+
+// Adds --season to a command that chooses what is stored. It may be repeated: what belongs to any
+// of the seasons is chosen.
+CLI::Option* add_seasons(CLI::App& command, std::vector<std::string>& season);
 
 // The options by which query, export and plot choose signatures: the same names and meaning
 // everywhere.
@@ -29,6 +34,7 @@ class FilterOptions {
   const CLI::App* command_;
   std::string database_;
   Query query_;
+  std::vector<std::string> season_;
   std::string aspect_, quantity_ = "intensity";
   double within_deg_ = 0, max_relative_error_ = 0;
   std::uint64_t row_ = 0;

@@ -313,8 +313,8 @@ void add_goniometer(CLI::App& app, int& exit_code) {
       ->type_name("SPEC");
   command->add_option("-o,--out", options->out, "Folder for tables, pictures and the material")
       ->required()
-      ->type_name("DIR");
-  command->add_option("--threads", options->threads, "Default: one for each core")
+      ->type_name("FOLDER");
+  command->add_option("--threads", options->threads, "Threads (default: one for each core)")
       ->type_name("N")
       ->check(CLI::Range(1u, 1024u));
   command->callback([options, &exit_code] { exit_code = report(options->run()); });

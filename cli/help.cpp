@@ -100,9 +100,16 @@ Values values_in(const std::string& type_name) {
   return out;
 }
 
+// The unit of a number whose option names it: M of --length-m.
+std::string unit_word(const std::string& option) {
+  for (const std::string_view unit : {"-m", "-k", "-um", "-deg", "-pa"})
+    if (option.ends_with(unit)) return absl::AsciiStrToUpper(std::string(unit.substr(1)));
+  return "NUMBER";
+}
+
 // A word for the value of an option whose command names none.
 std::string argument_word(const std::string& type, const std::string& option) {
-  if (type == "FLOAT") return "NUMBER";
+  if (type == "FLOAT") return unit_word(option);
   if (type == "INT" || type == "UINT") return "N";
   if (type != "TEXT") return type;
   for (const std::string_view file : {"--db", "--tls-cert", "--tls-key", "--tls-ca", "--record"})

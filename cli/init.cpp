@@ -169,7 +169,9 @@ void add_init(CLI::App& app, int& exit_code) {
       ->type_name("AXIS");
   command->add_option("--place", given->place, "Latitude and longitude [deg], e.g. 54.3,10.1")
       ->type_name("LAT,LON");
-  command->add_option("--season", given->asked.season, "winter, spring, summer (default) or autumn")
+  command
+      ->add_option("--season", given->asked.season,
+                   "Name of the season: winter, spring, summer (default) or autumn")
       ->type_name("NAME");
   command
       ->add_option("--weather", given->weather,

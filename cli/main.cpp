@@ -1,14 +1,18 @@
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <csignal>
 #include <exception>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
 #include "cli/help.h"
+#include "cli/renamed_option.h"
 #include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
@@ -45,6 +49,57 @@ std::vector<std::string> names_of(const CLI::App& app, bool options) {
   return out;
 }
 
+// Returns true for the name of a file of a kind that commands write.
+bool is_written(const std::string& word) {
+  constexpr std::array kEndings = {".csv", ".json", ".nc", ".png", ".sli", ".svg", ".tsf", ".txt"};
+  return !word.starts_with("-") &&
+         std::ranges::any_of(kEndings, [&](const char* ending) { return word.ends_with(ending); });
+}
+
+// The one name that begins with a word: contrast_intensity of "contrast".
+std::optional<std::string> only_with_beginning(const std::string& word,
+                                               const std::vector<std::string>& known) {
+  std::optional<std::string> out;
+  for (const std::string& name : known) {
+    if (word.empty() || !name.starts_with(word)) continue;
+    if (out) return std::nullopt;
+    out = name;
+  }
+  return out;
+}
+
+// Returns the message on a value that is no number, of "--range-m = 5km".
+std::string no_number(std::string_view what) {
+  constexpr std::string_view kOpening = "Could not convert: ";
+  if (what.starts_with(kOpening)) what.remove_prefix(kOpening.size());
+  const std::size_t equals = what.find(" = ");
+  const std::string_view value = equals == what.npos ? "" : what.substr(equals + 3);
+  const bool digit = !value.empty() && std::isdigit(static_cast<unsigned char>(value[0])) != 0;
+  const char* expected = value.ends_with('%') ? "a number without a unit (1 % is 0.01)"
+                         : !digit             ? "a number"
+                         : value.find('-') != value.npos
+                             ? "a number, or several with commas between them"
+                             : "a number without a unit";
+  return irsig::printable(what) + ", expected " + expected;
+}
+
+// Returns the message on an option that has too few or too many values.
+std::string wrong_count(const std::string& said) {
+  const std::string_view what = said;
+  const std::size_t few = what.find(": At least "), missing = what.find(" required ");
+  const std::size_t twice = what.find(": At Most 1 required but received ");
+  if (few != what.npos) {
+    const std::string rest(what.substr(few + 11));
+    return irsig::printable(what.substr(0, few)) + " needs " + rest.substr(0, rest.find(' ')) +
+           " values, " + rest.substr(rest.rfind(' ') + 1) + " given";
+  }
+  if (twice != what.npos)
+    return irsig::printable(what.substr(0, twice)) + " is given more than once, expected one value";
+  if (missing != what.npos && what.ends_with(" missing"))
+    return irsig::printable(what.substr(0, what.find(':'))) + " needs a value";
+  return irsig::printable(what);
+}
+
 // "--format: xml not in {text,csv}" and "--workers: Value 0 not in range 1 to 4096", which the
 // checks of options write, as sentences: "--format xml: expected one of text, csv".
 std::string in_words(const std::string& what) {
@@ -61,45 +116,46 @@ std::string in_words(const std::string& what) {
   const std::string value = what.substr(colon + 2, list - colon - 2);
   std::string names = what.substr(list + 9);
   names.erase(std::min(names.find('}'), names.size()));
-  const std::vector<std::string> known = absl::StrSplit(names, ',');
-  const auto near = irsig::nearest_name(value, known);
+  std::vector<std::string> known = absl::StrSplit(names, ',');
+  if (std::ranges::find(known, "text") != known.end())
+    std::erase(known, "table");  // another name of "text"
+  auto near = irsig::nearest_name(value, known);
+  if (!near) near = only_with_beginning(value, known);
   return option + " " + value + ": expected one of " + absl::StrJoin(known, ", ") +
          (near ? "; did you mean " + *near + "?" : "");
+}
+
+// "irsig show sky".
+std::string command_words(const CLI::App& command) {
+  return (command.get_parent() != nullptr ? command_words(*command.get_parent()) + " " : "") +
+         command.get_name();
 }
 
 // Returns the error message, with the nearest known name for each unknown argument.
 std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> extras = app->remaining(true);
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  for (const std::string& extra : extras)
+    if (const std::string is = irsig::new_spelling(*app, extra); !is.empty())
+      return "irsig: " + extra.substr(0, extra.find('=')) + ": this option of `" +
+             command_words(*app) + "` is called " + is + "\n";
   const std::vector<std::string> commands = names_of(*app, false);
   const bool bare = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr &&
                     app->get_require_subcommand_min() > 0;
   std::string text =
       "irsig: " + (bare ? "a command is missing, expected one of " + absl::StrJoin(commands, ", ")
                         : irsig::printable(error.what()));
-  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) {
-    std::string_view what = error.what();
-    constexpr std::string_view kOpening = "Could not convert: ";
-    if (what.starts_with(kOpening)) what.remove_prefix(kOpening.size());
-    text = "irsig: " + irsig::printable(what) + ", expected a number without a unit (1 % is 0.01)";
-  }
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr)
+    text = "irsig: " + no_number(error.what());
   if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr)
     text = "irsig: " + in_words(irsig::printable(error.what()));
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
-    const std::string_view what = error.what();
-    const std::size_t few = what.find(": At least ");
-    if (few != what.npos) {
-      const std::string rest(what.substr(few + 11));
-      text = "irsig: " + irsig::printable(what.substr(0, few)) + " needs " +
-             rest.substr(0, rest.find(' ')) + " values, " + rest.substr(rest.rfind(' ') + 1) +
-             " given";
-    }
-    const std::size_t twice = what.find(": At Most 1 required but received ");
-    if (twice != what.npos)
-      text = "irsig: " + irsig::printable(what.substr(0, twice)) +
-             " is given more than once, expected one value";
-  }
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr)
+    text = "irsig: " + wrong_count(error.what());
+  const bool required = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !bare;
+  const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  if (!extras.empty() && (required || unexpected)) {
+    const std::string words = irsig::printable(absl::StrJoin(extras, " "));
+    text = required ? text + "; not expected: " + words : "irsig: not expected: " + words;
     for (const std::string& extra : extras) {
       // "-band" is an option of which one dash is missing.
       const bool option = extra.starts_with("--") ||
@@ -111,7 +167,12 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
                 (std::ranges::find(known, name) != known.end() && name != extra
                      ? "did you mean \"" + name + "\"?"
                      : irsig::suggestion(name, known));
+      const bool takes_out = app->get_option_no_throw("--out") != nullptr &&
+                             app->get_option_no_throw("--out")->count() == 0;
+      if (is_written(extra) && takes_out)
+        text += "\n       " + irsig::printable(extra) + ": expected --out before a file to write";
     }
+  }
   return text + " (--help lists what there is)\n";
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
@@ -250,6 +251,14 @@ std::string csv(std::string_view text) {
   return "\"" + absl::StrReplaceAll(std::string(text), {{"\"", "\"\""}}) + "\"";
 }
 
+void add_option_lines(const CLI::Option& option, const std::vector<std::string>& words,
+                      std::string& out) {
+  for (const std::string& name : option.get_lnames())
+    out += fmt::format("--{},{},{},{}\n", name, csv(help_of(option).argument),
+                       csv(absl::StrJoin(words, " ")),
+                       csv(std::string(absl::StripAsciiWhitespace(option.get_description()))));
+}
+
 // A line for each key of every table of a file, tables by their path.
 void add_keys(const std::string& file, const Descriptor& message, const std::string& table,
               std::string& out) {
@@ -273,6 +282,22 @@ void add_keys(const std::string& file, const Descriptor& message, const std::str
   }
 }
 
+// A line for each option of every command. The text is without values, limits and defaults, which
+// may differ where the meaning does not.
+std::string options_table(const CLI::App& app) {
+  std::vector<const CLI::App*> commands;
+  collect_commands(app, commands);
+  std::string out = "option,value,command,meaning\n";
+  for (const CLI::App* command : commands) {
+    const std::vector<std::string> words = words_of(*command);
+    for (const CLI::Option* option : command->get_options()) add_option_lines(*option, words, out);
+    for (const CLI::App* group :
+         command->get_subcommands([](const CLI::App* below) { return below->get_name().empty(); }))
+      for (const CLI::Option* option : group->get_options()) add_option_lines(*option, words, out);
+  }
+  return out;
+}
+
 std::string keys_table() {
   std::string out = "file,table,key,type,least,most,reason\n";
   add_keys("sweep", *schema::Sweep::descriptor(), "", out);
@@ -288,11 +313,11 @@ void add_manual(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "manual",
       "Write man pages into a folder, or print a table of the reference: commands and columns as "
-      "Markdown, keys of all files as CSV");
+      "Markdown, keys of all files and options of all commands as CSV");
   const auto what = std::make_shared<std::string>(), folder = std::make_shared<std::string>();
-  command->add_option("WHAT", *what, "man, commands, columns or keys")
+  command->add_option("WHAT", *what, "man, commands, columns, keys or options")
       ->required()
-      ->check(CLI::IsMember({"man", "commands", "columns", "keys"}));
+      ->check(CLI::IsMember({"man", "commands", "columns", "keys", "options"}));
   command->add_option("-o,--out", *folder, "man: the folder of the pages; it must exist")
       ->type_name("FOLDER");
   command->callback([&app, what, folder, &exit_code] {
@@ -302,6 +327,7 @@ void add_manual(CLI::App& app, int& exit_code) {
     else
       data_output() << (*what == "commands"  ? commands_page(app)
                         : *what == "columns" ? columns_page()
+                        : *what == "options" ? options_table(app)
                                              : keys_table());
   });
 }

@@ -222,11 +222,11 @@ void add_material(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->check(positive_number());
   plot_command
-      ->add_option("--lambda-min-um", plotted->min_um, "Shortest of the curves over wavelength")
+      ->add_option("--lambda-min-um", plotted->min_um, "Shortest wavelength of the curves over it")
       ->type_name("UM")
       ->check(positive_number());
   plot_command
-      ->add_option("--lambda-max-um", plotted->max_um, "Longest of the curves over wavelength")
+      ->add_option("--lambda-max-um", plotted->max_um, "Longest wavelength of the curves over it")
       ->type_name("UM")
       ->check(positive_number());
   plot_command->callback([plotted, &exit_code] { exit_code = report(plot(*plotted)); });
@@ -238,7 +238,7 @@ void add_material(CLI::App& app, int& exit_code) {
 
     [[nodiscard]] absl::Status run() const {
       if (name.empty() && sweep.empty())
-        return absl::InvalidArgumentError("material check: name one, or --sweep FILE");
+        return absl::InvalidArgumentError("material check: name one, or --sweep-file FILE");
       CheckCount count;
       const absl::Status status = output.write([&](std::string_view format, std::ostream& out) {
         return check(name, sweep, format, out, count);
@@ -254,7 +254,7 @@ void add_material(CLI::App& app, int& exit_code) {
   CLI::Option* name =
       check_command->add_option("MATERIAL", checked->name, kNameHelp)->type_name("NAME");
   CLI::Option* sweep =
-      check_command->add_option("--sweep", checked->sweep, "Every material of a sweep file")
+      check_command->add_option("--sweep-file", checked->sweep, "Sweep file: each of its materials")
           ->type_name("FILE");
   name->excludes(sweep);
   check_command->callback([checked, &exit_code] { exit_code = report(checked->run()); });

@@ -78,12 +78,12 @@ void add_model(CLI::App& app, int& exit_code) {
     command->add_option(name, value, of)->type_name("M")->check(positive);
   };
   dimension("--radius-m", options->what.radius_m,
-            "disk, sphere, cylinder, cone; cooling_tower: its throat");
+            "Radius of a disk, sphere, cylinder or cone; cooling_tower: of its throat");
   dimension("--length-m", options->what.length_m,
-            "box, cylinder, cone, frigate; cooling_tower: its casing");
-  dimension("--width-m", options->what.width_m, "box, frigate, cooling_tower");
+            "Length of a box, cylinder, cone or frigate; cooling_tower: of its casing");
+  dimension("--width-m", options->what.width_m, "Width of a box, frigate or cooling_tower");
   dimension("--height-m", options->what.height_m,
-            "box; frigate: its freeboard; cooling_tower: of its deck");
+            "Height of a box; frigate: its freeboard; cooling_tower: of its deck");
   add_model_particles(*command, exit_code);
   add_model_check(*command, exit_code);
   add_model_plume(*command, exit_code);

@@ -255,9 +255,11 @@ void add_model_check(CLI::App& model, int& exit_code) {
       ->type_name("M");
   command
       ->add_option("--forward-axis", options->frame.forward_axis,
-                   "+x, -x, ... -z (glTF: +z, others: +x)")
+                   "The file's axis that points to the bow: +x, -x, ... -z (glTF: +z, others: +x)")
       ->type_name("AXIS");
-  command->add_option("--up-axis", options->frame.up_axis, "(glTF: +y, others: +z)")
+  command
+      ->add_option("--up-axis", options->frame.up_axis,
+                   "The file's axis that points up (glTF: +y, others: +z)")
       ->type_name("AXIS");
   command
       ->add_option("--reference", options->how.reference,

@@ -66,7 +66,7 @@ void add_model_particles(CLI::App& model, int& exit_code) {
       ->type_name("X,X...");
   command->add_option("--fractions-by", options->fractions_by, "mass or number (default)")
       ->check(CLI::IsMember({"mass", "number"}));
-  command->add_option("--width-m", options->bed.width_m, "Of the square cell that is filled")
+  command->add_option("--width-m", options->bed.width_m, "Width of the square cell that is filled")
       ->required()
       ->type_name("M");
   command->add_option("--tiles", options->bed.tiles, "Copies of the cell in each direction")

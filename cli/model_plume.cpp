@@ -36,34 +36,38 @@ struct PlumeCommand {
       dimensions.push_back({command.add_option(name, value, text)->type_name(type), has, needs});
       if (needs == 0) dimensions.back().option->capture_default_str();
     };
-    add("--temperature-k", temperature_k, kAll, kAll, "K", "Of the gas; funnel: at the opening");
+    add("--temperature-k", temperature_k, kAll, kAll, "K",
+        "Temperature of the gas; funnel: at the opening");
     add("--voxel-m", voxel_m, kAll, kAll, "M", "Edge of a voxel");
     add("--length-m", length_m, kFunnel | kSlab | kCylinder, kFunnel | kSlab | kCylinder, "M",
-        "funnel: of the plume's axis; slab, cylinder: along x");
-    add("--pressure-pa", pressure_pa, kAll, 0, "PA", "Of gas and air");
-    add("--diameter-m", funnel.exit.diameter_m, kFunnel, kFunnel, "M", "Of the opening");
+        "Length along x of a slab or cylinder; funnel: of the plume's axis");
+    add("--pressure-pa", pressure_pa, kAll, 0, "PA", "Pressure of gas and air");
+    add("--opening-diameter-m", funnel.exit.diameter_m, kFunnel, kFunnel, "M",
+        "Diameter of the opening");
     add("--velocity-m-s", funnel.exit.velocity_m_s, kFunnel, kFunnel, "M/S",
         "Upwards, at the opening");
-    add("--air-temperature-k", funnel.air_temperature_k, kFunnel, 0, "K", "Of the air around");
+    add("--air-temperature-k", funnel.air_temperature_k, kFunnel, 0, "K",
+        "Temperature of the air around");
     add("--wind-m-s", funnel.wind_m_s, kFunnel, kFunnel, "M/S", "True wind");
     add("--wind-from-deg", funnel.wind_from_deg, kFunnel, 0, "DEG",
         "Where the wind comes from: 0 from ahead, 90 from starboard");
     add("--ship-speed-m-s", funnel.ship_speed_m_s, kFunnel, 0, "M/S", "Ahead");
-    add("--hydrogen-per-carbon", funnel.exhaust.hydrogen_per_carbon, kFunnel, 0, "X",
+    add("--hydrogen-per-carbon", funnel.exhaust.hydrogen_per_carbon, kFunnel, 0, "NUMBER",
         "Atoms in the fuel");
-    add("--excess-air", funnel.exhaust.excess_air, kFunnel, kFunnel, "X",
+    add("--excess-air", funnel.exhaust.excess_air, kFunnel, kFunnel, "NUMBER",
         "More air than the fuel needs, as a share of that (diesel at load: about 1.2)");
-    add("--carbon-as-co", funnel.exhaust.carbon_as_co, kFunnel, 0, "X",
+    add("--carbon-as-co", funnel.exhaust.carbon_as_co, kFunnel, 0, "NUMBER",
         "Share of the fuel's carbon");
     add("--soot-g-per-kg", funnel.exhaust.soot_g_per_kg, kFunnel, 0, "G/KG",
         "Soot from a kg of fuel");
-    add("--width-m", body.width_m, kSlab, kSlab, "M", "Along y");
-    add("--height-m", body.height_m, kSlab, kSlab, "M", "Along z");
-    add("--radius-m", body.radius_m, kCylinder | kSphere, kCylinder | kSphere, "M", "Radius");
-    add("--co2", body.co2, kBody, 0, "X", "Mole fraction");
-    add("--h2o", body.h2o, kBody, 0, "X", "Mole fraction");
-    add("--co", body.co, kBody, 0, "X", "Mole fraction");
-    add("--soot", body.soot, kBody, 0, "X", "Volume fraction");
+    add("--width-m", body.width_m, kSlab, kSlab, "M", "Width along y");
+    add("--height-m", body.height_m, kSlab, kSlab, "M", "Height along z");
+    add("--radius-m", body.radius_m, kCylinder | kSphere, kCylinder | kSphere, "M",
+        "Radius of a cylinder or sphere");
+    add("--co2", body.co2, kBody, 0, "NUMBER", "Mole fraction");
+    add("--h2o", body.h2o, kBody, 0, "NUMBER", "Mole fraction");
+    add("--co", body.co, kBody, 0, "NUMBER", "Mole fraction");
+    add("--soot", body.soot, kBody, 0, "NUMBER", "Volume fraction");
   }
 
   std::string kind;

@@ -46,8 +46,9 @@ void add_model_terrain(CLI::App& model, int& exit_code) {
       "Hills, a river, a road and fields: heights or material fractions as an ESRI ASCII grid");
   const auto options = std::make_shared<TerrainCommand>(*command);
   command
-      ->add_option("--layer", options->layer,
-                   "heights (default), or the fraction of a material: asphalt, bare_soil, grass, "
+      ->add_option("--map-layer", options->layer,
+                   "What is written: heights (default), or the fraction of a material: asphalt, "
+                   "bare_soil, grass, "
                    "water, wheat")
       ->check(
           CLI::IsMember(std::vector<std::string>(terrain_layers().begin(), terrain_layers().end())))
@@ -55,7 +56,8 @@ void add_model_terrain(CLI::App& model, int& exit_code) {
   command->add_option("--seed", options->terrain.seed, "Default 0")
       ->check(seed_number())
       ->type_name("N");
-  command->add_option("--width-m", options->terrain.width_m, "Of the square map (default 10000)")
+  command
+      ->add_option("--width-m", options->terrain.width_m, "Width of the square map (default 10000)")
       ->type_name("M");
   command->add_option("--spacing-m", options->terrain.spacing_m, "Of samples (default 30)")
       ->type_name("M");

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -289,6 +290,9 @@ absl::Status plan_sweep(const PlanAsked& asked) {
   if (!asked.refine_db.empty()) return plan_refinement(asked);
   if (asked.sweep_path.empty())
     return absl::InvalidArgumentError("SWEEP is missing, or --refine DB");
+  // A file that is no database is refused before the pilot.
+  if (!asked.db_path.empty() && std::filesystem::exists(asked.db_path))
+    RETURN_IF_ERROR(StoreReader::open(asked.db_path).status());
   ASSIGN_OR_RETURN(auto loaded, load_shown(asked.sweep_path, asked.accuracy));
   for (const std::string& line : loaded.warnings) print_note("{}\n", line);
   print_note("irsig: {}\n", size_text(loaded.size));
@@ -344,13 +348,16 @@ void add_plan(CLI::App& app, int& exit_code) {
                 ->type_name("N")
                 ->check(CLI::Range(1, 100000))
                 ->capture_default_str());
-  of_refine(command->add_option("--sweep", asked->refine_sweep, "of several sweeps"));
-  of_refine(command->add_option("--at-range-m", asked->refine_range_m, "of several ranges")
+  of_refine(command->add_option("--sweep", asked->refine_sweep, "Name of the sweep, of several"));
+  of_refine(command
+                ->add_option("--at-range-m", asked->refine_range_m,
+                             "Only viewpoints at this range, of several")
                 ->type_name("R"));
   of_refine(command
                 ->add_option("--quantity", asked->refine_quantity,
                              "intensity, apparent_intensity, contrast_intensity or "
                              "background_radiance")
+                ->type_name("QUANTITY")
                 ->check(CLI::IsMember(quantity_names()))
                 ->capture_default_str());
   of_refine(command

@@ -5,8 +5,10 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "cli/commands.h"
+#include "cli/filter_options.h"
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
 #include "view/base/print.h"
@@ -19,11 +21,13 @@ struct ProfileCommand {
   OutputOptions output;
   std::string database;
   ProfileQuery query;
+  std::vector<std::string> season;
   std::uint64_t row = 0;
 
   [[nodiscard]] absl::StatusOr<std::string> text(std::string_view format) const {
     ProfileQuery asked = query;
     if (row > 0) asked.row = row;
+    asked.filter.season = NameSet(season);
     ASSIGN_OR_RETURN(auto reader, StoreReader::open(database));
     ASSIGN_OR_RETURN(const auto rows, find_profiles(*reader, asked));
     std::set<std::string> sweeps;
@@ -63,11 +67,11 @@ void add_profile(CLI::App& app, int& exit_code) {
   const auto add = [&](const char* name, auto& value, const char* what, const char* type) {
     command->add_option(name, value, what)->group(kGroup)->type_name(type);
   };
-  add("--profile", options->query.filter.profile, "Name of the profile", "NAME");
+  add("--profile-name", options->query.filter.profile, "Name of the profile", "NAME");
   add("--sweep", options->query.filter.sweep, "Name of the sweep", "NAME");
-  add("--season", options->query.filter.season, "Name of the season", "NAME");
+  add_seasons(*command, options->season)->group(kGroup);
   add("--band", options->query.filter.band, "Name of the band", "NAME");
-  add("--row", options->row, "Row number of the viewpoint's signature", "K");
+  add("--row", options->row, "The one signature with this row number", "K");
   command->footer(
       "csv and json have every row, column and digit; svg draws the first profile along a line, "
       "or\n"

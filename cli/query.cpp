@@ -114,7 +114,8 @@ void add_query(CLI::App& app, int& exit_code) {
   CLI::Option* window =
       command
           ->add_option("--window", options->window_um,
-                       "In-band from L1 to L2 [um], within the stored band and at least one of its "
+                       "In-band in a window from L1 to L2 [um], within the stored band and at "
+                       "least one of its "
                        "steps wide, instead of the whole band: with the standard error that the "
                        "stored modes give, and the whole "
                        "band's bounds")

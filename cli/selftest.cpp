@@ -76,7 +76,7 @@ int search_scenes(const SelftestOptions& given) {
   if (given.no_shrink) options.shrink_trials = 0;
   const std::size_t scenes = seeds_of(options).size();
   if (scenes == 0)
-    return report(absl::InvalidArgumentError(absl::StrCat("selftest: --filter \"", given.filter,
+    return report(absl::InvalidArgumentError(absl::StrCat("selftest: --cases \"", given.filter,
                                                           "\" matches no family of these scenes")));
   std::printf("determinism class: %s\nseeds %llu..%llu, bound %.2f errors\n",
               determinism_class().c_str(), static_cast<unsigned long long>(options.first),
@@ -115,7 +115,7 @@ int selftest(const SelftestOptions& given) {
   const std::vector<HardCase> cases = matching(hard_cases(), given.filter);
   if (cases.empty())
     return report(absl::InvalidArgumentError(absl::StrCat(
-        "selftest: --filter \"", given.filter,
+        "selftest: --cases \"", given.filter,
         "\" matches no case (groups: planck, geometry, "
         "materials, transport, sun_and_frames, atmosphere, honesty, sums, determinism)")));
   if (!given.csv) std::printf("determinism class: %s\n", determinism_class().c_str());
@@ -156,12 +156,12 @@ void add_selftest(CLI::App& app, int& exit_code) {
   command->add_option("--record", given->record,
                       "--search: a CSV file to which the counts are added");
   command->add_flag("--no-shrink", given->no_shrink, "--search: they are written as they are");
-  command->add_option("--threads", given->threads, "--search: at most so many")
+  command->add_option("--threads", given->threads, "--search: at most so many threads")
       ->check(CLI::Range(1, 256));
   command->add_option(
-      "--filter", given->filter,
+      "--cases", given->filter,
       "Only cases that match: planck, transport/*, *vertex*; --search: families, *mirror*");
-  command->add_flag("--csv", given->csv, "Comma-separated values instead of a table");
+  command->add_flag("--csv", given->csv, "The same as --format csv");
   command->callback([given, &exit_code] { exit_code = selftest(*given); });
 }
 

@@ -251,9 +251,9 @@ void add_show(CLI::App& app, int& exit_code) {
                              "Temperature of the blackbody");
   planck_command->add_option("--lambda-um", planck_given->lambda_um, "One wavelength");
   planck_command->add_option("--lambda-min-um", planck_given->lambda_min_um,
-                             "Lower limit of a band");
+                             "Shortest wavelength of a band");
   planck_command->add_option("--lambda-max-um", planck_given->lambda_max_um,
-                             "Upper limit of a band");
+                             "Longest wavelength of a band");
   planck_command->add_option("--radiance-w-m2-sr", planck_given->radiance_w_m2_sr,
                              "In-band radiance, to be turned into a radiance temperature");
   planck_command->add_option("--spectral-radiance-w-m2-sr-um",

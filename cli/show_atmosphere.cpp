@@ -32,8 +32,10 @@ struct BandRange {
   double lambda_min_um = 1e4 / kAirLastCm1, lambda_max_um = 1e4 / kAirFirstCm1;
 
   void add_to(CLI::App& command) {
-    command.add_option("--lambda-min-um", lambda_min_um, "Default: all, from 2.94 um");
-    command.add_option("--lambda-max-um", lambda_max_um, "Default: all, to 15.4 um");
+    command.add_option("--lambda-min-um", lambda_min_um,
+                       "Shortest wavelength (default: all, from 2.94 um)");
+    command.add_option("--lambda-max-um", lambda_max_um,
+                       "Longest wavelength (default: all, to 15.4 um)");
   }
   [[nodiscard]] absl::Status check() const {
     if (!(lambda_min_um < lambda_max_um)) {
@@ -56,14 +58,18 @@ struct BandRange {
 struct SunOptions {
   std::optional<double> zenith_deg, azimuth_deg;
 
-  void add_to(CLI::App& command, const char* azimuth_meaning) {
+  std::string azimuth_name;  // of its option
+
+  void add_to(CLI::App& command, const char* name, const char* azimuth_meaning) {
+    azimuth_name = name;
     command.add_option("--sun-zenith-deg", zenith_deg, "With sunlight: 0 to 180, airless");
-    command.add_option("--sun-azimuth-deg", azimuth_deg, azimuth_meaning);
+    command.add_option(azimuth_name, azimuth_deg, azimuth_meaning);
   }
   [[nodiscard]] absl::StatusOr<std::optional<SunPlace>> place(double azimuth_of_path_deg) const {
     if (!zenith_deg && !azimuth_deg) return std::optional<SunPlace>();
     if (!zenith_deg || !azimuth_deg) {
-      return absl::InvalidArgumentError("--sun-zenith-deg and --sun-azimuth-deg belong together");
+      return absl::InvalidArgumentError(
+          absl::StrCat("--sun-zenith-deg and ", azimuth_name, " belong together"));
     }
     if (!(*zenith_deg >= 0 && *zenith_deg <= 180)) {
       return absl::InvalidArgumentError(
@@ -71,7 +77,7 @@ struct SunOptions {
     }
     if (!(*azimuth_deg >= -360 && *azimuth_deg <= 360)) {
       return absl::InvalidArgumentError(
-          absl::StrCat("--sun-azimuth-deg ", *azimuth_deg, ": expected -360 to 360"));
+          absl::StrCat(azimuth_name, " ", *azimuth_deg, ": expected -360 to 360"));
     }
     return std::optional(SunPlace{*zenith_deg, *azimuth_deg - azimuth_of_path_deg});
   }
@@ -160,15 +166,20 @@ struct AtmosphereCommand {
         ->required();
     command.add_option("--target-height-m,--target-m", target_height_m,
                        "Above the sea; not with --level");
-    command.add_option("--range-m", range_m, "Along the straight line; 0 to 1e6")->required();
+    command
+        .add_option("--range-m", range_m,
+                    "Range as seen from the sensor along the straight line; 0 to 1e6")
+        ->type_name("R")
+        ->required();
     command.add_flag("--level", level,
                      "A path that follows the Earth's curvature at the observer's height, as other "
                      "codes have it");
-    sun.add_to(command, "From the path's direction, clockwise: 0 looks towards the sun");
+    sun.add_to(command, "--sun-from-path-deg",
+               "From the path's direction, clockwise: 0 looks towards the sun");
     command.add_option("--surroundings-temperature-k", surroundings_temperature_k,
                        "Blackbody around the path, whose radiation is scattered into it; default: "
                        "sky and surface as a run has them, the surface as warm as the air without "
-                       "--sweep; 0: none");
+                       "--sweep-file; 0: none");
     command
         .add_option("--modtran", modtran_file,
                     "Another code's output (tape7, .7sc or CSV) of this line of sight, shown "
@@ -300,7 +311,8 @@ struct AtmosphereCommand {
 
 struct SkyCommand {
   explicit SkyCommand(CLI::App& command) : air(command), output(command, kAirFormats) {
-    command.add_option("--height-m", height_m, "From where, above the sea")->required();
+    command.add_option("--altitude-m", height_m, "Altitude of the sensor above the sea")
+        ->required();
     command
         .add_option(
             "--zenith-deg", zenith_deg,
@@ -312,7 +324,7 @@ struct SkyCommand {
         .add_option("--azimuth-deg", azimuth_deg,
                     "Azimuths, separated by commas, each with every zenith angle; default 0")
         ->delimiter(',');
-    sun.add_to(command, "As --azimuth-deg, clockwise from north");
+    sun.add_to(command, "--sun-azimuth-deg", "As --azimuth-deg, clockwise from north");
     bands.add_to(command);
   }
 
@@ -326,7 +338,7 @@ struct SkyCommand {
   [[nodiscard]] absl::Status run() const {
     ASSIGN_OR_RETURN(const auto chosen, air.choose());
     RETURN_IF_ERROR(bands.check());
-    RETURN_IF_ERROR(check_number("--height-m", height_m, 0, 1e8));
+    RETURN_IF_ERROR(check_number("--altitude-m", height_m, 0, 1e8));
     for (const double zenith : zenith_deg) {
       RETURN_IF_ERROR(check_number("--zenith-deg", zenith, 0, 180));
     }
@@ -379,14 +391,15 @@ struct SkyCommand {
 
 struct SunCommand {
   explicit SunCommand(CLI::App& command) : air(command), output(command, {"csv", "json", "text"}) {
-    command.add_option("--latitude-deg", latitude_deg, "North positive; with --sweep: its place's");
+    command.add_option("--latitude-deg", latitude_deg,
+                       "North positive; with --sweep-file: its place's");
     command.add_option("--longitude-deg", longitude_deg,
-                       "East positive; with --sweep: its place's");
-    command.add_option("--height-m", height_m,
-                       "Above the WGS 84 ellipsoid; with --sweep: its place's");
+                       "East positive; with --sweep-file: its place's");
+    command.add_option("--altitude-m", height_m,
+                       "Altitude above the WGS 84 ellipsoid; with --sweep-file: its place's");
     command.add_option(
         "--time", time,
-        "RFC 3339 with offset: 2025-12-21T10:30:00+09:00; with --sweep: the season's "
+        "RFC 3339 with offset: 2025-12-21T10:30:00+09:00; with --sweep-file: the season's "
         "first");
     bands.add_to(command);
   }
@@ -416,7 +429,7 @@ struct SunCommand {
     };
     if (!chosen) return write();
     RETURN_IF_ERROR(bands.check());
-    RETURN_IF_ERROR(check_number("--height-m", where.height_m, 0, 1e8));
+    RETURN_IF_ERROR(check_number("--altitude-m", where.height_m, 0, 1e8));
     ASSIGN_OR_RETURN(const auto air_light, WeatherAir::make(chosen->weather, where.height_m));
     const AirSpectrum here = air_light.sun_irradiance_w_m2_um(
         where.height_m, SunPlace{sun.zenith_deg, 0, sun.distance_au});
@@ -444,7 +457,7 @@ struct SunCommand {
     for (const auto& [given, name] :
          {std::pair{latitude_deg.has_value(), "--latitude-deg"},
           std::pair{longitude_deg.has_value(), "--longitude-deg"},
-          std::pair{height_m.has_value(), "--height-m"}, std::pair{!time.empty(), "--time"}}) {
+          std::pair{height_m.has_value(), "--altitude-m"}, std::pair{!time.empty(), "--time"}}) {
       if (!given && !sweep) return absl::InvalidArgumentError(absl::StrCat(name, " is missing"));
     }
     const ChosenAir::Place silent = sweep ? *chosen->place : ChosenAir::Place{};

@@ -22,18 +22,24 @@ namespace {
 struct GasCommand {
   explicit GasCommand(CLI::App& command)
       : air(command, AirOptions::Use::kHotGas), output(command, {"csv", "json", "text", "svg"}) {
-    command.add_option("--temperature-k", temperature_k, "200 to 3000")->required();
+    command.add_option("--temperature-k", temperature_k, "Temperature of the gas: 200 to 3000")
+        ->required();
     command.add_option("--pressure-atm", pressure_atm, "0.1 to 2; default 1");
-    command.add_option("--length-m", length_m, "Of the column; default 1");
+    command.add_option("--length-m", length_m, "Length of the column; default 1");
     command.add_option("--co2", state.co2, "Mole fraction; default 0");
     command.add_option("--h2o", state.h2o, "Mole fraction; default 0");
     command.add_option("--co", state.co, "Mole fraction; default 0");
     command.add_option("--soot", state.soot, "Volume fraction; default 0");
-    command.add_option("--range-m", range_m,
-                       "Behind that much air (--profile ...) at one height as well; 0 to 1e6");
-    command.add_option("--height-m", height_m, "Of that air; default 0");
-    command.add_option("--lambda-min-um", lambda_min_um, "Default: 2, with air 2.94");
-    command.add_option("--lambda-max-um", lambda_max_um, "Default: 20, with air 15.4");
+    command
+        .add_option(
+            "--range-m", range_m,
+            "As seen from this range, behind air (--profile ...) at one height as well; 0 to 1e6")
+        ->type_name("R");
+    command.add_option("--altitude-m", height_m, "Altitude of that air above the sea; default 0");
+    command.add_option("--lambda-min-um", lambda_min_um,
+                       "Shortest wavelength (default: 2, with air 2.94)");
+    command.add_option("--lambda-max-um", lambda_max_um,
+                       "Longest wavelength (default: 20, with air 15.4)");
   }
 
   AirOptions air;
@@ -64,7 +70,7 @@ struct GasCommand {
       ASSIGN_OR_RETURN(const auto chosen, air.choose());
       if (!(*range_m >= 0 && *range_m <= 1e6 && height_m >= 0 && height_m <= 1e5)) {
         return absl::InvalidArgumentError(absl::StrFormat(
-            "--range-m %g, --height-m %g: expected 0 to 1e6, 0 to 1e5", *range_m, height_m));
+            "--range-m %g, --altitude-m %g: expected 0 to 1e6, 0 to 1e5", *range_m, height_m));
       }
       if (chosen.weather.cloud_cover > 0) {
         std::fprintf(stderr,

@@ -1,7 +1,9 @@
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cli/commands.h"
+#include "cli/filter_options.h"
 #include "cli/output_options.h"
 #include "core/base/status_macros.h"
 #include "core/geo/sun.h"
@@ -13,18 +15,22 @@ namespace {
 
 struct TemperaturesAsked {
   explicit TemperaturesAsked(CLI::App& command) : output(command, {"text", "csv", "json"}) {
-    command.add_option("DB", database, "the database")->required();
-    command.add_option("--sweep", filter.sweep, "this sweep only")->type_name("NAME");
-    command.add_option("--season", filter.season, "this season only")->type_name("NAME");
-    command.add_option("--time", filter.time_utc, "this time only, as 2025-06-21T12:00Z")
+    command.add_option("DB", database, "Signature database (.sigdb)")->required();
+    command.add_option("--sweep", filter.sweep, "Name of the sweep")->type_name("NAME");
+    add_seasons(command, season);
+    command
+        .add_option("--time", filter.time_utc,
+                    "Time, RFC 3339 with any offset: 2025-12-21T10:30:00+09:00")
         ->type_name("TIME");
   }
   OutputOptions output;
   std::string database;
+  std::vector<std::string> season;
   TemperatureFilter filter;
 
   [[nodiscard]] absl::Status run() const {
     TemperatureFilter wanted = filter;
+    wanted.season = NameSet(season);
     if (!wanted.time_utc.empty()) {
       ASSIGN_OR_RETURN(const auto time, parse_rfc3339(wanted.time_utc));
       wanted.time_utc = format_rfc3339_utc(time);

@@ -26,6 +26,10 @@ struct SliceCommand {
       return absl::InvalidArgumentError(
           "--interpolate: a slice holds computed signatures only; expected --nearest or --within");
     ASSIGN_OR_RETURN(const auto asked, filter_of(query));
+    if (asked.season.names().size() > 1) {
+      ASSIGN_OR_RETURN(const auto reader, StoreReader::open(filter.database()));
+      RETURN_IF_ERROR(check_seasons(*reader, asked.season));
+    }
     hear_interruptions();
     std::optional<LoopProgress> progress;
     std::uint64_t before = 0;

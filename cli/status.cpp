@@ -204,7 +204,7 @@ void add_status(CLI::App& app, int& exit_code) {
   auto output =
       std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
   auto workers = std::make_shared<bool>(false);
-  command->add_flag("--workers", *workers, "a line for each worker instead of each sweep");
+  command->add_flag("--by-worker", *workers, "a line for each worker instead of each sweep");
   auto followed = std::make_shared<bool>(false);
   command->add_flag(
       "--follow", *followed,

@@ -170,7 +170,9 @@ void add_verify_effects(CLI::App& app, int& exit_code) {
   command->add_option("--views", given->views, "Viewpoints of the sweep, spread evenly")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--row", given->row, "These rows of the sweep instead, as query has them")
+  command
+      ->add_option("--row", given->row,
+                   "Instead: the signatures with these row numbers, as query has them")
       ->delimiter(',')
       ->type_name("K");
   command->add_flag("--matrix", given->matrix,
@@ -182,10 +184,10 @@ void add_verify_effects(CLI::App& app, int& exit_code) {
                     "of it, and compared with its bound");
   command
       ->add_option("--relative-error", given->relative_error,
-                   "Accuracy to ask for (default: the sweep's; 0.01)")
+                   "Wanted of every in-band intensity (default: the sweep's; 0.01)")
       ->check(CLI::Range(1e-6, 1.0));
   command
-      ->add_option("--reference", given->reference,
+      ->add_option("--reference-paths", given->reference,
                    "A reference with all effects and so many times the paths; 0: none")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();

@@ -29,7 +29,7 @@ meshes frigate-2 frigate 0.5,1,2
 meshes frigate-coarse frigate 0.01,0.03,0.1,0.3,1
 meshes sphere painted_sphere 0.005,0.02,0.1,1
 meshes cylinder primitives/cylinder 0.01,0.1,0.5,1
-"$irsig" verify-effects --matrix --timed 2 --reference 50 --values "$work/matrix.csv" > "$work/matrix.txt"
+"$irsig" verify-effects --matrix --timed 2 --reference-paths 50 --values "$work/matrix.csv" > "$work/matrix.txt"
 "$irsig" verify-effects --matrix --small --each-effect > "$work/bounds.txt"
 
 # Between the marks of each scene stands what the command wrote; the goals are read from the frigate's tables.

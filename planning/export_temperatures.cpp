@@ -15,7 +15,7 @@
 namespace irsig {
 
 absl::Status export_temperatures(const std::string& database, const std::string& sweep_name,
-                                 const std::string& season, const std::string& time,
+                                 const NameSet& season, const std::string& time,
                                  std::ostream& out) {
   std::string time_utc;
   if (!time.empty()) {
@@ -23,6 +23,7 @@ absl::Status export_temperatures(const std::string& database, const std::string&
     time_utc = format_rfc3339_utc(parsed);
   }
   ASSIGN_OR_RETURN(const auto facets, SweepFacets::load(database, sweep_name));
+  RETURN_IF_ERROR(facets.check_seasons(season));
   const schema::ResolvedSweep& sweep = facets.sweep();
   const std::vector<std::uint32_t>& part = facets.part();
   ASSIGN_OR_RETURN(const auto mesh, field_mesh(sweep, facets.source().loaded.assets));
@@ -44,7 +45,7 @@ absl::Status export_temperatures(const std::string& database, const std::string&
   bool any = false;
   for (int c = 0; c < sweep.condition_size(); ++c) {
     const schema::Condition& condition = sweep.condition(c);
-    if (!season.empty() && condition.season() != season) continue;
+    if (!season.admits(condition.season())) continue;
     if (!time_utc.empty() && condition.time_utc() != time_utc) continue;
     any = true;
     for (std::size_t f = 0; f < part.size(); ++f) {

@@ -1,8 +1,11 @@
 #include "planning/sweep_facets.h"
 
 #include <cmath>
+#include <set>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/status_macros.h"
 
 namespace irsig {
@@ -20,6 +23,16 @@ absl::StatusOr<SweepFacets> SweepFacets::load(const std::string& database,
   ASSIGN_OR_RETURN(out.fields_, facet_temperatures(loaded.resolved, loaded.assets, loaded.heat,
                                                    out.scene_.mesh, out.part_));
   return out;
+}
+
+absl::Status SweepFacets::check_seasons(const NameSet& season) const {
+  std::set<std::string> known;
+  for (const schema::Condition& c : sweep().condition()) known.insert(c.season());
+  for (const std::string& name : season.names())
+    if (!known.contains(name))
+      return absl::NotFoundError(absl::StrCat(
+          "no season \"", name, "\" in this sweep; there is: ", absl::StrJoin(known, ", ")));
+  return absl::OkStatus();
 }
 
 SweepFacets::Temperature SweepFacets::temperature(int condition, std::size_t facet) const {

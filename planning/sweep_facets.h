@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "planning/accuracy_source.h"
 #include "runner/spec_to_request.h"
+#include "schema/store/tables/name_set.h"
 
 namespace irsig {
 
@@ -26,6 +27,8 @@ class SweepFacets {
   [[nodiscard]] const AccuracySource& source() const { return source_; }
   [[nodiscard]] const schema::ResolvedSweep& sweep() const { return source_.loaded.resolved; }
   [[nodiscard]] const SweepScene& scene() const { return scene_; }
+  // Checks names of seasons. NOT_FOUND: the sweep lacks one; the message lists those that it has.
+  [[nodiscard]] absl::Status check_seasons(const NameSet& season) const;
   // [facet] Index of its part.
   [[nodiscard]] const std::vector<std::uint32_t>& part() const { return part_; }
 

@@ -92,7 +92,7 @@ std::string listed(const std::vector<std::string>& names) {
 std::string condition_name(const schema::Condition& c) { return c.season() + " " + c.time_utc(); }
 
 // The only condition of a season and a time, where these are given.
-absl::StatusOr<int> choose_condition(const schema::ResolvedSweep& sweep, const std::string& season,
+absl::StatusOr<int> choose_condition(const schema::ResolvedSweep& sweep, const NameSet& season,
                                      const std::string& time) {
   std::string time_utc;
   if (!time.empty()) {
@@ -104,7 +104,7 @@ absl::StatusOr<int> choose_condition(const schema::ResolvedSweep& sweep, const s
   for (int c = 0; c < sweep.condition_size(); ++c) {
     const schema::Condition& condition = sweep.condition(c);
     all.push_back(condition_name(condition));
-    if (!season.empty() && condition.season() != season) continue;
+    if (!season.admits(condition.season())) continue;
     if (!time_utc.empty() && condition.time_utc() != time_utc) continue;
     found.push_back(c);
     names.push_back(all.back());
@@ -183,6 +183,7 @@ absl::StatusOr<FalseColorPicture> temperature_picture(const std::string& databas
     asked.aspect = {s.aspect_azimuth_deg, s.aspect_elevation_deg};
   }
   ASSIGN_OR_RETURN(const auto facets, SweepFacets::load(database, asked.sweep));
+  RETURN_IF_ERROR(facets.check_seasons(asked.season));
   ASSIGN_OR_RETURN(const auto condition,
                    choose_condition(facets.sweep(), asked.season, asked.time));
   auto picture = draw_temperatures(facets, condition, *asked.aspect, long_side_px);

@@ -34,7 +34,7 @@ absl::StatusOr<Answer> search_of(const PageSources& sources, const Question& q) 
                     *q.bands.detector, sources.detector.size()));
   ASSIGN_OR_RETURN(const auto reader, open_database(sources, q.a.database));
   Query query = selection_query(q.a, q.quantity);
-  if (q.bands.all_conditions) query.season = query.time = "";
+  if (q.bands.all_conditions) query.season = query.time = {};
   if (q.range_m) query.range_m = {*q.range_m};
   ASSIGN_OR_RETURN(
       const auto some,

@@ -259,6 +259,16 @@ class Filler {
                                      quoted_number ? " without quotes and unit" : ""));
   }
 
+  // The key for several numbers, of a list that stands at the key for one: ranges_m of range_m.
+  static std::string of_several(const toml::node& node, const FieldDescriptor& field) {
+    std::string name(field.name());
+    name.insert(std::min(name.rfind('_'), name.size()), "s");
+    const FieldDescriptor* several = field.containing_type()->FindFieldByName(name);
+    return node.is_array() && several != nullptr && several->is_repeated()
+               ? absl::StrCat(" (several: ", name, ")")
+               : "";
+  }
+
   // Every key of a map is a name of the user's own.
   void fill_map(const toml::node& node, const std::string& path, const FieldDescriptor& field,
                 Message& message) {
@@ -337,7 +347,8 @@ class Filler {
           }
           value = static_cast<double>(integer->get());
         } else {
-          return wrong_type(node, path, what_is_expected(field));
+          return wrong_type(node, path,
+                            absl::StrCat(what_is_expected(field), of_several(node, field)));
         }
         if (!std::isfinite(value)) {
           return findings_.add(path,

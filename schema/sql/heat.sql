@@ -97,11 +97,11 @@ JOIN heat_job h USING (job_id)
 WHERE w.name = ?1 AND h.output_sha256 IS NOT NULL
 ORDER BY h.heat_index;
 
--- ?1 sweep, ?2 season, ?3 time_utc ('': any).
+-- ?1 sweep, ?2 seasons (an array in JSON), ?3 time_utc ('': any).
 -- name: find_computed_temperatures
 SELECT sweep, season, time_utc, part, mean_k, coldest_k, hottest_k, error_k, superseded, job_key
 FROM computed_temperature_view
-WHERE (?1 = '' OR sweep = ?1) AND (?2 = '' OR season = ?2) AND (?3 = '' OR time_utc = ?3)
+WHERE (?1 = '' OR sweep = ?1) AND (?2 = '' OR season IN (SELECT value FROM json_each(?2))) AND (?3 = '' OR time_utc = ?3)
 ORDER BY sweep, superseded, condition_index, heat_index, time_index, part_index, part;
 
 -- name: heat_jobs_of_sweep

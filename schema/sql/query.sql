@@ -1,8 +1,8 @@
 -- Reading (schema/store/find_signatures.cpp, schema/store/reader.cpp).
 
 -- Which signatures: their ids. Conditions and bands are few: they are filtered by name and then drive the index of
--- signature (condition_id, band_id, viewpoint_id); CROSS JOIN keeps that order. ?1 sweep, ?2 season, ?3 time_utc,
--- ?4 band ('': any), ?5 greatest relative error (NULL: any) of quantity ?7 (SignatureQuantity), ?6 row (NULL: any),
+-- signature (condition_id, band_id, viewpoint_id); CROSS JOIN keeps that order. ?1 sweep, ?2 seasons (an array
+-- in JSON), ?3 time_utc, ?4 band ('': any), ?5 greatest relative error (NULL: any) of quantity ?7 (SignatureQuantity), ?6 row (NULL: any),
 -- ?8 range (to 1e-9 of it; NULL: any).
 -- name: find_signatures
 SELECT s.signature_id
@@ -11,7 +11,7 @@ CROSS JOIN condition c ON c.sweep_id = w.sweep_id
 CROSS JOIN band b ON b.sweep_id = w.sweep_id
 CROSS JOIN signature s ON s.condition_id = c.condition_id AND s.band_id = b.band_id
 CROSS JOIN viewpoint v ON v.viewpoint_id = s.viewpoint_id
-WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
+WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season IN (SELECT value FROM json_each(?2))) AND (?3 = '' OR c.time_utc = ?3)
   AND (?4 = '' OR b.name = ?4)
   AND (?5 IS NULL OR CASE ?7
        WHEN 0 THEN s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr)
@@ -32,7 +32,7 @@ CROSS JOIN band b ON b.sweep_id = w.sweep_id
 CROSS JOIN signature s
   ON s.condition_id = c.condition_id AND s.band_id = b.band_id AND s.viewpoint_id = v.viewpoint_id
 WHERE v.viewpoint_id = ?9
-  AND (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
+  AND (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season IN (SELECT value FROM json_each(?2))) AND (?3 = '' OR c.time_utc = ?3)
   AND (?4 = '' OR b.name = ?4)
   AND (?5 IS NULL OR CASE ?7
        WHEN 0 THEN s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr)
@@ -181,10 +181,10 @@ SELECT parts, outside_px, samples FROM part_set WHERE job_id = ?1 ORDER BY parts
 -- name: signature_exists
 SELECT count(*) FROM signature WHERE signature_id = ?1;
 
--- ?1 sweep, ?2 season, ?3 band, ?4 profile ('': any).
+-- ?1 sweep, ?2 seasons (an array in JSON), ?3 band, ?4 profile ('': any).
 -- name: find_profile_rows
 SELECT f.* FROM profile_view f
-WHERE (?1 = '' OR f.sweep = ?1) AND (?2 = '' OR f.season = ?2) AND (?3 = '' OR f.band = ?3)
+WHERE (?1 = '' OR f.sweep = ?1) AND (?2 = '' OR f.season IN (SELECT value FROM json_each(?2))) AND (?3 = '' OR f.band = ?3)
   AND (?4 = '' OR f.profile = ?4)
 ORDER BY f.sweep, f.row, f.profile_index, f.point_index, f.reflections;
 

@@ -23,7 +23,7 @@ absl::StatusOr<std::vector<StoredTemperature>> find_computed_temperatures(
     Database& database, const TemperatureFilter& filter) {
   std::vector<StoredTemperature> out;
   ASSIGN_OR_RETURN(Rows row, database.query(sql::find_computed_temperatures, filter.sweep,
-                                            filter.season, filter.time_utc));
+                                            filter.season.json(), filter.time_utc));
   for (;;) {
     ASSIGN_OR_RETURN(const bool found, row.next());
     if (!found) return out;

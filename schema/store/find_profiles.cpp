@@ -9,8 +9,8 @@ namespace irsig {
 absl::StatusOr<std::vector<StoredProfileRow>> find_profile_rows(Database& database,
                                                                 const ProfileFilter& filter) {
   std::vector<StoredProfileRow> out;
-  ASSIGN_OR_RETURN(Rows row, database.query(sql::find_profile_rows, filter.sweep, filter.season,
-                                            filter.band, filter.profile));
+  ASSIGN_OR_RETURN(Rows row, database.query(sql::find_profile_rows, filter.sweep,
+                                            filter.season.json(), filter.band, filter.profile));
   for (;;) {
     ASSIGN_OR_RETURN(const bool found, row.next());
     if (!found) return out;

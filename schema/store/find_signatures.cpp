@@ -154,7 +154,7 @@ absl::Status append_ids(absl::StatusOr<Rows> rows, Ids& out) {
 absl::Status append_viewpoint(Database& database, const SignatureFilter& filter,
                               std::int64_t viewpoint_id, Ids& out) {
   return append_ids(
-      database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
+      database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season.json(),
                      filter.time_utc, filter.band, filter.max_relative_error, filter.row,
                      static_cast<int>(filter.error_of), filter.range_m, viewpoint_id),
       out);
@@ -273,7 +273,7 @@ absl::StatusOr<std::vector<std::int64_t>> find_signature_ids(Database& database,
     if (filter.row) return find_row(database, filter);
     Ids out;
     IRSIG_STORE_TRY(
-        append_ids(database.query(sql::find_signatures, filter.sweep, filter.season,
+        append_ids(database.query(sql::find_signatures, filter.sweep, filter.season.json(),
                                   filter.time_utc, filter.band, filter.max_relative_error,
                                   filter.row, static_cast<int>(filter.error_of), filter.range_m),
                    out));

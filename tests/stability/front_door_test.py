@@ -20,24 +20,24 @@ def require(holds, what):
         sys.exit(f"front_door_test: {what}")
 
 
-table = run("--hard", "--filter", "planck")
+table = run("--hard", "--cases", "planck")
 require(table.returncode == 0, f"exit code {table.returncode}\n{table.stdout}{table.stderr}")
 require(re.search(r"^planck/spectral +\S+ +2.5e-13 +yes ", table.stdout, re.M), f"no row:\n{table.stdout}")
 require(re.search(r"^\d+ cases, 0 failed, ", table.stdout, re.M), f"no summary:\n{table.stdout}")
 
-rows = list(csv.DictReader(io.StringIO(run("--hard", "--csv", "--filter", "planck/*").stdout)))
+rows = list(csv.DictReader(io.StringIO(run("--hard", "--csv", "--cases", "planck/*").stdout)))
 require(len(rows) >= 6, f"{len(rows)} rows")
 for row in rows:
     require(row["pass"] == "yes" and float(row["worst_error"]) <= float(row["bound"]), f"{row}")
     require(int(row["checks"]) > 0 and len(row["reason"]) > 10, f"{row}")
 
-for wrong in (["--hard", "--filter", "no such case"], [], ["--hard", "extra"]):
+for wrong in (["--hard", "--cases", "no such case"], [], ["--hard", "extra"]):
     refused = run(*wrong)
     require(refused.returncode == 2 and refused.stderr, f"{wrong}: exit code {refused.returncode}")
 
 
 def determinism_class(tunables):
-    out = run("--hard", "--filter", "determinism/fingerprint", GLIBC_TUNABLES=tunables).stdout
+    out = run("--hard", "--cases", "determinism/fingerprint", GLIBC_TUNABLES=tunables).stdout
     return re.search(r"^determinism class: (\S+)$", out, re.M)[1]
 
 

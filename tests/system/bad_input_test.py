@@ -181,7 +181,7 @@ class BadInput(unittest.TestCase):
         for call in (("run", "fifo", "--db", "out.sigdb"), ("run", "/dev/zero", "--db", "out.sigdb"), ("plan", "fifo"),
                      ("accuracy", "fifo", "--out", "out"),
                      ("goniometer", "fifo", "--out", "out"), ("model", "check", "fifo.obj"), ("model", "check", "zero.obj"),
-                     ("material", "check", "--sweep", "fifo"), ("material", "show", "fifo:paint"),
+                     ("material", "check", "--sweep-file", "fifo"), ("material", "show", "fifo:paint"),
                      ("show", "precompute", "fifo"),
                      (*atmosphere, "--profile-file", "fifo.csv"), (*atmosphere, "--modtran", "fifo.csv"),
                      ("query", "fifo"), ("verify-effects", "fifo")):

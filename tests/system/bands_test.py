@@ -206,8 +206,30 @@ class Bands(unittest.TestCase):
         weights = integrals(lambda_um, RESPONSE, edges)
         self.check(found, numpy.mean, lambda_um, lambda a, b, _: abs((ship - decoy) @ (weights[b] - weights[a])) / 5000 ** 2 / 2e-8)
 
+    def test_listed_windows_differ(self):
+        window = lambda row, name: (float(row[f"{name}_min_um"]), float(row[f"{name}_max_um"]))  # noqa: E731
+
+        def shared(a, b):
+            both = max(0, min(a[1], b[1]) - max(a[0], b[0]))
+            return both / (a[1] - a[0] + b[1] - b[0] - both)
+
+        for options, names in (((), ("lambda",)), (("--pairs", "matched"), ("lambda", "second")), (("--pairs", "difference"), ("lambda", "second"))):
+            asked = (self.db, "--band", "mwir", "--detector", self.nei, *options)
+            rows = self.table(*asked)
+            self.assertGreater(len(rows), 2)
+            for i, row in enumerate(rows):
+                for above in rows[:i]:
+                    self.assertLessEqual(min(shared(window(row, name), window(above, name)) for name in names), 0.5 + 1e-9, (row, above))
+            alike = self.table(*asked, "--overlapping")
+            self.assertEqual(alike[0]["merit"], rows[0]["merit"])
+            self.assertGreater(max(min(shared(window(row, name), window(above, name)) for name in names)
+                                   for i, row in enumerate(alike) for above in alike[:i]), 0.5)
+            for row, better in zip(rows, alike):
+                self.assertGreaterEqual(float(better["merit"]), float(row["merit"]))
+            self.assertGreater(float(alike[-1]["merit"]), float(rows[-1]["merit"]))
+
     def test_margin(self):
-        rows = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--top", "40")
+        rows = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--top", "40", "--overlapping")
         self.assertEqual(len(rows), 40)
         for column in ("best", "best_numerical"):
             self.assertAlmostEqual(sum(float(r[column]) for r in rows), 1)
@@ -228,7 +250,7 @@ class Bands(unittest.TestCase):
         self.assertEqual(float(rows[0]["samples_to_tell"]), 0)
         # Ten times the noise: a tenth of every merit and error, and the same order.
         loud = self.detector("loud", 'response_file = "response.csv"\n[noise]\nkind = "nei"\nnei_w_m2 = 2e-7\n')
-        for a, b in zip(rows, self.table(self.db, "--band", "mwir", "--detector", loud, "--top", "40")):
+        for a, b in zip(rows, self.table(self.db, "--band", "mwir", "--detector", loud, "--top", "40", "--overlapping")):
             for column in ("merit", "samples_stderr", "numerical_error", "total_error"):
                 self.assertAlmostEqual(float(a[column]), 10 * float(b[column]), delta=1e-9 * float(a[column]))
         # Without modes errors are taken as one: never smaller.
@@ -584,7 +606,7 @@ class Bands(unittest.TestCase):
         refused(file('response_file = "qe.csv"\n[noise]\nkind = "nei"\nnei_w_m2 = 1e-9\n'), "qe.csv:1:1: the columns are not those")
         refused(self.path / "none.toml", "none.toml:1:1: ")
         refused(self.nei, "outside the stored band, 8 to 12 um", "--band", "lwir")
-        refused(self.nei, "expected one of them", "--season", "summer")
+        refused(self.nei, "choose one with --band", "--season", "summer")
         refused(self.nei, "narrower than the stored step of 0.1 um; ask for step_um = 0.05", "--band", "mwir", "--min-width-um", "0.05")
         refused(self.nei, "narrower than the stored step of 0.1 um", "--band", "mwir", "--window", "4,4.05")
         refused(self.nei, "outside of what is stored", "--band", "mwir", "--window", "2.5,4")

@@ -111,11 +111,11 @@ class Cavity(unittest.TestCase):
         irsig("profile", self.db, "--svg", "--out", out)
         text = "".join(xml.etree.ElementTree.parse(out).getroot().itertext())
         self.assertIn("Number of reflections", text)
-        one = list(csv.DictReader(io.StringIO(irsig("profile", self.db, "--csv", "--profile", "diffuse, depth 2"))))
+        one = list(csv.DictReader(io.StringIO(irsig("profile", self.db, "--csv", "--profile-name", "diffuse, depth 2"))))
         self.assertEqual({row["profile"] for row in one}, {"diffuse, depth 2"})
 
     def test_what_is_wrong_is_said(self):
-        done = subprocess.run([IRSIG, "profile", str(self.db), "--profile", "nothing"], capture_output=True, text=True)
+        done = subprocess.run([IRSIG, "profile", str(self.db), "--profile-name", "nothing"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 2)
         self.assertIn("no profile matches; there are:", done.stderr)
 

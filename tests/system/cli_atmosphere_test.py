@@ -57,11 +57,11 @@ class Atmosphere(unittest.TestCase):
 
     def test_weather_sun_and_surroundings_change_it(self):
         clear = at(rows(irsig("atmosphere", *AIR, *SEA)), 2555)
-        surface = ("--pressure-pa", 101325, "--temperature-k", 288.15)
+        surface = ("--pressure-pa", 101325, "--air-temperature-k", 288.15)
         dry = at(rows(irsig("atmosphere", *AIR, *SEA, *surface, "--humidity", 10)), 905)
         humid = at(rows(irsig("atmosphere", *AIR, *SEA, *surface, "--humidity", 95)), 905)
         self.assertGreater(dry["transmittance"], humid["transmittance"] + 0.1)
-        sunny = at(rows(irsig("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 50, "--sun-azimuth-deg", 20)), 2555)
+        sunny = at(rows(irsig("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 50, "--sun-from-path-deg", 20)), 2555)
         self.assertGreater(sunny["scattered_radiance_w_m2_sr_um"], clear["scattered_radiance_w_m2_sr_um"] + 0.001)
         self.assertEqual(clear["thermal_radiance_w_m2_sr_um"], sunny["thermal_radiance_w_m2_sr_um"])
         around, none = (at(rows(irsig("atmosphere", *AIR, *SEA, "--surroundings-temperature-k", k)), 905) for k in (290, 0))
@@ -72,7 +72,7 @@ class Atmosphere(unittest.TestCase):
         # As a run has it: particles scatter the fog's own light, which is as warm as the air within it.
         fog = ("--profile", "us_standard_1976", "--aerosol", "advection_fog", "--visibility-m", 300)
         path = at(rows(irsig("atmosphere", *fog, "--observer-m", 10, "--target-m", 10, "--range-m", 2000)), 905)
-        up = at(rows(irsig("sky", *fog, "--height-m", 10, "--zenith-deg", 80)), 905)
+        up = at(rows(irsig("sky", *fog, "--altitude-m", 10, "--zenith-deg", 80)), 905)
         warm = planck(path["lambda_um"], 288.1)
         self.assertAlmostEqual(path["path_radiance_w_m2_sr_um"] / warm, 1, delta=0.02)
         self.assertAlmostEqual(up["sky_radiance_w_m2_sr_um"] / warm, 1, delta=0.03)
@@ -108,27 +108,27 @@ class Atmosphere(unittest.TestCase):
             for expected in ("5 km from 20 m to 10 m", "midlatitude_summer, aerosol rural 23 km", "Transmittance",
                              "Path radiance"):
                 self.assertIn(expected, text)
-            irsig("sky", *AIR, "--height-m", 10, "--zenith-deg", "0,80", "--out", file)
+            irsig("sky", *AIR, "--altitude-m", 10, "--zenith-deg", "0,80", "--out", file)
             text = " ".join(xml.etree.ElementTree.parse(file).getroot().itertext())
             self.assertIn("80\u00b0", text)
 
     def test_errors_say_what_is_expected(self):
         for arguments, expected in (
-                (("atmosphere", "--aerosol", "none", *SEA), "show atmosphere: --profile is missing (or --sweep), expected one of tropical"),
+                (("atmosphere", "--aerosol", "none", *SEA), "show atmosphere: --profile is missing (or --sweep-file), expected one of tropical"),
                 (("atmosphere", "--profile", "arctic", "--aerosol", "none", *SEA), "--profile arctic: expected one of"),
                 (("atmosphere", "--profile", "tropical", *SEA), "--aerosol is missing, expected one of"),
                 (("atmosphere", "--profile", "tropical", "--aerosol", "rural", *SEA), "--aerosol rural needs --visibility-m"),
                 (("atmosphere", "--profile", "tropical", "--aerosol", "navy_maritime", *SEA), "needs --wind-speed-m-s"),
                 (("atmosphere", *AIR, "--observer-m", 20, "--range-m", 5000), "--target-height-m is missing"),
                 (("atmosphere", *AIR, *SEA, "--level"), "--level has one height"),
-                (("atmosphere", *AIR, *SEA, "--temperature-k", 290), "together"),
-                (("atmosphere", *AIR, *SEA, "--temperature-k", 290, "--humidity", 140, "--pressure-pa", 1e5),
+                (("atmosphere", *AIR, *SEA, "--air-temperature-k", 290), "together"),
+                (("atmosphere", *AIR, *SEA, "--air-temperature-k", 290, "--humidity", 140, "--pressure-pa", 1e5),
                  "relative_humidity_percent 140: expected 0 to 100"),
                 (("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 30), "belong together"),
                 (("atmosphere", *AIR, *SEA, "--lambda-min-um", 16, "--lambda-max-um", 17), "covers 2.94 to 15.4 um"),
                 (("atmosphere", *AIR, "--observer-m", 20, "--target-m", 10, "--range-m", 60000), "the Earth hides"),
-                (("sky", *AIR, "--height-m", 10, "--zenith-deg", 190), "--zenith-deg 190: expected 0 to 180"),
-                (("sun", "--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0, "--time", "noon"), "noon")):
+                (("sky", *AIR, "--altitude-m", 10, "--zenith-deg", 190), "--zenith-deg 190: expected 0 to 180"),
+                (("sun", "--latitude-deg", 25, "--longitude-deg", 130, "--altitude-m", 0, "--time", "noon"), "noon")):
             with self.subTest(expected=expected):
                 self.assertIn(expected, irsig(*arguments, exit_code=2))
 
@@ -143,7 +143,7 @@ class Atmosphere(unittest.TestCase):
 
 class Sky(unittest.TestCase):
     def test_directions(self):
-        table = rows(irsig("sky", *AIR, "--height-m", 10, "--zenith-deg", "0,60,85", "--azimuth-deg", "0,180",
+        table = rows(irsig("sky", *AIR, "--altitude-m", 10, "--zenith-deg", "0,60,85", "--azimuth-deg", "0,180",
                            "--sun-zenith-deg", 50, "--sun-azimuth-deg", 180, "--lambda-min-um", 3.5, "--lambda-max-um", 11.1))
         sky = {(r["zenith_deg"], r["azimuth_deg"]): r for r in table if r["wavenumber_cm1"] == 905}
         self.assertEqual(len(sky), 6)
@@ -156,7 +156,7 @@ class Sky(unittest.TestCase):
 
 
 class Sun(unittest.TestCase):
-    PLACE = ("--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0)
+    PLACE = ("--latitude-deg", 25, "--longitude-deg", 130, "--altitude-m", 0)
 
     def test_position_alone(self):
         (sun,) = rows(irsig("sun", *self.PLACE, "--time", "2025-12-21T10:30:00+09:00"))
@@ -195,7 +195,7 @@ class Cloud(unittest.TestCase):
     SUN = ("--sun-zenith-deg", 50, "--sun-azimuth-deg", 20)
 
     def sky(self, cover, *more):
-        return rows(irsig("sky", *AIR, "--height-m", 1, "--zenith-deg", "0,70", *self.STRATUS, "--cloud-cover", cover, *more))
+        return rows(irsig("sky", *AIR, "--altitude-m", 1, "--zenith-deg", "0,70", *self.STRATUS, "--cloud-cover", cover, *more))
 
     def test_overcast_sky_is_as_warm_as_its_base(self):
         # The base, 330 m, has 292.7 K; the clear zenith has 241.5 K.
@@ -218,14 +218,14 @@ class Cloud(unittest.TestCase):
                 self.assertAlmostEqual(b[error], math.hypot(0.7 * a[error] + 0.3 * c[error], apart), delta=1e-9 * b[error])
 
     def test_no_cover_changes_nothing(self):
-        sun = ("--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0, "--time", "2025-06-21T12:00:00+09:00")
-        for arguments in (("sky", *AIR, "--height-m", 1, "--zenith-deg", "0,80,100", *self.SUN),
-                          ("atmosphere", *AIR, *SEA, *self.SUN), ("sun", *AIR, *sun),
-                          ("sky", *AIR, "--height-m", 1, "--zenith-deg", 0, "--svg")):
+        sun = ("--latitude-deg", 25, "--longitude-deg", 130, "--altitude-m", 0, "--time", "2025-06-21T12:00:00+09:00")
+        for arguments in (("sky", *AIR, "--altitude-m", 1, "--zenith-deg", "0,80,100", *self.SUN),
+                          ("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 50, "--sun-from-path-deg", 20), ("sun", *AIR, *sun),
+                          ("sky", *AIR, "--altitude-m", 1, "--zenith-deg", 0, "--svg")):
             self.assertEqual(irsig(*arguments), irsig(*arguments, *self.STRATUS, "--cloud-cover", 0))
 
     def test_thin_cloud_is_next_to_clear(self):
-        clear, thin = (rows(irsig("sky", *AIR, "--height-m", 1, "--zenith-deg", "0,80", *cloud)) for cloud in
+        clear, thin = (rows(irsig("sky", *AIR, "--altitude-m", 1, "--zenith-deg", "0,80", *cloud)) for cloud in
                        ((), ("--cloud-type", "cirrus", "--cloud-cover", 1, "--cloud-water-path-g-m2", 1e-9,
                              "--cloud-base-m", 10000, "--cloud-top-m", 10001)))
         for a, b in zip(clear, thin):
@@ -245,7 +245,7 @@ class Cloud(unittest.TestCase):
         self.assertGreater(below["scattered_radiance_w_m2_sr_um"], clear["scattered_radiance_w_m2_sr_um"])
 
     def test_sunlight(self):
-        noon = ("sun", *AIR, "--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0, "--time",
+        noon = ("sun", *AIR, "--latitude-deg", 25, "--longitude-deg", 130, "--altitude-m", 0, "--time",
                 "2025-06-21T12:00:00+09:00")
         clear, half, overcast, cirrus = (
             at(rows(irsig(*noon, *cloud)), 2605)["sun_irradiance_w_m2_um"] for cloud in
@@ -263,7 +263,7 @@ class Cloud(unittest.TestCase):
             def sky(cloud):
                 file = pathlib.Path(folder) / "cloud.toml"
                 file.write_text(text.replace(winter, winter + cloud))
-                return [r for r in rows(irsig("sky", "--sweep", file, "--season", "winter", "--height-m", 2, "--zenith-deg", 0))
+                return [r for r in rows(irsig("sky", "--sweep-file", file, "--season", "winter", "--altitude-m", 2, "--zenith-deg", 0))
                         if 8 <= r["lambda_um"] <= 12]
             clear = sky("")
             half, overcast = (sky(f'cloud_type = "stratus"\ncloud_cover = {c}\n') for c in (0.5, 1))
@@ -272,7 +272,7 @@ class Cloud(unittest.TestCase):
             for a, b, c in zip(clear, half, overcast):
                 self.assertAlmostEqual(b[name], 0.5 * (a[name] + c[name]), delta=1e-9 * b[name])
             gas = subprocess.run([IRSIG, "show", "gas", "--temperature-k", "650", "--co2", "0.07", "--range-m", "1000",
-                                  "--sweep", "cloud.toml", "--season", "winter"], cwd=folder, capture_output=True, text=True,
+                                  "--sweep-file", "cloud.toml", "--season", "winter"], cwd=folder, capture_output=True, text=True,
                                  timeout=300)
             self.assertEqual(gas.returncode, 0)
             self.assertIn("hot gas is seen through clear air; the cloud of cloud.toml, winter, stratus cover 1 is left out",
@@ -299,7 +299,7 @@ class Cloud(unittest.TestCase):
                     self.assertIn(expected, words)
 
     def test_errors(self):
-        sky = ("sky", *AIR, "--height-m", 1, "--zenith-deg", 0)
+        sky = ("sky", *AIR, "--altitude-m", 1, "--zenith-deg", 0)
         for arguments, expected in (
                 (("--cloud-type", "stratus"), "--cloud-cover is missing"),
                 (("--cloud-cover", 1), '--cloud-type is missing, expected a type ("stratus", "cumulus", "cirrus" ...), or all of '
@@ -312,15 +312,15 @@ class Cloud(unittest.TestCase):
                  "outside the table of ice crystals")):
             with self.subTest(expected=expected):
                 self.assertIn(expected, irsig(*sky, *arguments, exit_code=2))
-        self.assertIn("--cloud-cover contradicts --sweep", irsig(
-            "sky", "--sweep", EXAMPLES / "frigate.toml", "--season", "winter", "--height-m", 1, "--zenith-deg", 0,
+        self.assertIn("--cloud-cover contradicts --sweep-file", irsig(
+            "sky", "--sweep-file", EXAMPLES / "frigate.toml", "--season", "winter", "--altitude-m", 1, "--zenith-deg", 0,
             "--cloud-cover", 1, exit_code=2))
 
 
 class Sweep(unittest.TestCase):
     """The seasons of frigate.toml, whose air is the embedded atmosphere."""
 
-    FRIGATE = ("--sweep", EXAMPLES / "frigate.toml")
+    FRIGATE = ("--sweep-file", EXAMPLES / "frigate.toml")
 
     def test_seasons_differ(self):
         winter, summer = (at(rows(irsig("atmosphere", *self.FRIGATE, "--season", season, *SEA)), 905)
@@ -338,9 +338,9 @@ class Sweep(unittest.TestCase):
                 (("atmosphere", *self.FRIGATE, *SEA), "--season is missing, expected one of winter | "),
                 (("atmosphere", *self.FRIGATE, "--season", "monsoon", *SEA), "--season monsoon: expected one of winter"),
                 (("atmosphere", *self.FRIGATE, "--season", "winter", "--co2-ppmv", 400, *SEA),
-                 "--co2-ppmv contradicts --sweep"),
-                (("atmosphere", *AIR, "--season", "winter", *SEA), "--season belongs to --sweep"),
-                (("atmosphere", "--sweep", EXAMPLES / "disk.toml", *SEA), 'expected "atmosphere"')):
+                 "--co2-ppmv contradicts --sweep-file"),
+                (("atmosphere", *AIR, "--season", "winter", *SEA), "--season belongs to --sweep-file"),
+                (("atmosphere", "--sweep-file", EXAMPLES / "disk.toml", *SEA), 'expected "atmosphere"')):
             with self.subTest(expected=expected):
                 self.assertIn(expected, irsig(*arguments, exit_code=2))
 

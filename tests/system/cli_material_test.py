@@ -104,7 +104,7 @@ class Material(unittest.TestCase):
     def test_check_sweep_fails_for_a_material_that_creates_energy(self):
         self.sweep('[[material]]\nname = "paper"\nkind = "hull_paper"\nallow_energy_gain = true\n'
                    '[[material]]\nname = "paint"\nkind = "lambert"\nemissivity = 0.9\n')
-        text = irsig("check", "--sweep", "s.toml", "--csv", cwd=self.path, exit_code=1)
+        text = irsig("check", "--sweep-file", "s.toml", "--csv", cwd=self.path, exit_code=1)
         table = [r for r in rows(text) if r["passed"] in ("true", "false")]
         self.assertEqual({r["material"] for r in table}, {"paper", "paint"})
         self.assertEqual({r["material"] for r in table if r["passed"] == "false"}, {"paper"})

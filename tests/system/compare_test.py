@@ -91,6 +91,14 @@ class Compare(unittest.TestCase):
             self.assertAlmostEqual(b / a, 1.0838 if changed else 1, delta=2e-3)
             self.assertEqual(row["exceeds_error"], "true" if changed else "false")
 
+    def test_several_seasons_are_the_rows_of_each(self):
+        each = [self.rows("a.sigdb", "b.sigdb", "--band", "lwir", "--season", name) for name in ("cold", "warm")]
+        both = self.rows("a.sigdb", "b.sigdb", "--band", "lwir", "--season", "warm", "--season", "cold")
+        self.assertEqual(len(both), 8)
+        self.assertCountEqual(both, each[0] + each[1])
+        said = self.irsig("compare", "a.sigdb", "b.sigdb", "--season", "cold", "--season", "wram", code=2).stderr
+        self.assertIn('no season "wram" in this database; there is: cold, warm', said)
+
     def test_two_seasons_of_one(self):
         rows = self.rows("a.sigdb", "--season", "cold", "--b-season", "warm", "--band", "lwir")
         self.assertEqual(len(rows), 4)

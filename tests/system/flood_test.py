@@ -149,7 +149,7 @@ class Flood(unittest.TestCase):
                                         listen, *network("coordinator"), stdout=subprocess.PIPE)
         self.address = re.search(r"listening on (\S+)", self.coordinator.stdout.readline())[1]
         worker = self.started("worker.log", BIN / "irsig-worker", f"--coordinator={self.address}", "--name=honest", *network("worker"))
-        self.until("the worker is there", lambda: "honest" in self.told("status", "--workers", "--csv"))
+        self.until("the worker is there", lambda: "honest" in self.told("status", "--by-worker", "--csv"))
         before = self.most_bytes()
         self.told("submit", "sweep.toml")
         for flood in FLOODS:
@@ -158,7 +158,7 @@ class Flood(unittest.TestCase):
             time.sleep(1)  # one such line a second is logged
         self.until("all is done", lambda: "\ndisk,30,30," in self.told("status", "--csv"))
         print(f"{listen}: {(self.most_bytes() - before) / 1e6:.1f} MB", file=sys.stderr)
-        self.assertIn("honest", self.told("status", "--workers", "--csv"))
+        self.assertIn("honest", self.told("status", "--by-worker", "--csv"))
         worker.terminate()
         self.assertEqual(worker.wait(PATIENCE_S), 0)
         self.coordinator.terminate()

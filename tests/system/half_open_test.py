@@ -121,7 +121,7 @@ class HalfOpen(unittest.TestCase):
         resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, STRANGERS + 200), hard))
         self.listen((256, hard))  # it raises its own limit
         worker = self.started("worker.log", BIN / "irsig-worker", f"--coordinator={self.address}", "--name=honest", *self.files("worker"))
-        self.until("the worker is there", lambda: "honest" in self.told("status", "--workers", "--csv"))
+        self.until("the worker is there", lambda: "honest" in self.told("status", "--by-worker", "--csv"))
         before = self.memory_bytes()
         silent = [self.silent() for _ in range(STRANGERS // 3)]
         slow = [self.hello() for _ in range(STRANGERS // 3)]
@@ -145,14 +145,14 @@ class HalfOpen(unittest.TestCase):
         # One of a kind a second, however long it takes here: "[2026-11-26 16:15:45.809] [coordinator] [warning] closed: ...".
         for (second, kind), count in collections.Counter((line[:20], line.split("] ")[3].split(":")[0]) for line in lines).items():
             self.assertLessEqual(count, 3, (second, kind))
-        self.assertIn("honest", self.told("status", "--workers", "--csv"))
+        self.assertIn("honest", self.told("status", "--by-worker", "--csv"))
         worker.terminate()
         self.assertEqual(worker.wait(PATIENCE_S), 0)
 
     def test_more_strangers_than_files(self):
         self.listen((128, 128))
         worker = self.started("worker-2.log", BIN / "irsig-worker", f"--coordinator={self.address}", "--name=honest", *self.files("worker"))
-        self.until("the worker is there", lambda: "honest" in self.told("status", "--workers", "--csv"))
+        self.until("the worker is there", lambda: "honest" in self.told("status", "--by-worker", "--csv"))
         self.told("submit", "sweep.toml")
         strangers = [self.silent() for _ in range(200)]
         self.are_put_out(strangers)

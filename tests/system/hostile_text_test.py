@@ -115,7 +115,7 @@ class HostileText(unittest.TestCase):
 
     COMMANDS = (["query"], ["query", "--parts"], ["query", "--causes"], ["report"], ["profile"],
                 ["explain", "--row", 1], ["query", "--sweep", "no\x1b[2Jbody"], ["query", "--band", "no\x1b[2J"],
-                ["explain", "--row", 99], ["profile", "--profile", "no\x1b[2J"])
+                ["explain", "--row", 99], ["profile", "--profile-name", "no\x1b[2J"])
 
     def arguments(self, command):
         return [command[0], self.db, *command[1:]]

@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 IRSIG = str(pathlib.Path(sys.argv[1]).resolve())
-FUNNEL = ("funnel", "--temperature-k", 650, "--diameter-m", 1.2, "--velocity-m-s", 25, "--excess-air", 1.2,
+FUNNEL = ("funnel", "--temperature-k", 650, "--opening-diameter-m", 1.2, "--velocity-m-s", 25, "--excess-air", 1.2,
           "--length-m", 15, "--voxel-m", 0.5)
 
 
@@ -53,7 +53,7 @@ class ModelPlume(unittest.TestCase):
         self.assertGreater(self.numbers(other, "y starboard")[1], 8)
 
     def test_what_a_kind_needs_and_what_it_does_not_have(self):
-        self.assertIn("funnel needs --temperature-k, --voxel-m, --length-m, --diameter-m, --velocity-m-s, --wind-m-s, "
+        self.assertIn("funnel needs --temperature-k, --voxel-m, --length-m, --opening-diameter-m, --velocity-m-s, --wind-m-s, "
                       "--excess-air", self.plume("funnel", "--out", "a.vdb", exit_code=2))
         self.assertIn("sphere has no --length-m", self.plume(
             "sphere", "--temperature-k", 900, "--co2", 0.1, "--radius-m", 1, "--voxel-m", 0.1, "--length-m", 1, "--out",

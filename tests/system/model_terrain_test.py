@@ -34,7 +34,7 @@ class ModelTerrain(unittest.TestCase):
         self.assertEqual({len(row) for row in heights}, {101})
         total = [0.0] * 101 * 101
         for layer in ("asphalt", "bare_soil", "grass", "water", "wheat"):
-            self.terrain("--seed", 3, "--width-m", 2000, "--spacing-m", 20, "--layer", layer, "--out", "fraction.asc")
+            self.terrain("--seed", 3, "--width-m", 2000, "--spacing-m", 20, "--map-layer", layer, "--out", "fraction.asc")
             same_head, fractions = self.grid("fraction.asc")
             self.assertEqual(same_head, head)
             total = [a + b for a, b in zip(total, (value for row in fractions for value in row))]
@@ -51,7 +51,7 @@ class ModelTerrain(unittest.TestCase):
         for seed in ("-1", "1.5", "one"):
             done = self.terrain(f"--seed={seed}", "--out", "a.asc", exit_code=2)
             self.assertIn(f"{seed} is not a whole number of at least 0", done.stderr)
-        self.terrain("--layer", "lava", "--out", "a.asc", exit_code=2)
+        self.terrain("--map-layer", "lava", "--out", "a.asc", exit_code=2)
         self.assertFalse((self.path / "a.asc").exists())
 
 

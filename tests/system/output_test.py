@@ -39,7 +39,7 @@ class Output(unittest.TestCase):
         commands = [["query", "a.sigdb"], ["report", "a.sigdb"], ["plan", "a.toml"], ["material", "list"],
                     ["material", "show", "aluminium"], ["material", "check", "blackbody"], ["show", "effects"],
                     ["show", "planck", "--temperature-k", "300", "--lambda-um", "10"],
-                    ["show", "sun", "--latitude-deg", "50", "--longitude-deg", "0", "--height-m", "0", "--time",
+                    ["show", "sun", "--latitude-deg", "50", "--longitude-deg", "0", "--altitude-m", "0", "--time",
                      "2025-06-21T12:00:00Z"]]
         for command in commands:
             with self.subTest(" ".join(command)):

@@ -402,7 +402,7 @@ class Serve(ServeCase):
             time.sleep(0.05)
         (ann,) = answer["worker"]
         self.assertEqual((answer["workers"], ann["name"], ann["state"], ann["job_key"]), (1, "<b>ann", "idle", ""))
-        (said,) = json.loads(irsig(IRSIG, "status", "--workers", "--coordinator", address, "--json"))
+        (said,) = json.loads(irsig(IRSIG, "status", "--by-worker", "--coordinator", address, "--json"))
         self.assertEqual((said["worker"], said["memory_bytes"]), (ann["name"], ann["memory_bytes"]))
         farm.kill()
         farm.wait()

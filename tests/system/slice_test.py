@@ -99,9 +99,22 @@ class Slice(unittest.TestCase):
         self.assertRegex(done.stderr, r"samples_per_replicate = \d+ instead of time_budget_s")
         self.assertIn("sliced", irsig("report", out).stdout)  # as it was
 
+    def test_several_seasons(self):
+        out = self.path / "two.sigdb"
+        self.assertEqual(irsig("slice", self.whole, "--out", out, "--season", "winter", "--season", "summer").returncode, 0)
+        self.assertIn("--season winter --season summer", irsig("report", out).stdout)
+        for asked in (["--season", "summer"], ["--season", "winter"], []):
+            wanted = asked or ["--season", "summer", "--season", "winter"]
+            self.assertEqual(rows(out, *asked), rows(self.whole, *wanted))
+        self.assertEqual(len(rows(out)), 16)
+        self.assertEqual(irsig("query", out, "--season", "spring").returncode, 2)
+        out.unlink()
+
     def test_bad_input(self):
         before = sorted(os.listdir(self.path))
-        for options, text in ((["--season", "autumn"], 'no season "autumn" in this database; there is: spring, summer, winter'),
+        for options, text in ((["--season", "summer", "--season", "autumn"],
+                               'no season "autumn" in this database; there is: spring, summer, winter'),
+                              (["--season", "autumn"], 'no season "autumn" in this database; there is: spring, summer, winter'),
                               (["--row", "25"], "no row 25"),
                               (["--aspect", "0,10", "--interpolate"], "computed signatures only"),
                               (["--nearest", "2"], "--aspect")):

@@ -36,7 +36,7 @@ class VerifyEffects(unittest.TestCase):
 
     def test_small_matrix(self):
         table = self.path / "matrix.csv"
-        said = irsig("verify-effects", "--matrix", "--small", "--reference", 10, "--values", table)
+        said = irsig("verify-effects", "--matrix", "--small", "--reference-paths", 10, "--values", table)
         self.assertIn(": 0 cells out of bound", said)
         self.assertRegex(said, "^not seen here, ")
         cells = int(re.search(r"^(\d+) cells", said, re.M)[1])
@@ -72,7 +72,7 @@ class VerifyEffects(unittest.TestCase):
         self.assertRegex(said, r"(?m)^2 views, 12 rows, 36 values: 0 out of bound")
         one = irsig("verify-effects", self.sweep(), "--row", 42)
         self.assertRegex(one, r"(?m)^1 views, 1 rows, 3 values: 0 out of bound")
-        exact = irsig("verify-effects", self.sweep(), "--views", 1, "--relative-error", 0.003, "--reference", 4)
+        exact = irsig("verify-effects", self.sweep(), "--views", 1, "--relative-error", 0.003, "--reference-paths", 4)
         self.assertIn("relative error 0.003", exact)
         self.assertRegex(exact, r"(?m)^against the reference: 18 values")
 

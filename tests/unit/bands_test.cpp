@@ -7,8 +7,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace irsig {
 namespace {
@@ -207,6 +210,93 @@ TEST(BandSearchTest, AlikeToABandWhoseResponseEndsInNothing) {
 }
 
 // Rows of a view share their paths, those of two views do not.
+// A contrast whose level has several hills, so that neither the best window nor the best pair is
+// the widest one.
+BandSearch hilly_search(Pairing pairing, bool flat = false) {
+  TargetContrast of = contrast(1);
+  for (std::size_t k = 0; k < kSearchedBins && !flat; ++k)
+    of.value[k] = std::sin(0.9 * static_cast<double>(k)) + 0.02 * static_cast<double>(k);
+  BandPopulation rows = population(std::move(of));
+  rows.row.front().background_w_m2_sr_um =
+      std::vector<double>(kSearchedBins, pairing == Pairing::kDifference ? 1.0 : 0.0);
+  auto search = BandSearch::make(std::move(rows), {{}, ConstantNoise{1e-6}}, pairing);
+  EXPECT_TRUE(search.ok()) << search.status();
+  return *std::move(search);
+}
+
+// The greedy choice by its definition, among the whole list.
+std::vector<Candidate> chosen_by_definition(const BandSearch& search, std::size_t most) {
+  const auto all = search.search({}, search.step_um(), 1000000, Listed::kAll);
+  EXPECT_EQ(all.best.size(), all.judged);
+  std::vector<Candidate> out;
+  for (const Candidate& c : all.best) {
+    bool differs = true;
+    for (const Candidate& chosen : out) differs = differs && !search.alike(c, chosen);
+    if (differs && out.size() < most) out.push_back(c);
+  }
+  return out;
+}
+
+void expect_same(const std::vector<Candidate>& a, const std::vector<Candidate>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].one, b[i].one) << i;
+    EXPECT_EQ(a[i].other, b[i].other) << i;
+    EXPECT_EQ(a[i].merit, b[i].merit) << i;
+  }
+}
+
+TEST(BandSearchTest, WindowsAreAlikeThatShareMoreThanHalf) {
+  const BandSearch search = hilly_search(Pairing::kNone);
+  const auto alike = [&](Passband a, Passband b) {
+    EXPECT_EQ(search.alike({a}, {b}), search.alike({b}, {a}));
+    return search.alike({a}, {b});
+  };
+  // Limits 1 to 20 are those of whole bins.
+  EXPECT_TRUE(alike({1, 9}, {1, 9}));
+  EXPECT_TRUE(alike({1, 9}, {2, 10}));    // 7 of 9
+  EXPECT_TRUE(alike({1, 10}, {3, 12}));   // 7 of 11
+  EXPECT_FALSE(alike({1, 10}, {4, 13}));  // 6 of 12
+  EXPECT_TRUE(alike({1, 20}, {1, 11}));   // 10 of 19
+  EXPECT_FALSE(alike({1, 9}, {1, 5}));    // half
+  EXPECT_FALSE(alike({1, 9}, {4, 13}));   // 5 of 12
+  EXPECT_FALSE(alike({1, 9}, {9, 17}));   // none
+  EXPECT_FALSE(alike({1, 5}, {12, 16}));  // apart
+}
+
+TEST(BandSearchTest, ListsWindowsThatDiffer) {
+  for (const Pairing pairing : {Pairing::kNone, Pairing::kDifference, Pairing::kMatched}) {
+    const BandSearch search = hilly_search(pairing);
+    const auto expected = chosen_by_definition(search, 7);
+    ASSERT_EQ(expected.size(), 7U);
+    const auto found = search.search({}, search.step_um(), 7);
+    expect_same(found.best, expected);
+    // Fewer pairs than are alike to the best are held: they are judged again.
+    expect_same(search.search({}, search.step_um(), 7, Listed::kDifferent, 3).best, expected);
+    // A shorter list is the beginning of a longer one, and the first is the best of all.
+    const auto shorter = search.search({}, search.step_um(), 3).best;
+    expect_same(shorter, {expected.begin(), expected.begin() + 3});
+    const auto all = search.search({}, search.step_um(), 7, Listed::kAll).best;
+    expect_same({all.front()}, {expected.front()});
+    EXPECT_GT(all[1].merit, expected[1].merit);
+    EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), precedes));
+  }
+}
+
+TEST(BandSearchTest, EqualMeritsAreInTheOrderOfTheirLimits) {
+  const BandSearch search = hilly_search(Pairing::kMatched, true);
+  const auto all = search.search({}, search.step_um(), 1000000, Listed::kAll).best;
+  std::size_t equal = 0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i].merit != all[i - 1].merit) continue;
+    ++equal;
+    EXPECT_TRUE(std::pair(all[i - 1].one.first, all[i - 1].one.last) <=
+                std::pair(all[i].one.first, all[i].one.last));
+  }
+  EXPECT_GT(equal, 10U);
+  expect_same(search.search({}, search.step_um(), 10).best, chosen_by_definition(search, 10));
+}
+
 TEST(BandMargins, RowsOfAViewErrTogether) {
   TargetContrast t = contrast(1);
   t.modes = {std::vector<double>(kSearchedBins, 0.01)};

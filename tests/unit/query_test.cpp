@@ -4,7 +4,11 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <set>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "fake_database.h"
 #include "view/base/quantity.h"
@@ -55,6 +59,54 @@ TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
   ASSERT_TRUE(same.ok()) << same.status();
   ASSERT_EQ(same->size(), 191U);
   EXPECT_EQ((*same)[7].signature.row, (*rows)[7].signature.row);
+}
+
+TEST(Query, SeveralSeasonsGiveTheRowsOfEach) {
+  FakeDatabase db = fake_database();
+  const auto rows_of = [&](NameSet season) {
+    const auto rows = run_query(db, {.season = std::move(season), .band = "lwir"});
+    EXPECT_TRUE(rows.ok()) << rows.status();
+    std::set<std::uint64_t> out;
+    for (const QueryRow& row : *rows) out.insert(row.signature.row);
+    EXPECT_EQ(out.size(), rows->size());
+    return out;
+  };
+  const auto several = [](std::vector<std::string> names) { return NameSet(std::move(names)); };
+  std::set<std::uint64_t> each = rows_of("summer");
+  const std::set<std::uint64_t> winter = rows_of("winter");
+  each.insert(winter.begin(), winter.end());
+  EXPECT_EQ(each.size(), 382U);
+  EXPECT_EQ(rows_of(several({"summer", "winter"})), each);
+  EXPECT_EQ(rows_of(several({"winter", "summer", "winter"})), each);
+  EXPECT_EQ(rows_of(several({"winter"})), winter);
+  EXPECT_EQ(rows_of(several({})).size(), 573U);
+  // The second statement, which finds rows by their viewpoint.
+  const auto near = run_query(db, {.season = several({"summer", "winter"}),
+                                   .band = "lwir",
+                                   .aspect = SignatureFilter::Direction{90, 20},
+                                   .nearest = 1});
+  ASSERT_TRUE(near.ok()) << near.status();
+  ASSERT_EQ(near->size(), 2U);
+  EXPECT_EQ((*near)[0].signature.season, "winter");  // in the order of the sweep
+  EXPECT_EQ((*near)[1].signature.season, "summer");
+}
+
+TEST(Query, EachOfSeveralSeasonsMustExist) {
+  FakeDatabase db = fake_database();
+  const NameSet season(std::vector<std::string>{"summer", "wintr"});
+  for (const Query& query : {Query{.season = season}, Query{.season = season,
+                                                      .band = "lwir",
+                                                      .aspect = SignatureFilter::Direction{90, 20},
+                                                      .interpolate = true}}) {
+    const absl::Status said = run_query(db, query).status();
+    EXPECT_EQ(said.code(), absl::StatusCode::kNotFound);
+    EXPECT_THAT(
+        std::string(said.message()),
+        HasSubstr("no season \"wintr\" in this database; there is: spring, summer, winter"));
+  }
+  // A name is compared, not read as a part of the list.
+  for (const char* name : {"summer\", \"winter", "summer,winter", "%", "[]", "\xff"})
+    EXPECT_TRUE(absl::IsNotFound(run_query(db, {.season = name}).status())) << name;
 }
 
 TEST(Query, SomeOfItsRowsAreSpreadOverAll) {

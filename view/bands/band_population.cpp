@@ -229,9 +229,9 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
     const StoredSignature& s = row.signature;
     if (s.band != any.band || s.sweep != any.sweep)
       return absl::InvalidArgumentError(fmt::format(
-          "rows of several {}s match, \"{}\" and \"{}\": expected one of them",
+          "rows of several {}s match, \"{}\" and \"{}\": choose one with --{}",
           s.band != any.band ? "band" : "sweep", s.band != any.band ? any.band : any.sweep,
-          s.band != any.band ? s.band : s.sweep));
+          s.band != any.band ? s.band : s.sweep, s.band != any.band ? "band" : "sweep"));
     const auto [at, added] =
         aspects.try_emplace({s.aspect_azimuth_deg, s.aspect_elevation_deg}, aspects.size());
     if (added) aspect.push_back({s.aspect_azimuth_deg, s.aspect_elevation_deg});

@@ -355,11 +355,63 @@ double BandSearch::merit_at(const MeritOf& merit, const Candidate& c, double ran
   return merit_of(merit, weight, of_rows);
 }
 
-BandSearch::Found BandSearch::search(const MeritOf& merit, double least_width_um,
-                                     std::size_t most) const {
+bool precedes(const Candidate& a, const Candidate& b) {
+  const auto limits = [](const Candidate& c) {
+    const Passband other = c.other.value_or(Passband{});
+    return std::array{c.one.first, c.one.last, other.first, other.last};
+  };
+  if (a.merit != b.merit) return better(a, b);
+  return limits(a) < limits(b);
+}
+
+bool BandSearch::share(Passband a, Passband b) const {
+  const double both_um = std::min(limit_um_[a.last], limit_um_[b.last]) -
+                         std::max(limit_um_[a.first], limit_um_[b.first]);
+  const double all_um =
+      limit_um_[a.last] - limit_um_[a.first] + limit_um_[b.last] - limit_um_[b.first] - both_um;
+  return both_um > kSharedByAlike * all_um + 1e-9;
+}
+
+bool BandSearch::alike(const Candidate& a, const Candidate& b) const {
+  if (!a.other || !b.other) return share(a.one, b.one);
+  const auto by_wavelength = [](const Candidate& c) {
+    return c.one.first < c.other->first ? std::pair{c.one, *c.other} : std::pair{*c.other, c.one};
+  };
+  const auto [a_low, a_high] = by_wavelength(a);
+  const auto [b_low, b_high] = by_wavelength(b);
+  return share(a_low, b_low) && share(a_high, b_high);
+}
+
+bool BandSearch::differs(const Candidate& c, std::span<const Candidate> from) const {
+  return std::none_of(from.begin(), from.end(),
+                      [&](const Candidate& other) { return alike(c, other); });
+}
+
+void BandSearch::append_different(std::span<const Candidate> list, std::size_t most,
+                                  std::vector<Candidate>& out) const {
+  for (const Candidate& c : list) {
+    if (out.size() >= most) return;
+    if (differs(c, out)) out.push_back(c);
+  }
+}
+
+std::vector<Candidate> BandSearch::first_of(std::vector<Candidate> all, std::size_t most,
+                                            Listed listed) const {
+  std::sort(all.begin(), all.end(), precedes);
+  if (listed == Listed::kDifferent) {
+    std::vector<Candidate> out;
+    append_different(all, most, out);
+    return out;
+  }
+  all.resize(std::min(all.size(), most));
+  return all;
+}
+
+BandSearch::Found BandSearch::search(const MeritOf& merit, double least_width_um, std::size_t most,
+                                     Listed listed, std::size_t held_pairs) const {
   Found out;
   if (pairing_ != Pairing::kNone) {
-    search_pairs(merit, least_width_um, most, out);
+    search_pairs(merit, least_width_um, most, listed, held_pairs, out);
     return out;
   }
   for (std::size_t first = 0; first < edges_; ++first)
@@ -368,14 +420,83 @@ BandSearch::Found BandSearch::search(const MeritOf& merit, double least_width_um
       out.map.push_back(candidate(merit, {first, last}));
     }
   out.judged = out.map.size();
-  out.best = out.map;
-  std::stable_sort(out.best.begin(), out.best.end(), better);
-  out.best.resize(std::min(out.best.size(), most));
+  out.best = first_of(out.map, most, listed);
   return out;
 }
 
+void BandSearch::each_pair(
+    const MeritOf& merit, std::span<const Passband> window,
+    const std::function<bool(const Candidate&)>& wanted,
+    const std::function<void(const Candidate&, std::size_t, std::size_t)>& take) const {
+  const std::size_t rows = population_.row.size();
+  std::vector<double> s1(rows), v1(rows), s(rows);
+  const bool fast = pairing_ == Pairing::kDifference;
+  const bool two = population_.row.front().against.has_value();
+  const auto signal = [&](Passband p, std::size_t i) {
+    return of(target_.signal, p, i) - (two ? of(against_.signal, p, i) : 0);
+  };
+  for (std::size_t w = 0; w < window.size(); ++w) {
+    for (std::size_t i = 0; i < rows; ++i) {
+      s1[i] = signal(window[w], i);
+      v1[i] = detector_.variance(of(photons_, window[w], i));
+    }
+    for (std::size_t u = 0; u < window.size(); ++u) {
+      const Passband p = window[u];
+      if (p.first < window[w].last) continue;
+      Candidate c{window[w], p};
+      if (!wanted(c)) continue;
+      if (fast) {
+        c.gain = gain(window[w], p);
+        for (std::size_t i = 0; i < rows; ++i) {
+          const Variances clutter = clutter_of(c, i);
+          const double v2 = detector_.variance(of(photons_, p, i)) + clutter.other;
+          const double variance =
+              v1[i] + clutter.one + c.gain * c.gain * v2 - 2 * c.gain * clutter.both;
+          s[i] = variance > 0 ? std::abs(s1[i] - c.gain * signal(p, i)) / std::sqrt(variance) : 0;
+        }
+      } else {
+        for (std::size_t i = 0; i < rows; ++i) s[i] = of_row(c, i, {});
+      }
+      c.merit = merit_of_rows(merit, s);
+      take(c, w, u);
+    }
+  }
+}
+
+namespace {
+
+// The best candidates of any number, the worst of them in front of a heap.
+class BestOf {
+ public:
+  explicit BestOf(std::size_t most) : most_(most) {}
+  void take(const Candidate& c) {
+    if (heap_.size() == most_ && !precedes(c, heap_.front())) {
+      ++dropped_;
+      return;
+    }
+    heap_.push_back(c);
+    std::push_heap(heap_.begin(), heap_.end(), precedes);
+    if (heap_.size() <= most_) return;
+    std::pop_heap(heap_.begin(), heap_.end(), precedes);
+    heap_.pop_back();
+    ++dropped_;
+  }
+  // Returns the candidates in the order of a list.
+  [[nodiscard]] std::vector<Candidate> sorted() {
+    std::sort_heap(heap_.begin(), heap_.end(), precedes);
+    return std::move(heap_);
+  }
+  [[nodiscard]] bool dropped() const { return dropped_ > 0; }
+
+ private:
+  std::size_t most_, dropped_ = 0;
+  std::vector<Candidate> heap_;
+};
+
+}  // namespace
+
 void BandSearch::search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
-                              Found& out) const {
+                              Listed listed, std::size_t held_pairs, Found& out) const {
   const std::size_t rows = population_.row.size();
   std::vector<std::size_t> edge;
   for (out.stride = 1;; ++out.stride) {
@@ -394,59 +515,40 @@ void BandSearch::search_pairs(const MeritOf& merit, double least_width_um, std::
       if (limit_um_[edge[b]] - limit_um_[edge[a]] >= least_width_um - 1e-9)
         window.push_back({edge[a], edge[b]});
   std::vector<Candidate> of_window(window.size());
-  std::vector<double> s1(rows), v1(rows), s(rows);
-  const bool fast = pairing_ == Pairing::kDifference;
-  const bool two = population_.row.front().against.has_value();
-  for (std::size_t w = 0; w < window.size(); ++w) {
-    const auto signal = [&](Passband p, std::size_t i) {
-      return of(target_.signal, p, i) - (two ? of(against_.signal, p, i) : 0);
-    };
-    for (std::size_t i = 0; i < rows; ++i) {
-      s1[i] = signal(window[w], i);
-      v1[i] = detector_.variance(of(photons_, window[w], i));
-    }
-    for (std::size_t u = 0; u < window.size(); ++u) {
-      const Passband p = window[u];
-      if (p.first < window[w].last) continue;
-      Candidate c{window[w], p};
-      if (fast) {
-        c.gain = gain(window[w], p);
-        for (std::size_t i = 0; i < rows; ++i) {
-          const Variances clutter = clutter_of(c, i);
-          const double v2 = detector_.variance(of(photons_, p, i)) + clutter.other;
-          const double variance =
-              v1[i] + clutter.one + c.gain * c.gain * v2 - 2 * c.gain * clutter.both;
-          s[i] = variance > 0 ? std::abs(s1[i] - c.gain * signal(p, i)) / std::sqrt(variance) : 0;
-        }
-      } else {
-        for (std::size_t i = 0; i < rows; ++i) s[i] = of_row(c, i, {});
-      }
-      c.merit = merit_of_rows(merit, s);
-      ++out.judged;
-      for (const std::size_t part : {w, u})
-        if (!of_window[part].other || better(c, of_window[part])) of_window[part] = c;
-      // The worst of the best stands in front.
-      if (out.best.size() < most || better(c, out.best.front())) {
-        out.best.push_back(c);
-        std::push_heap(out.best.begin(), out.best.end(), better);
-        if (out.best.size() > most) {
-          std::pop_heap(out.best.begin(), out.best.end(), better);
-          out.best.pop_back();
-        }
-      }
-    }
-  }
+  const bool different = listed == Listed::kDifferent;
+  BestOf first(different ? held_pairs : most);
+  each_pair(
+      merit, window, [](const Candidate&) { return true; },
+      [&](const Candidate& c, std::size_t w, std::size_t u) {
+        ++out.judged;
+        for (const std::size_t part : {w, u})
+          if (!of_window[part].other || better(c, of_window[part])) of_window[part] = c;
+        first.take(c);
+      });
   for (std::size_t w = 0; w < window.size(); ++w) {
     if (!of_window[w].other) continue;
     // The window of the map first.
     if (of_window[w].one != window[w]) std::swap(of_window[w].one, *of_window[w].other);
     out.map.push_back(of_window[w]);
   }
-  std::sort(out.best.begin(), out.best.end(), better);
-  if (out.stride > 1) climb(merit, least_width_um, most, out);
+  bool more = first.dropped();
+  if (different)
+    append_different(first.sorted(), most, out.best);
+  else
+    out.best = first.sorted();
+  // Those that were not held and differ.
+  while (different && more && out.best.size() < most) {
+    BestOf next(held_pairs);
+    each_pair(
+        merit, window, [&](const Candidate& c) { return differs(c, out.best); },
+        [&](const Candidate& c, std::size_t, std::size_t) { next.take(c); });
+    more = next.dropped();
+    append_different(next.sorted(), most, out.best);
+  }
+  if (out.stride > 1) climb(merit, least_width_um, most, listed, out);
 }
 
-void BandSearch::climb(const MeritOf& merit, double least_width_um, std::size_t most,
+void BandSearch::climb(const MeritOf& merit, double least_width_um, std::size_t most, Listed listed,
                        Found& out) const {
   const auto wide = [&](Passband p) {
     return p.first < p.last && limit_um_[p.last] - limit_um_[p.first] >= least_width_um - 1e-9;
@@ -474,10 +576,9 @@ void BandSearch::climb(const MeritOf& merit, double least_width_um, std::size_t 
   out.judged += seen.size();
   for (const Candidate& c : out.best)
     seen.try_emplace({c.one.first, c.one.last, c.other->first, c.other->last}, c);
-  out.best.clear();
-  for (const auto& [limits, c] : seen) out.best.push_back(c);
-  std::stable_sort(out.best.begin(), out.best.end(), better);
-  out.best.resize(std::min(out.best.size(), most));
+  std::vector<Candidate> all;
+  for (const auto& [limits, c] : seen) all.push_back(c);
+  out.best = first_of(std::move(all), most, listed);
 }
 
 double BandSearch::mean_stderr(Passband p) const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -51,6 +52,19 @@ struct Candidate {
 [[nodiscard]] inline bool better(const Candidate& a, const Candidate& b) {
   return a.merit > b.merit;
 }
+
+// Returns whether candidate a stands before b in a list: by merit, the greater first; of equal
+// merits, by their limits.
+[[nodiscard]] bool precedes(const Candidate& a, const Candidate& b);
+
+// Candidates that a search lists.
+enum class Listed {
+  kDifferent,  // the best, then each time the best of those that differ from all listed ones
+  kAll         // the best, however alike: neighbours differ by one stored bin
+};
+// Two windows are alike if they share more than this fraction of what both cover together. Two
+// pairs are alike if their lower windows are, and their upper ones.
+constexpr double kSharedByAlike = 0.5;
 
 struct CandidateMerit {
   Candidate of;
@@ -113,15 +127,22 @@ class BandSearch {
   [[nodiscard]] Candidate candidate(const MeritOf& merit, Passband one,
                                     std::optional<Passband> other = {}) const;
 
+  // Returns whether two candidates without filters are alike (kSharedByAlike).
+  [[nodiscard]] bool alike(const Candidate& a, const Candidate& b) const;
+
   // Result of a search over every window between two edges that has at least a given width; with a
   // pairing, over every two such windows that do not overlap. If these are too many, edges are
   // taken at a stride, and the best windows are moved edge by edge as long as that improves them.
+  // Listed candidates that differ do not depend on held_pairs, the number of pairs that are held
+  // for choosing them: where these do not suffice, pairs are judged again.
   struct Found {
     std::vector<Candidate> best;  // at most `most`, the best first
     std::vector<Candidate> map;   // of each window the best that it is part of
     std::size_t judged = 0, stride = 1;
   };
-  [[nodiscard]] Found search(const MeritOf& merit, double least_width_um, std::size_t most) const;
+  [[nodiscard]] Found search(const MeritOf& merit, double least_width_um, std::size_t most,
+                             Listed listed = Listed::kDifferent,
+                             std::size_t held_pairs = kHeldPairs) const;
 
   [[nodiscard]] std::vector<double> snr(const Candidate& c) const;  // [row]
   // Returns the merit of the rows at one range of the population.
@@ -160,6 +181,9 @@ class BandSearch {
 
   [[nodiscard]] const BandPopulation& population() const { return population_; }
   [[nodiscard]] Pairing pairing() const { return pairing_; }
+
+  // 60 MB.
+  static constexpr std::size_t kHeldPairs = std::size_t{1} << 20;
 
  private:
   // Integrals of a target's rows from the band's first edge to each edge, and of each filter: the
@@ -211,9 +235,24 @@ class BandSearch {
   [[nodiscard]] std::vector<Draws> draw_errors(const MeritOf& merit,
                                                std::span<const Candidate> candidates) const;
   [[nodiscard]] double gain(Passband one, Passband other) const;
-  void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
-                    Found& out) const;
-  void climb(const MeritOf& merit, double least_width_um, std::size_t most, Found& out) const;
+  // Returns whether two windows share more than kSharedByAlike of what both cover.
+  [[nodiscard]] bool share(Passband a, Passband b) const;
+  [[nodiscard]] bool differs(const Candidate& c, std::span<const Candidate> from) const;
+  // Appends candidates of a list in its order that differ from all in `out`, up to `most`.
+  void append_different(std::span<const Candidate> list, std::size_t most,
+                        std::vector<Candidate>& out) const;
+  // Returns the first `most` of all candidates, or of those that differ.
+  [[nodiscard]] std::vector<Candidate> first_of(std::vector<Candidate> all, std::size_t most,
+                                                Listed listed) const;
+  // Calls take(pair, number of its first window, of its second) for each two windows that do not
+  // overlap, if wanted(pair).
+  void each_pair(const MeritOf& merit, std::span<const Passband> window,
+                 const std::function<bool(const Candidate&)>& wanted,
+                 const std::function<void(const Candidate&, std::size_t, std::size_t)>& take) const;
+  void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most, Listed listed,
+                    std::size_t held_pairs, Found& out) const;
+  void climb(const MeritOf& merit, double least_width_um, std::size_t most, Listed listed,
+             Found& out) const;
 
   BandPopulation population_;
   std::vector<double> weight_;  // [row]

@@ -108,6 +108,7 @@ absl::StatusOr<ChosenSky> choose_sky(StoreReader& reader, const Query& query) {
         "the sky is of a condition, not of a signature: expected --sweep, --season, --time and "
         "--band, or --row, and no other filter");
   if (query.row) return of_row(reader, query);
+  RETURN_IF_ERROR(check_seasons(reader, query.season));
   std::string time_utc;
   if (!query.time.empty()) {
     ASSIGN_OR_RETURN(const auto parsed, parse_rfc3339(query.time));
@@ -127,9 +128,7 @@ absl::StatusOr<ChosenSky> choose_sky(StoreReader& reader, const Query& query) {
   std::vector<std::string> conditions, bands, known;
   for (const auto& c : sweep->condition) {
     known.push_back(c.season + " " + c.time_utc);
-    if ((!query.season.empty() && c.season != query.season) ||
-        (!time_utc.empty() && c.time_utc != time_utc))
-      continue;
+    if (!query.season.admits(c.season) || (!time_utc.empty() && c.time_utc != time_utc)) continue;
     conditions.push_back(known.back());
     out.season = c.season;
     out.time_utc = c.time_utc;

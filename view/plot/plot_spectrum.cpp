@@ -117,9 +117,8 @@ absl::Status one_viewpoint(const std::vector<QueryRow>& rows) {
     if (a.sweep != b.sweep || a.aspect_azimuth_deg != b.aspect_azimuth_deg ||
         a.aspect_elevation_deg != b.aspect_elevation_deg || stored_m(rows.front()) != stored_m(r)) {
       return absl::InvalidArgumentError(
-          "a spectrum plot shows one viewpoint of one sweep: choose it with an aspect (nearest 1 "
-          "or "
-          "interpolate) or a row, and the sweep with --sweep");
+          "a spectrum plot shows one viewpoint of one sweep: choose it with --row K, or with "
+          "--aspect AZ,EL --nearest 1 or --interpolate, and the sweep with --sweep");
     }
   }
   return absl::OkStatus();

@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "core/base/status_macros.h"
@@ -69,7 +70,22 @@ void keep_exact(std::vector<QueryRow>& rows, const Query& query) {
   });
 }
 
-std::string listed(const std::set<std::string>& names) { return absl::StrJoin(names, ", "); }
+// "; did you mean "lwir"?" of "LWIR".
+std::string in_other_case(const std::string& name, const std::set<std::string>& known) {
+  for (const std::string& k : known)
+    if (absl::EqualsIgnoreCase(name, k)) return fmt::format("; did you mean \"{}\"?", k);
+  return "";
+}
+
+absl::Status check_known(std::string_view what, const NameSet& asked,
+                         const std::set<std::string>& known) {
+  for (const std::string& name : asked.names())
+    if (!known.contains(name))
+      return absl::NotFoundError(fmt::format("no {} \"{}\" in this database; there is: {}{}", what,
+                                             name, absl::StrJoin(known, ", "),
+                                             in_other_case(name, known)));
+  return absl::OkStatus();
+}
 
 }  // namespace
 
@@ -134,6 +150,15 @@ std::string far_note(const std::vector<QueryRow>& rows, const Query& query) {
   return "";
 }
 
+absl::Status check_seasons(StoreReader& reader, const NameSet& season) {
+  if (season.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const auto contents, reader.contents());
+  std::set<std::string> known;
+  for (const SweepContents& sweep : contents)
+    for (const SweepContents::Condition& c : sweep.condition) known.insert(c.season);
+  return known.empty() ? absl::OkStatus() : check_known("season", season, known);
+}
+
 // Each name is looked for among the signatures
 // that match what stands left of it in sweep > season > time > band.
 absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) {
@@ -154,15 +179,9 @@ absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) 
       ranges_m.insert(sweep.range_m.begin(), sweep.range_m.end());
   }
   if (rows == 0) return absl::OkStatus();
-  const auto unknown = [&](std::string_view what, const std::string& name,
-                           const std::set<std::string>& known) -> absl::Status {
-    if (name.empty() || known.contains(name)) return absl::OkStatus();
-    return absl::NotFoundError(
-        fmt::format("no {} \"{}\" in this database; there is: {}", what, name, listed(known)));
-  };
   for (const absl::Status& status :
-       {unknown("sweep", asked.sweep, sweeps), unknown("season", asked.season, seasons),
-        unknown("time", asked.time_utc, times), unknown("band", asked.band, bands)}) {
+       {check_known("sweep", asked.sweep, sweeps), check_known("season", asked.season, seasons),
+        check_known("time", asked.time_utc, times), check_known("band", asked.band, bands)}) {
     if (!status.ok()) return status;
   }
   if (asked.range_m && !ranges_m.contains(*asked.range_m))
@@ -259,8 +278,14 @@ class GivenRows final : public QueryRows {
   std::size_t count_;
 };
 
+// Rows of one season of several would hide that another one does not exist.
+absl::Status check_several_seasons(StoreReader& reader, const NameSet& season) {
+  return season.names().size() > 1 ? check_seasons(reader, season) : absl::OkStatus();
+}
+
 // NOT_FOUND if there is nothing of that name.
 absl::StatusOr<std::vector<std::int64_t>> matching_ids(StoreReader& reader, const Query& query) {
+  RETURN_IF_ERROR(check_several_seasons(reader, query.season));
   ASSIGN_OR_RETURN(const auto filter, filter_of(query));
   auto ids = reader.find_ids(filter);
   if (ids.ok() && ids->empty()) RETURN_IF_ERROR(explain_nothing(reader, filter));
@@ -284,6 +309,7 @@ absl::StatusOr<std::vector<QueryRow>> all_of(QueryRows& rows, const Query& query
 absl::StatusOr<std::unique_ptr<QueryRows>> QueryRows::open(StoreReader& reader, const Query& query,
                                                            const ExtentOf& extent_of) {
   if (query.interpolate) {
+    RETURN_IF_ERROR(check_several_seasons(reader, query.season));
     ASSIGN_OR_RETURN(const auto filter, filter_of(query));
     ASSIGN_OR_RETURN(auto found, reader.find(filter));
     std::vector<QueryRow> rows;

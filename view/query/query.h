@@ -13,10 +13,12 @@
 
 namespace irsig {
 
-// A user's query of a database; an empty string means "any".
+// A user's query of a database; an empty string or set means "any".
 struct Query {
   // The initializer {} allows designated initializers that name some of the fields.
-  std::string sweep{}, season{}, band{};
+  std::string sweep{};
+  NameSet season{};  // of which a row has one
+  std::string band{};
   std::string time{};                                  // RFC 3339 with any offset
   std::optional<SignatureFilter::Direction> aspect{};  // with exactly one of the next three
   std::uint32_t nearest = 0;
@@ -34,15 +36,19 @@ struct Query {
 // below.
 [[nodiscard]] absl::StatusOr<SignatureFilter> filter_of(const Query& query);
 
+// Checks the seasons of a filter. NOT_FOUND: the database lacks one of them; the message lists
+// those that it has.
+[[nodiscard]] absl::Status check_seasons(StoreReader& reader, const NameSet& season);
+
 // Returns the reason for which a filter selects nothing. NOT_FOUND: a name, range or row is
 // unknown.
 [[nodiscard]] absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& filter);
 
 // Returns the rows that a query selects; no rows if nothing matches.
 //   extent_of  needed for query.range_m alone; a row at several ranges gives consecutive rows
-// INVALID_ARGUMENT: the question is contradictory or malformed. NOT_FOUND: a sweep, season, band or
-// row does not exist; the message lists the existing ones. OUT_OF_RANGE: the viewpoints do not
-// cover the aspect. Other errors: those of at_range.
+// INVALID_ARGUMENT: the question is contradictory or malformed. NOT_FOUND: a sweep, band, row or
+// one of the seasons does not exist; the message lists the existing ones. OUT_OF_RANGE: the
+// viewpoints do not cover the aspect. Other errors: those of at_range.
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader,
                                                               const Query& query,
                                                               const ExtentOf& extent_of = {});

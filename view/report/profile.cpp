@@ -11,6 +11,7 @@
 #include "core/base/printable.h"
 #include "core/base/status_macros.h"
 #include "view/base/table.h"
+#include "view/query/query.h"
 
 namespace irsig {
 namespace {
@@ -205,6 +206,7 @@ std::string comparison(const StoredPublished& p, const StoredProfileRow& ours) {
 }  // namespace
 
 absl::StatusOr<Rows> find_profiles(StoreReader& reader, const ProfileQuery& query) {
+  RETURN_IF_ERROR(check_seasons(reader, query.filter.season));
   ASSIGN_OR_RETURN(auto rows, reader.profiles(query.filter));
   if (query.row) std::erase_if(rows, [&](const auto& r) { return r.row != *query.row; });
   if (!rows.empty()) return rows;

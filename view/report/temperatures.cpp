@@ -2,11 +2,13 @@
 
 #include "core/base/status_macros.h"
 #include "view/base/table.h"
+#include "view/query/query.h"
 
 namespace irsig {
 
 absl::Status write_temperatures(StoreReader& reader, const TemperatureFilter& filter,
                                 std::string_view format, std::ostream& out) {
+  RETURN_IF_ERROR(check_seasons(reader, filter.season));
   ASSIGN_OR_RETURN(const auto rows, reader.computed_temperatures(filter));
   if (rows.empty()) {
     ASSIGN_OR_RETURN(const auto any, reader.computed_temperatures({}));

@@ -3,5 +3,5 @@
 set -e
 cd "$(dirname "$0")"
 for layer in heights grass wheat bare_soil asphalt water; do
-  "${IRSIG:-irsig}" model terrain --seed 7 --layer "$layer" --relief-m 60 --width-m 2000 --spacing-m 20 -o "$layer.asc"
+  "${IRSIG:-irsig}" model terrain --seed 7 --map-layer "$layer" --relief-m 60 --width-m 2000 --spacing-m 20 -o "$layer.asc"
 done

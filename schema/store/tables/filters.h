@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "schema/store/tables/name_set.h"
+
 // The questions that a reader (reader.h) answers.
 
 namespace irsig {
@@ -16,9 +18,11 @@ enum class SignatureQuantity : int {
   kBackgroundRadiance = 3
 };
 
-// Filters of a query; an empty string or vector means "any".
+// Filters of a query; an empty string or set means "any".
 struct SignatureFilter {
-  std::string sweep, season, time_utc, band;
+  std::string sweep;
+  NameSet season;
+  std::string time_utc, band;
   // Numerical error / |value| of this quantity (of the background radiance: its standard error).
   std::optional<double> max_relative_error;
   SignatureQuantity error_of = SignatureQuantity::kIntensity;
@@ -42,14 +46,18 @@ struct ValueFilter {
   SignatureQuantity quantity = SignatureQuantity::kIntensity;
 };
 
-// Filters of profiles; an empty string means "any".
+// Filters of profiles; an empty string or set means "any".
 struct ProfileFilter {
-  std::string sweep, season, band, profile;
+  std::string sweep;
+  NameSet season;
+  std::string band, profile;
 };
 
-// Filters of computed temperatures; an empty string means "any".
+// Filters of computed temperatures; an empty string or set means "any".
 struct TemperatureFilter {
-  std::string sweep, season, time_utc;
+  std::string sweep;
+  NameSet season;
+  std::string time_utc;
 };
 
 // Files of a sweep that are read with it. A damaged file is an error only if the caller requests
