@@ -146,9 +146,8 @@ bool Flight::has_plume() const { return loaded_.resolved.sweep().has_plume(); }
 absl::Status write_film(const Flight& flight, std::uint32_t threads, const std::string& path) {
   if (flight.has_plume())
     return absl::UnimplementedError(
-        "a film's frames have no light of hot gas: take [plume] out of a copy of the sweep file, "
-        "or "
-        "compute its images with irsig run");
+        "a film shows no hot gas: take [plume] out of a copy of the sweep file, or compute its "
+        "images with irsig run");
   LiveAsk ask = flight.first();
   constexpr std::uint32_t kStep = 30, kDay = 24 * 60;
   constexpr std::uint16_t kPauseMs = 100;

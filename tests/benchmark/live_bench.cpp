@@ -40,6 +40,38 @@ LiveCamera start_camera(const LiveSweep& sweep) {
   return out;
 }
 
+// Prints the errors of pixels that show hot gas: those that are within what a session states with
+// the least error of a class, and the estimator's noise; then the same of pixels in which the gas
+// itself is uncertain by more than that.
+void print_gas(const LiveFrame& frame, const LayerImage& stored) {
+  constexpr double kLeastError = 0.002;
+  double gas = 0, held = 0, strong = 0, strong_held = 0, squares = 0;
+  std::vector<double> stated;
+  for (std::size_t i = 0; i < stored.value.size(); ++i) {
+    if (!(frame.gas_error[i] > 0) || frame.edge[i] != 0) continue;
+    const double is = static_cast<double>(stored.value[i]),
+                 off = std::abs(static_cast<double>(frame.radiance_w_m2_sr[i]) - is),
+                 own = static_cast<double>(frame.gas_error[i]);
+    const bool holds = off <= std::hypot(static_cast<double>(frame.spread[i]), kLeastError * is,
+                                         1.645 * static_cast<double>(stored.stderr_[i]));
+    ++gas;
+    held += holds ? 1 : 0;
+    squares += off * off / (is * is);
+    stated.push_back(own / is);
+    if (own < kLeastError * is) continue;
+    ++strong;
+    strong_held += holds ? 1 : 0;
+  }
+  if (gas == 0) return;
+  std::sort(stated.begin(), stated.end());
+  std::printf(
+      "gas        %7.0f pixels  rms %.3f %%  held %.1f %%  stated %.3f %% (median) %.2f %% (95th); "
+      "%.0f uncertain by 0.2 %%: held %.1f %%\n",
+      gas, 100 * std::sqrt(squares / gas), 100 * held / gas, 100 * stated[stated.size() / 2],
+      100 * stated[stated.size() * 95 / 100], strong,
+      strong > 0 ? 100 * strong_held / strong : 100.0);
+}
+
 int fly(int argc, char** argv) {
   const auto number = [&](int i, int otherwise) {
     return argc > i ? std::atoi(argv[i]) : otherwise;
@@ -135,6 +167,7 @@ int fly(int argc, char** argv) {
   };
   for (auto& [met, sum] : by_class) print("class " + std::to_string(met), sum);
   if (interior.n > 0) print("interior", interior);
+  print_gas(*frame, stored);
   std::printf("edges: %.1f %%\n", 100 * edges / static_cast<double>(pixels));
 
   std::vector<double> ms;
