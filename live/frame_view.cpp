@@ -52,17 +52,19 @@ FrameView::FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLi
   find_target_rectangle();
   if (gas_ != nullptr && lights.gas() != nullptr)
     gas_rays_ = std::make_unique<GasRays>(*lights.gas(), seen_.light.gas, target_.centre, frame_,
-                                          pictures_);
+                                          pictures_, light_ahead());
+}
+
+float FrameView::light_ahead() const {
+  const auto z = static_cast<float>(frame_.forward.z);
+  return seen_.light.path + background_.mean(z, z);
 }
 
 void FrameView::trace_gas(TileThreads& threads) {
   if (gas_rays_ == nullptr) return;
-  threads.run(gas_rays_->rows(),
-              [this](std::uint32_t row, std::uint32_t) { gas_rays_->trace_row(row); });
-  const float light = seen_.light.path + background_.mean(static_cast<float>(frame_.forward.z),
-                                                          static_cast<float>(frame_.forward.z));
-  threads.run(gas_rays_->refine(light),
-              [this](std::uint32_t n, std::uint32_t) { gas_rays_->trace_block(n); });
+  for (std::uint32_t pitch = GasRays::kPitch; pitch > 0; pitch /= 2)
+    threads.run(gas_rays_->choose(pitch),
+                [this](std::uint32_t group, std::uint32_t) { gas_rays_->trace_group(group); });
 }
 
 void FrameView::add_gas(double x_px, double y_px, Sample& sample) const {
@@ -85,6 +87,7 @@ void FrameView::add_gas(double x_px, double y_px, Sample& sample) const {
 }
 
 void FrameView::flag_gas(std::vector<std::uint8_t>& edge) const {
+  if (gas_rays_ != nullptr) gas_rays_->flag_missed(edge);
   if (gas_ == nullptr || gas_rays_ != nullptr) return;
   const double width = pictures_.width_px, height = pictures_.height_px;
   for (const PlumePoint& point : gas_->points()) {

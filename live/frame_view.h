@@ -72,7 +72,8 @@ class FrameView {
 
   // Marches the rays of hot gas, before any tile is traced.
   void trace_gas(TileThreads& threads);
-  // Flags pixels in which hot gas may be seen, if the tables have none of its light.
+  // Flags pixels of hot gas that no ray meets, or all that may show some if tables have none of its
+  // light.
   void flag_gas(std::vector<std::uint8_t>& edge) const;
 
   [[nodiscard]] std::string name_of(LiveClass met, const schema::Sweep& sweep) const;
@@ -89,6 +90,8 @@ class FrameView {
   // Adds hot gas to a sample at a place of the picture: its emission, less the light from behind
   // that it absorbs. Light of the air in front stays.
   void add_gas(double x_px, double y_px, Sample& sample) const;
+  // Returns the light of air and background in the middle of the picture.
+  [[nodiscard]] float light_ahead() const;
   [[nodiscard]] Vec<Body> direction_at(double x_px, double y_px) const;
   void find_target_rectangle();
   [[nodiscard]] bool overlaps_target(std::uint32_t tile_x, std::uint32_t tile_y) const;

@@ -10,28 +10,24 @@
 
 namespace irsig {
 
-// Hot gas of one frame: a ray through every fourth corner of pixels is marched through the field,
-// and pixels interpolate between the four rays around them. Where these differ most, rays go
-// through every corner of pixels.
+// Hot gas of one frame. Rays through corners of pixels are marched through the field, first every
+// kPitch pixels, then at half that distance where neighbours differ most or miss gas that lies
+// between them, down to every corner. Pixels interpolate between the four rays around them.
 class GasRays {
  public:
-  // Pixels between rays.
-  static constexpr std::uint32_t kPitch = 4;
+  // Pixels between the first rays.
+  static constexpr std::uint32_t kPitch = 8;
   // The table, the weights and the frames outlive this.
-  //   centre  of the target
-  GasRays(const LiveGas& table, const std::vector<float>& weights, Vec<Body> centre,
-          const ViewFrame& frame, const PictureFrame& pictures);
-
-  // Returns the number of rows of rays. Any thread may trace a row; all are traced before refine()
-  // is called.
-  [[nodiscard]] std::uint32_t rows() const { return down_; }
-  // Marches the rays of a row that pass near gas.
-  void trace_row(std::uint32_t row);
-  // Chooses the blocks of kPitch x kPitch pixels that get rays of their own, and returns their
-  // number. Any thread may trace a block; all are traced before at() is called.
+  //   centre         of the target
   //   light_w_m2_sr  typical light of the frame without gas
-  [[nodiscard]] std::uint32_t refine(float light_w_m2_sr);
-  void trace_block(std::uint32_t n);
+  GasRays(const LiveGas& table, const std::vector<float>& weights, Vec<Body> centre,
+          const ViewFrame& frame, const PictureFrame& pictures, float light_w_m2_sr);
+
+  // Chooses rays, `pitch` pixels apart, and returns the number of groups of them. Each pitch is
+  // chosen once all groups of the one before, which is twice as large, were traced.
+  [[nodiscard]] std::uint32_t choose(std::uint32_t pitch);
+  // Marches the rays of a group. Any thread may do so.
+  void trace_group(std::uint32_t group);
 
   // Gas before what a pixel shows.
   struct Seen {
@@ -43,21 +39,33 @@ class GasRays {
   //   x_px, y_px  place in the picture, from its top left
   //   range_m     of what the ray meets; 0: nothing
   [[nodiscard]] bool at(double x_px, double y_px, double range_m, Seen& out) const;
+  // Flags the pixels that hold gas which none of the rays around them meets.
+  //   edge  [pixel], row by row from the top left
+  void flag_missed(std::vector<std::uint8_t>& edge) const;
 
  private:
   struct Ray {
     GasOnRay light;
     float near_m = 0, far_m = 0;  // ends of the gas; equal: there is none
   };
-  static constexpr std::uint32_t kAlong = kPitch + 1, kOfBlock = kAlong * kAlong;  // fine rays
-  struct Corners {
-    std::array<const Ray*, 4> ray;  // top left, top right, bottom left, bottom right
-    float u, v;                     // place between them
+  // A square of pixels between four rays, by its top left corner.
+  struct Cell {
+    float range_w_m2_sr;  // of the emission of its rays; infinite: they miss gas between them
+    std::uint32_t x, y;
   };
-  [[nodiscard]] Corners corners_at(double x_px, double y_px) const;
-  // Marks the blocks between rays in which a field's points are seen.
-  void find_blocks(const PlumeField& field);
-  [[nodiscard]] bool is_wanted(std::uint32_t column, std::uint32_t row) const;
+  // Marks the cells of kPitch between whose rays the field's points are seen.
+  void find_cells();
+  [[nodiscard]] std::vector<Cell> cells_to_halve(std::uint32_t side) const;
+  // Adds a cell's rays that are not there yet.
+  void add_cell(std::uint32_t x, std::uint32_t y, std::uint32_t side, std::uint32_t pitch);
+  // Returns true if a point of the field in the cell is at least as bright.
+  [[nodiscard]] bool holds(std::uint32_t x, std::uint32_t y, std::uint32_t side,
+                           std::uint8_t least) const;
+  // Returns true if gas lies between rays that all miss it.
+  [[nodiscard]] bool misses_gas(std::uint32_t x, std::uint32_t y, std::uint32_t side) const;
+  [[nodiscard]] std::uint32_t side_at(std::uint32_t x, std::uint32_t y) const;
+  [[nodiscard]] std::array<const Ray*, 4> rays_of(std::uint32_t x, std::uint32_t y,
+                                                  std::uint32_t side) const;
   [[nodiscard]] Ray march_ray(double x_px, double y_px) const;
 
   const LiveGas& table_;
@@ -66,12 +74,17 @@ class GasRays {
   const ViewFrame& frame_;
   const PictureFrame& pictures_;
   double pixel_m_;
-  std::uint32_t across_, down_;         // rays
-  std::vector<std::uint8_t> block_;     // [row][column] 1: gas may be seen there
-  std::vector<Ray> ray_;                // [row][column]
-  std::vector<std::uint32_t> refined_;  // blocks
-  std::vector<std::int32_t> fine_of_;   // [block] place in refined_; -1: it has no fine rays
-  std::vector<Ray> fine_;               // [place in refined_][row][column]
+  float refined_w_m2_sr_;             // least range of a cell that is halved
+  std::uint32_t width_, height_;      // multiples of kPitch
+  std::vector<std::uint8_t> pitch_;   // [row][column] of the smallest cell there; 0: no gas
+  std::vector<std::uint8_t> point_;   // [row][column] brightness of points there; 0: none
+  std::vector<std::int32_t> ray_at_;  // [row][column of corners] place in ray_; -1: none
+  struct Place {
+    std::uint32_t x, y;
+  };
+  std::vector<Place> place_;  // [ray]
+  std::vector<Ray> ray_;
+  std::size_t traced_ = 0;  // rays of earlier calls of choose()
 };
 
 }  // namespace irsig

@@ -219,6 +219,36 @@ class GasTest(FlyCase):
         numpy.testing.assert_array_equal(truth.half, (stored / numpy.float32(truth.scale)).astype(numpy.float16))
 
 
+    def test_gas_seen_from_above_keeps_its_errors(self):
+        self.sit_down()
+        for band in (0, 1):
+            view = {"azimuth_deg": 160, "elevation_deg": 40, "range_m": 500, "field_of_view_deg": 6, "look_x_m": -8, "look_z_m": -22,
+                    "width_px": 160, "height_px": 128, "band": band}
+            with self.subTest(view):
+                first = self.picture(**view)
+                self.assertEqual(first.state, MOVING)
+                truth = self.rested(**view)
+                held = (numpy.abs(first.radiance - truth.radiance) <= first.error + truth.error)[~first.edge]
+                print(f"gas from above, band {band}: {100 * held.mean():.1f} % within errors, {100 * first.edge.mean():.1f} % flagged")
+                self.assertLess(first.edge.mean(), 0.15)
+                self.assertGreater(held.mean(), 0.9)
+
+    def test_a_plume_smaller_than_a_pixel_is_drawn_or_flagged(self):
+        self.sit_down()
+        for range_m in (20000, 60000):
+            view = {"azimuth_deg": 90, "elevation_deg": 2, "range_m": range_m, "field_of_view_deg": 1, "width_px": 64, "height_px": 64}
+            with self.subTest(view):
+                first = self.picture(**view)
+                truth = self.rested(**view)
+                off = numpy.abs(first.radiance - truth.radiance)
+                lie = (off > first.error + 2 * truth.error) & ~first.edge
+                print(f"gas at {range_m} m: {100 * lie.mean():.2f} % of pixels are off by more than they state")
+                self.assertLess(lie.mean(), 0.1)
+                # The brightest pixel is the plume's or the funnel's.
+                y, x = numpy.unravel_index(truth.radiance.argmax(), truth.radiance.shape)
+                self.assertFalse(lie[y, x])
+
+
 class SlabTest(FlyCase):
     """A homogeneous slab above the ship, before the sky and, from above, before the ship and the sea."""
     example = "frigate_plume.toml"
