@@ -88,7 +88,7 @@ void FrameView::add_gas(double x_px, double y_px, Sample& sample) const {
 
 void FrameView::flag_gas(std::vector<std::uint8_t>& edge) const {
   if (gas_rays_ != nullptr) gas_rays_->flag_missed(edge);
-  if (gas_ == nullptr || gas_rays_ != nullptr) return;
+  if (!lacks_gas()) return;
   const double width = pictures_.width_px, height = pictures_.height_px;
   for (const PlumePoint& point : gas_->points()) {
     const Vec<Body> q = point.at - target_.centre - frame_.sensor;

@@ -72,6 +72,8 @@ class FrameView {
 
   // Marches the rays of hot gas, before any tile is traced.
   void trace_gas(TileThreads& threads);
+  // Returns true if the condition has hot gas, and the tables have none of its light.
+  [[nodiscard]] bool lacks_gas() const { return gas_ != nullptr && gas_rays_ == nullptr; }
   // Flags pixels of hot gas that no ray meets, or all that may show some if tables have none of its
   // light.
   void flag_gas(std::vector<std::uint8_t>& edge) const;
