@@ -122,6 +122,7 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
   });
   flag_beside(things, out);
   view.flag_gas(out.edge);
+  out.lacks_gas = view.lacks_gas();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

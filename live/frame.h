@@ -33,6 +33,7 @@ struct LiveFrame {
   std::vector<float> spread;
   // Error of the hot gas: half the range of nine pixels in ten. [W/(m2 sr)]
   std::vector<float> gas_error;
+  bool lacks_gas = false;      // the condition has hot gas whose light is in no table
   std::vector<LiveClass> met;  // of the first sample
   std::vector<std::uint8_t>
       edge;                  // 1: its samples, or it and a pixel beside it, met different things
