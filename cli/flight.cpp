@@ -141,14 +141,7 @@ absl::StatusOr<std::string> keep_view(const Flight& flight, const LiveAsk& ask,
   return absl::StrCat("kept as the sweep \"", name, "\" in ", db, "; its file is ", file.string());
 }
 
-bool Flight::has_plume() const { return loaded_.resolved.sweep().has_plume(); }
-
 absl::Status write_film(const Flight& flight, std::uint32_t threads, const std::string& path) {
-  if (flight.has_plume())
-    return absl::UnimplementedError(
-        "a film's frames have no light of hot gas: take [plume] out of a copy of the sweep file, "
-        "or "
-        "compute its images with irsig run");
   LiveAsk ask = flight.first();
   constexpr std::uint32_t kStep = 30, kDay = 24 * 60;
   constexpr std::uint16_t kPauseMs = 100;
@@ -162,6 +155,12 @@ absl::Status write_film(const Flight& flight, std::uint32_t threads, const std::
   for (std::uint32_t minute = 0; minute < kDay; minute += kStep) {
     ask.minute = minute;
     ASSIGN_OR_RETURN(auto picture, session->picture(ask));
+    if (picture.frame.lacks_gas)
+      return absl::UnimplementedError(
+          "the hot gas of this sweep is in no moving frame, as its light cannot be tabulated "
+          "(imported air): take [plume] out of a copy of the sweep file, or compute its images "
+          "with "
+          "irsig run");
     all.insert(all.end(), picture.frame.radiance_w_m2_sr.begin(),
                picture.frame.radiance_w_m2_sr.end());
     frame.push_back(std::move(picture.frame));

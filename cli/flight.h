@@ -23,8 +23,6 @@ class Flight {
   [[nodiscard]] const LiveAsk& first() const { return first_; }
   [[nodiscard]] std::vector<std::string> conditions() const;  // names for people
   [[nodiscard]] std::vector<std::string> bands() const;
-  // Returns true if the sweep has hot gas, of which frames of tables have no light.
-  [[nodiscard]] bool has_plume() const;
   // Returns the sweep with the requested condition alone. Errors of the edited file name its own
   // lines.
   [[nodiscard]] absl::StatusOr<LiveInput> input(const LiveAsk& ask) const;

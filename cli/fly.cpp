@@ -48,10 +48,6 @@ struct FlyCommand {
                        [&](const std::string& url) {
                          print_text("{}\n", url);
                          std::fflush(stdout);
-                         if (flight.has_plume())
-                           print_note(
-                               "irsig: hot gas is in the picture once the camera rests; until "
-                               "then pixels that may show it are flagged\n");
                          print_note("irsig: open this address in a browser; Ctrl-C ends it\n");
                        }});
     if (served.ok()) end_at_once();

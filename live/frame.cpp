@@ -56,8 +56,10 @@ absl::StatusOr<std::unique_ptr<FrameView>> FrameTracer::view(const LiveCamera& c
   const ViewFrame frame = make_view_frame(target, request.viewpoint);
   ASSIGN_OR_RETURN(const auto pictures, picture_frame(target, frame, request));
   ASSIGN_OR_RETURN(auto seen, grid_.at(request.viewpoint));
-  return std::make_unique<FrameView>(sweep_, land_, lights_, request, std::move(seen), frame,
-                                     pictures);
+  auto out = std::make_unique<FrameView>(sweep_, land_, lights_, request, std::move(seen), frame,
+                                         pictures);
+  out->trace_gas(threads_);
+  return out;
 }
 
 absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint32_t samples,
@@ -71,6 +73,7 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
   const std::size_t pixels = std::size_t{camera.width_px} * camera.height_px;
   out.radiance_w_m2_sr.resize(pixels);
   out.spread.resize(pixels);
+  out.gas_error.resize(pixels);
   out.met.resize(pixels);
   out.edge.resize(pixels);
   std::vector<std::uint32_t> things(pixels);
@@ -81,7 +84,7 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
   threads_.run(columns * view.rows(), [&](std::uint32_t tile, std::uint32_t thread) {
     const std::uint32_t tile_x = tile % columns, tile_y = tile / columns;
     FrameView::Sample sample[kTilePixels], first[kTilePixels];
-    float sum[kTilePixels] = {}, low[kTilePixels], high[kTilePixels];
+    float sum[kTilePixels] = {}, gas_error[kTilePixels] = {}, low[kTilePixels], high[kTilePixels];
     std::uint32_t thing[kTilePixels];
     bool edge[kTilePixels] = {};
     LiveClass met[kTilePixels];
@@ -92,6 +95,7 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
       for (std::uint32_t i = 0; i < kTilePixels; ++i) {
         const float value = sample[i].light[shown];
         sum[i] += value;
+        gas_error[i] = std::max(gas_error[i], sample[i].gas_error);
         if (s == 0) {
           low[i] = high[i] = value;
           thing[i] = sample[i].thing;
@@ -109,7 +113,8 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
       if (x >= camera.width_px || y >= camera.height_px) continue;
       const std::size_t at = std::size_t{y} * camera.width_px + x;
       out.radiance_w_m2_sr[at] = sum[i] / static_cast<float>(samples);
-      out.spread[at] = 0.5f * (high[i] - low[i]);
+      out.spread[at] = std::hypot(0.5f * (high[i] - low[i]), gas_error[i]);
+      out.gas_error[at] = gas_error[i];
       out.met[at] = met[i];
       out.edge[at] = edge[i] ? 1 : 0;
       things[at] = thing[i];
@@ -117,6 +122,7 @@ absl::StatusOr<LiveFrame> FrameTracer::draw(const LiveCamera& camera, std::uint3
   });
   flag_beside(things, out);
   view.flag_gas(out.edge);
+  out.lacks_gas = view.lacks_gas();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

@@ -29,7 +29,11 @@ struct LiveFrame {
   std::uint32_t width_px = 0, height_px = 0;
   // [pixel], row by row from the top left
   std::vector<float> radiance_w_m2_sr;
-  std::vector<float> spread;   // of the pixel's samples: half their range [W/(m2 sr)]
+  // Half the range of the pixel's samples, joined by gas_error. [W/(m2 sr)]
+  std::vector<float> spread;
+  // Error of the hot gas: half the range of nine pixels in ten. [W/(m2 sr)]
+  std::vector<float> gas_error;
+  bool lacks_gas = false;      // the condition has hot gas whose light is in no table
   std::vector<LiveClass> met;  // of the first sample
   std::vector<std::uint8_t>
       edge;                  // 1: its samples, or it and a pixel beside it, met different things

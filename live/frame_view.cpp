@@ -50,10 +50,45 @@ FrameView::FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLi
   sun_ = {static_cast<float>(of_.sun.x), static_cast<float>(of_.sun.y),
           static_cast<float>(of_.sun.z)};
   find_target_rectangle();
+  if (gas_ != nullptr && lights.gas() != nullptr)
+    gas_rays_ = std::make_unique<GasRays>(*lights.gas(), seen_.light.gas, target_.centre, frame_,
+                                          pictures_, light_ahead());
+}
+
+float FrameView::light_ahead() const {
+  const auto z = static_cast<float>(frame_.forward.z);
+  return seen_.light.path + background_.mean(z, z);
+}
+
+void FrameView::trace_gas(TileThreads& threads) {
+  if (gas_rays_ == nullptr) return;
+  for (std::uint32_t pitch = GasRays::kPitch; pitch > 0; pitch /= 2)
+    threads.run(gas_rays_->choose(pitch),
+                [this](std::uint32_t group, std::uint32_t) { gas_rays_->trace_group(group); });
+}
+
+void FrameView::add_gas(double x_px, double y_px, Sample& sample) const {
+  GasRays::Seen gas;
+  if (!gas_rays_->at(x_px, y_px, sample.range_m, gas)) return;
+  float error = gas.error.emitted_w_m2_sr;
+  const auto absorb = [&](LiveLight from, BehindGas kind) {
+    float& light = sample.light[static_cast<std::size_t>(from)];
+    const auto k = static_cast<std::size_t>(kind);
+    error = std::hypot(error, gas.error.absorbed[k] * light);
+    light *= 1 - gas.light.absorbed[k];
+  };
+  absorb(LiveLight::kEmitted, BehindGas::kEmitted);
+  absorb(LiveLight::kSun, BehindGas::kSun);
+  absorb(LiveLight::kReflected, sample.met == 0 ? BehindGas::kBackground : BehindGas::kEmitted);
+  sample.light[static_cast<std::size_t>(LiveLight::kEmitted)] += gas.light.emitted_w_m2_sr;
+  sample.light[0] = 0;
+  for (std::size_t k = 1; k < sample.light.size(); ++k) sample.light[0] += sample.light[k];
+  sample.gas_error = error;
 }
 
 void FrameView::flag_gas(std::vector<std::uint8_t>& edge) const {
-  if (gas_ == nullptr) return;
+  if (gas_rays_ != nullptr) gas_rays_->flag_missed(edge);
+  if (!lacks_gas()) return;
   const double width = pictures_.width_px, height = pictures_.height_px;
   for (const PlumePoint& point : gas_->points()) {
     const Vec<Body> q = point.at - target_.centre - frame_.sensor;
@@ -101,6 +136,12 @@ void FrameView::trace_tile(std::uint32_t tile_x, std::uint32_t tile_y, float sx,
   }
   if (target && of_.sun_shines) add_sun(worker, out);
   if (rays_ != nullptr && of_.sun_shines) add_sun_on_land(worker, direction, before, out);
+  if (gas_rays_ == nullptr) return;
+  for (std::uint32_t i = 0; i < kTilePixels; ++i) {
+    const Place c = pixel_of(tile_x, tile_y, i);
+    if (c.x < pictures_.width_px && c.y < pictures_.height_px)
+      add_gas(c.x + static_cast<double>(sx), c.y + static_cast<double>(sy), out[i]);
+  }
 }
 
 Vec<Body> FrameView::direction_at(double x_px, double y_px) const {

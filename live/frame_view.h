@@ -14,6 +14,7 @@
 #include "core/transport/ray_batch.h"
 #include "live/background_table.h"
 #include "live/frame.h"
+#include "live/gas_rays.h"
 
 namespace irsig {
 
@@ -52,6 +53,7 @@ class FrameView {
     LiveClass met = 0;
     std::uint32_t thing = 0;  // of one surface: part and facet's side, or land's
     double range_m = 0, temperature_k = 0;
+    float gas_error = 0;  // error of the hot gas: half the range of nine pixels in ten [W/(m2 sr)]
   };
 
   // Traces the samples of one tile, [pixel of the tile], for one place within pixels.
@@ -68,7 +70,12 @@ class FrameView {
     return {(block % 2) * 4 + in % 4, (block / 2) * 4 + in / 4};
   }
 
-  // Flags pixels in which hot gas may be seen: frames have none of its light.
+  // Marches the rays of hot gas, before any tile is traced.
+  void trace_gas(TileThreads& threads);
+  // Returns true if the condition has hot gas, and the tables have none of its light.
+  [[nodiscard]] bool lacks_gas() const { return gas_ != nullptr && gas_rays_ == nullptr; }
+  // Flags pixels of hot gas that no ray meets, or all that may show some if tables have none of its
+  // light.
   void flag_gas(std::vector<std::uint8_t>& edge) const;
 
   [[nodiscard]] std::string name_of(LiveClass met, const schema::Sweep& sweep) const;
@@ -82,6 +89,11 @@ class FrameView {
     sample.light[static_cast<std::size_t>(LiveLight::kSun)] += sun;
     ++sample.met;
   }
+  // Adds hot gas to a sample at a place of the picture: its emission, less the light from behind
+  // that it absorbs. Light of the air in front stays.
+  void add_gas(double x_px, double y_px, Sample& sample) const;
+  // Returns the light of air and background in the middle of the picture.
+  [[nodiscard]] float light_ahead() const;
   [[nodiscard]] Vec<Body> direction_at(double x_px, double y_px) const;
   void find_target_rectangle();
   [[nodiscard]] bool overlaps_target(std::uint32_t tile_x, std::uint32_t tile_y) const;
@@ -129,6 +141,7 @@ class FrameView {
   PictureFrame pictures_;
   double pixel_m_;
   std::shared_ptr<const PlumeField> gas_;  // null: the condition has none
+  std::unique_ptr<GasRays> gas_rays_;      // null: no gas, or none that a table has
   const LandRays* rays_ = nullptr;
   std::optional<Land> land_;
   double cos_heading_ = 1, sin_heading_ = 0, surface_m_ = 0;

@@ -107,6 +107,7 @@ void PlaceLight::add(float weight, const PlaceLight& other) {
   add_to(weight, other.land, land);
   add_to(weight, other.land_sun, land_sun);
   add_to(weight, other.land_error, land_error);
+  add_to(weight, other.gas, gas);
   path += weight * other.path;
 }
 
@@ -206,6 +207,12 @@ absl::StatusOr<std::unique_ptr<const PlaceLights>> PlaceLights::make(
   if (condition.surroundings.kind != SurroundingsKind::kNone)
     out->above_surface_m_ = condition.above_surface_m;
   out->has_air_ = first.request.air.model != AirModel::kVacuum;
+  if (condition.gas != nullptr) {
+    auto gas = LiveGas::make(scene, condition.gas, light, choice.band,
+                             out->background_node(viewpoint, *first.environments));
+    // Without a table, pixels that may show gas are flagged.
+    if (gas.ok()) out->gas_ = *std::move(gas);
+  }
   if (f.sun_shines && choice.effects.parts) {
     ASSIGN_OR_RETURN(const auto here, out->at(viewpoint));
     f.own_sun = out->sweep_->own_parts().sunlight(
@@ -303,6 +310,22 @@ void PlaceLights::fill_land(const ViewSources& sources, PlaceLight& out) const {
                                                             : seen(paths.behind_land_sun(0, m, r)));
 }
 
+// Returns the node of the background that is seen behind the target.
+std::size_t PlaceLights::background_node(const Viewpoint& viewpoint,
+                                         const ViewEnvironments& environments) const {
+  const double z =
+      -body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg).z;
+  if (sweep_->environment() == nullptr || !environments.horizon)
+    return z < 0 ? 0 : environments.condition[choice_.condition].background_apparent.size() - 1;
+  const double horizon = environments.horizon->z;
+  const bool above = z < horizon;
+  std::uint32_t nearest = 0;
+  for (std::uint32_t k = 1; k < kSideNodes; ++k)
+    if (std::abs(side_z(horizon, above, k) - z) < std::abs(side_z(horizon, above, nearest) - z))
+      nearest = k;
+  return above ? kSideNodes - 1 - nearest : kSideNodes + nearest;
+}
+
 absl::StatusOr<PlaceLight> PlaceLights::at(const Viewpoint& viewpoint) const {
   ASSIGN_OR_RETURN(const auto made, this->made(viewpoint));
   const PreparedScene& scene = sweep_->simulator().scene();
@@ -361,6 +384,9 @@ absl::StatusOr<PlaceLight> PlaceLights::at(const Viewpoint& viewpoint) const {
     for (const std::size_t side : {std::size_t{0}, background.size() - 1})
       out.background.insert(out.background.end(), kSideNodes,
                             static_cast<float>(irsig::in_band(background[side], band)));
+  }
+  if (gas_ != nullptr) {
+    ASSIGN_OR_RETURN(out.gas, gas_->weights(light, background_node(viewpoint, *made.environments)));
   }
   if (frame_.kinds > 0) fill_land(*made.sources, out);
   return out;

@@ -12,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/signature/view/shading.h"
+#include "live/live_gas.h"
 #include "live/live_sweep.h"
 #include "live/reflected_sky.h"
 
@@ -66,6 +67,7 @@ struct PlaceLight {
   std::vector<float> land;        // [kind, then material][range]
   std::vector<float> land_sun;    // [material][range] per unit cosine of incidence
   std::vector<float> land_error;  // [kind, then material][range] of temperatures
+  std::vector<float> gas;         // LiveGas::weights; empty: no gas, or none that a table has
   float path = 0;                 // of the air between the sensor and the target
 
   // Adds `weight` times another place's numbers; takes the other's sizes if this one is empty.
@@ -96,6 +98,8 @@ class PlaceLights {
       const LiveChoice& choice, const Viewpoint& viewpoint);
 
   [[nodiscard]] const LightFrame& frame() const { return frame_; }
+  // Returns the hot gas of the choice; null: it has none, or its light cannot be tabulated.
+  [[nodiscard]] const LiveGas* gas() const { return gas_.get(); }
   [[nodiscard]] const LiveChoice& choice() const { return choice_; }
   // Returns true if light depends on the azimuth of the sensor, or on its place at all.
   [[nodiscard]] bool depends_on_azimuth() const;
@@ -118,6 +122,8 @@ class PlaceLights {
   PlaceLights() = default;
   struct Made;
   [[nodiscard]] absl::StatusOr<Made> made(const Viewpoint& viewpoint) const;
+  [[nodiscard]] std::size_t background_node(const Viewpoint& viewpoint,
+                                            const ViewEnvironments& environments) const;
   void fill_land(const ViewSources& sources, PlaceLight& out) const;
   [[nodiscard]] std::vector<double> around_rings(const ViewSources& sources,
                                                  const SourceTable& table) const;
@@ -126,6 +132,7 @@ class PlaceLights {
   std::shared_ptr<const ReflectedSky> reflected_;
   LiveChoice choice_;
   LightFrame frame_;
+  std::unique_ptr<const LiveGas> gas_;
   bool has_air_ = false;
   double above_surface_m_ = INFINITY;  // of the target's reference point
 };

@@ -25,6 +25,9 @@ constexpr double kOtherViews = 1.6;
 // Errors are learnt from a picture of so many pixels and rays.
 constexpr std::uint32_t kTrialWidth = 80, kTrialSamples = 32;
 constexpr double kTrialInView = 2.6;  // of the target's radius, on both sides together
+// A second picture is seen from the other side, from above or level: a view of a hull's sides has
+// no sunlit decks, whose errors were four times as large.
+constexpr double kOtherAzimuthDeg = 130, kOtherElevationDeg = 45;
 // Rays of a pixel in the first and in the last round of a picture at rest, by each thread.
 constexpr std::uint32_t kRestingSamples = 8, kMostRestingSamples = 256;
 // Pictures that are measured side by side: each takes the memory of a job.
@@ -241,6 +244,18 @@ absl::Status LiveSession::try_small(Stage& stage, const LiveAsk& ask) {
     const std::lock_guard lock(stage.learning);
     if (std::exchange(stage.tried, true)) return absl::OkStatus();
   }
+  RETURN_IF_ERROR(try_view(stage, ask));
+  if (stage.sweep->land() != nullptr) return absl::OkStatus();
+  LiveAsk other = ask;
+  LiveCamera& c = other.camera;
+  c.azimuth_deg = std::fmod(c.azimuth_deg + kOtherAzimuthDeg, 360.0);
+  c.elevation_deg = c.elevation_deg < kOtherElevationDeg / 2 ? kOtherElevationDeg : 0;
+  // Where no sensor can be, no view has other errors.
+  (void)try_view(stage, other);
+  return absl::OkStatus();
+}
+
+absl::Status LiveSession::try_view(Stage& stage, const LiveAsk& ask) {
   LiveAsk trial = ask;
   LiveCamera& c = trial.camera;
   c.height_px = std::max(kLeastLivePixels, kTrialWidth * c.height_px / c.width_px);

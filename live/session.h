@@ -89,8 +89,10 @@ class LiveSession {
   [[nodiscard]] std::vector<absl::StatusOr<LiveFrame>> measure_side_by_side(const LiveAsk& ask,
                                                                             std::uint32_t samples,
                                                                             std::uint64_t seed);
-  // Learns the errors of a stage from a small picture, once.
+  // Learns the errors of a stage from two small pictures, once.
   [[nodiscard]] absl::Status try_small(Stage& stage, const LiveAsk& ask);
+  // Learns from a small picture of the target, in the direction of the camera.
+  [[nodiscard]] absl::Status try_view(Stage& stage, const LiveAsk& ask);
   [[nodiscard]] std::shared_ptr<Stage> known_stage(const LiveAsk& ask);
   void learn(const LiveAsk& ask, const LiveFrame& truth);
   void learn(Stage& stage, const LiveAsk& ask, const LiveFrame& truth);

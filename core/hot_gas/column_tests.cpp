@@ -46,6 +46,16 @@ ColumnTests::ColumnTests(const std::array<double, kPlumeSpecies>& most, double h
 }
 
 void ColumnTests::test(const GasColumn& column, std::span<double> out) const {
+  static constexpr auto kAll = [] {
+    std::array<std::uint32_t, kGases> all{};
+    for (std::uint32_t g = 0; g < kGases; ++g) all[g] = g;
+    return all;
+  }();
+  test(column, kAll, out);
+}
+
+void ColumnTests::test(const GasColumn& column, std::span<const std::uint32_t> gases,
+                       std::span<double> out) const {
   std::array<double, kGases> through;
   through.fill(1);
   std::fill(out.begin(), out.end(), 0.0);
@@ -56,20 +66,17 @@ void ColumnTests::test(const GasColumn& column, std::span<double> out) const {
              (planck_radiance_w_m2_sr_um(kLambdaUm[l], s.temperature_k - s.temperature_spread_k) +
               planck_radiance_w_m2_sr_um(kLambdaUm[l], s.temperature_k + s.temperature_spread_k));
     const double t = s.temperature_k / hottest_k_, hot = t * t * t * t;
-    std::size_t g = 0;
-    for (std::size_t species = 0; species < kPlumeSpecies; ++species) {
+    const std::array<double, kRises> rise = {1.0, hot, hot * hot};
+    for (std::size_t g = 0; g < gases.size(); ++g) {
+      const std::size_t gas = gases[g], species = gas / (kRises * kDepths);
       const double amount = s.amount[species] * scale_[species];
-      for (const double depth : kOpticalDepth)
-        for (const double rise : {1.0, hot, hot * hot}) {
-          if (amount > 0) {
-            const double taken = -through[g] * std::expm1(-depth * amount * rise);
-            through[g] -= taken;
-            double* of_gas = out.data() + g * kOfGas;
-            for (std::size_t l = 0; l < kLambdas; ++l) of_gas[l] += taken * b[l];
-            of_gas[kLambdas] += taken;
-          }
-          ++g;
-        }
+      if (!(amount > 0)) continue;
+      const double taken =
+          -through[g] * std::expm1(-kOpticalDepth[depth_of(gas)] * amount * rise[gas % kRises]);
+      through[g] -= taken;
+      double* of_gas = out.data() + g * kOfGas;
+      for (std::size_t l = 0; l < kLambdas; ++l) of_gas[l] += taken * b[l];
+      of_gas[kLambdas] += taken;
     }
   }
 }

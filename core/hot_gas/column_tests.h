@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,14 +23,19 @@ class ColumnTests {
   // most: the largest amount of each species in any column; hottest_k likewise.
   ColumnTests(const std::array<double, kPlumeSpecies>& most, double hottest_k);
 
-  static constexpr std::size_t kDepths = 6, kLambdas = 2;
-  static constexpr std::size_t kGases = kPlumeSpecies * kDepths * 3;
+  static constexpr std::size_t kDepths = 6, kRises = 3, kLambdas = 2;
+  static constexpr std::size_t kGases = kPlumeSpecies * kDepths * kRises;
   static constexpr std::size_t kCount = kGases * (kLambdas + 1);
   // Returns the index of the optical depth of a gas.
-  static std::size_t depth_of(std::size_t gas) { return gas / 3 % kDepths; }
+  static std::size_t depth_of(std::size_t gas) { return gas / kRises % kDepths; }
   // Computes the tests of a column, [gas][emitted at each wavelength, absorbed]; 0 of absent
   // species.
   void test(const GasColumn& column, std::span<double> out) const;
+  // Computes the tests of the listed gases alone, [gas of the list][emitted at each wavelength,
+  // absorbed].
+  //   gases  indices below kGases
+  void test(const GasColumn& column, std::span<const std::uint32_t> gases,
+            std::span<double> out) const;
   // Returns the absorbed fractions among the tests, in their order.
   [[nodiscard]] static std::array<double, kGases> absorbed(std::span<const double> tests);
 

@@ -40,6 +40,58 @@ LiveCamera start_camera(const LiveSweep& sweep) {
   return out;
 }
 
+// Returns the relative error that 93 % of the pixels of each class without hot gas keep, as a
+// session learns it, and at least the 0.2 % that a session states.
+std::map<int, double> errors_without_gas(const LiveFrame& frame, const LayerImage& stored) {
+  std::map<int, std::vector<double>> off;
+  for (std::size_t i = 0; i < stored.value.size(); ++i)
+    if (frame.edge[i] == 0 && !(frame.gas_error[i] > 0))
+      off[frame.met[i]].push_back(
+          std::abs(static_cast<double>(frame.radiance_w_m2_sr[i] / stored.value[i]) - 1));
+  std::map<int, double> out;
+  for (auto& [met, of] : off) {
+    const auto at =
+        of.begin() + static_cast<std::ptrdiff_t>(0.93 * static_cast<double>(of.size() - 1));
+    std::nth_element(of.begin(), at, of.end());
+    out[met] = std::max(0.002, *at);
+  }
+  return out;
+}
+
+// Prints the errors of pixels that show hot gas: the fraction of those that are within the error of
+// their class, what the gas states and the estimator's noise; then the same of pixels in which the
+// gas itself states more than 0.2 %.
+void print_gas(const LiveFrame& frame, const LayerImage& stored) {
+  constexpr double kUncertain = 0.002;
+  auto of_class = errors_without_gas(frame, stored);
+  double gas = 0, held = 0, strong = 0, strong_held = 0, squares = 0;
+  std::vector<double> stated;
+  for (std::size_t i = 0; i < stored.value.size(); ++i) {
+    if (!(frame.gas_error[i] > 0) || frame.edge[i] != 0) continue;
+    const double is = static_cast<double>(stored.value[i]),
+                 off = std::abs(static_cast<double>(frame.radiance_w_m2_sr[i]) - is),
+                 own = static_cast<double>(frame.gas_error[i]);
+    const bool holds =
+        off <= std::hypot(static_cast<double>(frame.spread[i]), of_class[frame.met[i]] * is,
+                          1.645 * static_cast<double>(stored.stderr_[i]));
+    ++gas;
+    held += holds ? 1 : 0;
+    squares += off * off / (is * is);
+    stated.push_back(own / is);
+    if (own < kUncertain * is) continue;
+    ++strong;
+    strong_held += holds ? 1 : 0;
+  }
+  if (gas == 0) return;
+  std::sort(stated.begin(), stated.end());
+  std::printf(
+      "gas        %7.0f pixels  rms %.3f %%  held %.1f %%  stated %.3f %% (median) %.2f %% (95th); "
+      "%.0f uncertain by 0.2 %%: held %.1f %%\n",
+      gas, 100 * std::sqrt(squares / gas), 100 * held / gas, 100 * stated[stated.size() / 2],
+      100 * stated[stated.size() * 95 / 100], strong,
+      strong > 0 ? 100 * strong_held / strong : 100.0);
+}
+
 int fly(int argc, char** argv) {
   const auto number = [&](int i, int otherwise) {
     return argc > i ? std::atoi(argv[i]) : otherwise;
@@ -135,6 +187,7 @@ int fly(int argc, char** argv) {
   };
   for (auto& [met, sum] : by_class) print("class " + std::to_string(met), sum);
   if (interior.n > 0) print("interior", interior);
+  print_gas(*frame, stored);
   std::printf("edges: %.1f %%\n", 100 * edges / static_cast<double>(pixels));
 
   std::vector<double> ms;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/hot_gas/column_tests.h"
 #include "core/scene/generate/generate_mesh.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -203,6 +204,30 @@ TEST(OwnParts, SunlightOfAWallReachesTheFloorByItsViewFactor) {
   EXPECT_EQ(behind[0], 0) << "the wall's other side is in the sun";
   EXPECT_EQ(behind[2], 0);
   EXPECT_EQ(behind[3], 0);
+}
+
+// Rationale: frames need few of the test gases, and compute these alone.
+// Expected: the same numbers as among all. Source: ColumnTests::test of all gases.
+TEST(ColumnTests, AFewGasesHaveTheTestsThatTheyHaveAmongAll) {
+  GasSegment hot, cool;
+  hot.amount = {0.4, 0.3, 0, 2e-9};
+  hot.temperature_k = 700;
+  hot.temperature_spread_k = 30;
+  cool.amount = {0.2, 0.5, 0, 1e-9};
+  cool.temperature_k = 400;
+  const GasColumn column = {cool, hot};
+  const ColumnTests tests({0.6, 0.8, 0, 3e-9}, 750);
+  std::vector<double> all(ColumnTests::kCount);
+  tests.test(column, all);
+  constexpr std::size_t kOfGas = ColumnTests::kLambdas + 1;
+  const std::vector<std::uint32_t> gases = {0, 7, 17, 18, 35, 40, 71};
+  std::vector<double> few(gases.size() * kOfGas);
+  tests.test(column, gases, few);
+  for (std::size_t g = 0; g < gases.size(); ++g)
+    for (std::size_t k = 0; k < kOfGas; ++k)
+      EXPECT_NEAR(few[g * kOfGas + k], all[gases[g] * kOfGas + k],
+                  1e-12 * all[gases[g] * kOfGas + k])
+          << gases[g];
 }
 
 LiveFrame flat_frame(std::uint32_t width, std::uint32_t height, float radiance, float error) {
