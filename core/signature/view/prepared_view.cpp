@@ -293,6 +293,13 @@ const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
   return surrounding_bounds(condition);
 }
 
+std::optional<CloudBounds> ViewSurroundings::cloud_bounds(std::uint32_t condition) {
+  if (!look_ || request_->land != nullptr || request_->image ||
+      request_->condition[condition].gas != nullptr)
+    return std::nullopt;
+  return look_->cloud_bounds(condition);
+}
+
 const LightBounds& ViewSurroundings::surrounding_bounds(std::uint32_t condition) {
   if (look_) return look_->bounds(condition);
   std::optional<LightBounds>& known = plain_bounds_[condition];
