@@ -98,6 +98,10 @@ Vec<Body> with_elevation(Vec<Body> v, double elevation_rad) {
           -std::sin(elevation_rad)};
 }
 
+// How far below the horizon the sun lights no air that matters: below 1 % of the light that is
+// scattered with the sun 1 deg up (tests/physics/twilight_test.cpp).
+constexpr double kTwilightRad = 6 * kRadPerDeg;
+
 // A ray that arrives at an elevation a left the sun at a - bending(a).
 Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, double height_m,
                               const ConditionEnvironment& c, bool refraction) {
@@ -134,6 +138,7 @@ Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, doub
   const double cut = std::clamp((-dip - seen_rad) / radius, -1.0, 1.0);
   const double chord = std::sqrt(1 - cut * cut), area = std::acos(cut) - cut * chord;
   out.visible = area / std::numbers::pi;
+  out.lights_air = out.visible > 0 || true_rad > -dip - kTwilightRad;
   const double above = area > 0 ? 2 * chord * chord * chord / (3 * area) : 1;
   out.middle = above > 0 ? with_elevation(out.direction, seen_rad + radius * above) : out.direction;
   return out;
@@ -159,7 +164,7 @@ struct Environment::Parts {
     GrazingRay ray;
     Lazy<std::unique_ptr<const ThermalSurroundings>> light;
     Lazy<std::unique_ptr<const WeatherBounds>> bounds;
-    int suns = 0;                    // conditions under which the sun is up
+    int suns = 0;                    // conditions under which a sun lights the air
     const Weather* clear = nullptr;  // the same without its cloud, where that covers a part
   };
   struct Condition {
@@ -167,7 +172,6 @@ struct Environment::Parts {
     Lazy<std::unique_ptr<const SunLight>> sun;
     Lazy<std::unique_ptr<const ConditionBounds>> bounds;
     SunSeen seen{};
-    [[nodiscard]] bool sun_is_up() const { return seen.visible > 0; }
   };
 
   // Parts of a weather or condition of the environment, by index: one, or a clear and an overcast
@@ -480,8 +484,8 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       here.spec = c;
       here.spec.weather = weather_index;
       here.seen = seen;
-      if (here.sun_is_up()) ++parts->weather[weather_index].suns;
-      sun = sun || here.sun_is_up();
+      if (here.seen.lights_air) ++parts->weather[weather_index].suns;
+      sun = sun || here.seen.lights_air;
     };
     for (const Parts::Mix::Part& part : of_weather.part) {
       mix.part.push_back({static_cast<std::uint32_t>(parts->condition.size()), part.fraction});
@@ -583,13 +587,13 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::Parts::evaluate(std::uin
                                                                         bool with_azimuths) {
   const Environment::Parts::Condition& c = of.condition[index];
   const bool diffuse_sun = effects.scattered_sun(condition);
-  if (c.sun_is_up() && diffuse_sun && !with_azimuths) {
+  if (c.seen.lights_air && diffuse_sun && !with_azimuths) {
     return absl::InvalidArgumentError(absl::StrCat(
         "condition ", condition, ": scattered sunlight is reflected, but nodes have no azimuths"));
   }
   const bool any_sun = effects.follows_sun(condition) || diffuse_sun ||
                        effects.sun[condition].path || effects.sun[condition].background;
-  const SunLight* sun = c.sun_is_up() && any_sun ? &of.sun_of(c) : nullptr;
+  const SunLight* sun = c.seen.lights_air && any_sun ? &of.sun_of(c) : nullptr;
   return light_of(c.spec.weather)
       .seen_under(sun, effects, condition, with_azimuths ? of.nodes : of.rings);
 }

@@ -37,7 +37,8 @@ struct SunSeen {
   Vec<Body> direction;  // unit vector to the disk's centre
   double horizon_z;     // directions with a larger z have set
   double visible;       // share of the disk that has not; 0: none, or no sun
-  Vec<Body> middle;     // of that share; unit vector
+  Vec<Body> middle;     // of that share, or of what set last; unit vector
+  bool lights_air;      // it shines on air that the target sees, in twilight too
 };
 
 // End of the sea (or ground) for the sensor of a line, refracted if the weather is.

@@ -204,6 +204,9 @@ RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request,
   row.effect.fill({false, kInfinite, kInfinite, kInfinite});
   row.cloud_unreflected = at(row, Effect::kCloud);
   const bool sun = sun_shines(request.condition[c]), air = request.environment != nullptr;
+  // In twilight the air scatters sunlight, though the disk has set.
+  const bool scattered = air && request.condition[c].sun && request.condition[c].sun_scale > 0 &&
+                         request.environment->sun_seen(static_cast<std::uint32_t>(c)).lights_air;
   const bool homogeneous = !air && request.air.model != AirModel::kVacuum;
   bool hot = false;
   for (const PartSpec& part : scene.target.part) hot |= part.hot;
@@ -212,10 +215,10 @@ RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request,
   };
   absent(Effect::kDirectSun, !sun);
   absent(Effect::kSunDisk, !sun);
-  absent(Effect::kDiffuseSun, !sun || !air);
+  absent(Effect::kDiffuseSun, !scattered);
   absent(Effect::kMirroredSun, !sun || !(request.condition[c].sea_wind_m_s > 0));
-  absent(Effect::kPathSun, !sun || !air);
-  absent(Effect::kBackgroundSun, !sun || !air);
+  absent(Effect::kPathSun, !scattered);
+  absent(Effect::kBackgroundSun, !scattered);
   absent(Effect::kInterReflection, scene.target.convex);
   absent(Effect::kHotPartsReflected, !hot || scene.target.convex);
   absent(Effect::kTransmission, !air && !homogeneous);

@@ -361,7 +361,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
   // The choice must not depend on the conditions that are asked for.
   bool with_azimuths = false;
   for (std::uint32_t c = 0; c < effects.sun.size(); ++c)
-    with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).visible > 0;
+    with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).lights_air;
   EffectSet wanted = effects;
   if (!with_azimuths)
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
