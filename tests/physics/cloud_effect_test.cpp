@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/accuracy/replicates.h"
 #include "core/environment/environment.h"
@@ -23,6 +24,7 @@ struct Under {
   double cover;
   bool sun;
   CloudSpec cloud = kDeck;
+  std::optional<std::array<double, 2>> base_range_m = std::nullopt;
 };
 
 struct CloudyScene {
@@ -54,6 +56,7 @@ CloudyScene body_under(const std::vector<Under>& skies, const Mesh& mesh, double
                     nullptr});
     w.cloud_cover = skies[i].cover;
     if (w.cloud_cover > 0) w.cloud = skies[i].cloud;
+    w.cloud_base_range_m = skies[i].base_range_m;
     ConditionSpec& c = out.request.condition[i];
     c.surroundings.kind = SurroundingsKind::kSea;
     c.sea_wind_m_s = w.lower.wind_speed_m_s;
@@ -99,7 +102,9 @@ Estimate difference(const std::vector<double>& a, const std::vector<double>& b) 
   return sum.estimate(0);
 }
 
-// Expected: each change that a cloud makes is within the ledger's bound of it.
+// Expected: each change that a cloud makes is within the ledger's bound of it. Bounds of a broken
+// sky are that of an overcast one times the cover, or the standard deviation of which of both a
+// target has, where that is larger.
 TEST(CloudEffect, BoundsOfTheLedgerHold) {
   double tightest = 0;
   for (const bool sun : {false, true})
@@ -114,6 +119,10 @@ TEST(CloudEffect, BoundsOfTheLedgerHold) {
         if (cloud == nullptr) continue;
         EXPECT_EQ(cloud->state, EffectState::kOn);
         EXPECT_EQ(cloud->reason, EffectReason::kAboveShare);
+        const double cover = std::array{0.0, 1.0, 0.3, 0.02}[row.condition];
+        const LedgerEntry& overcast = *cloud_of(view.row[2 + row.band].effect);
+        EXPECT_NEAR(cloud->contrast_bound_w_sr / overcast.contrast_bound_w_sr,
+                    std::max(cover, std::sqrt(cover * (1 - cover))), 1e-9);
         const SignatureResult& clear = view.row[row.band];
         ASSERT_EQ(clear.condition, 0U);
         ASSERT_EQ(clear.band, row.band);
@@ -169,9 +178,7 @@ TEST(CloudEffect, IsLeftOutWhereTheTargetOutshinesTheSky) {
 // A sensor above the base, a fog on the ground, and a base that may lie below the sensor.
 TEST(CloudEffect, HasNoBoundWhereTheLineOfSightReachesTheCloud) {
   const CloudSpec fog = {CloudPhase::kWater, 0, 300, 0.003, 8};
-  for (const auto& [cloud, elevation_deg] : {std::pair{kDeck, 30.0}, {fog, 3.0}}) {
-    const CloudyScene s =
-        body_under({{1, false, cloud}, {0, false}}, hot_box(), 1200, elevation_deg, 1000, 0.05);
+  const auto expect_unbounded = [](const CloudyScene& s) {
     const ViewPlan plan = planned(s);
     for (const std::size_t row : {0, 1}) {
       const LedgerEntry* entry = cloud_of(plan.ledger[row]);
@@ -181,7 +188,18 @@ TEST(CloudEffect, HasNoBoundWhereTheLineOfSightReachesTheCloud) {
       EXPECT_TRUE(std::isnan(entry->contrast_bound_w_sr));
       EXPECT_EQ(cloud_of(plan.ledger[2 + row]), nullptr);
     }
-  }
+  };
+  const auto seen = [](const Under& sky, double elevation_deg) {
+    return body_under({sky, {0, false}}, hot_box(), 1200, elevation_deg, 1000, 0.05);
+  };
+  expect_unbounded(seen({1, false}, 30));
+  expect_unbounded(seen({1, false, fog}, 3));
+  expect_unbounded(seen({1, false, kDeck, {{40, 2500}}}, 3));
+  // An image shows its sky.
+  CloudyScene image = seen({1, false}, 3);
+  EXPECT_EQ(cloud_of(planned(image).ledger[0])->state, EffectState::kOff);
+  image.request.image.emplace();
+  expect_unbounded(image);
 }
 
 }  // namespace
