@@ -24,6 +24,10 @@ void write_for_people(std::ostream& out) {
     out << fmt::format("  costs    {}\n", e.cost);
   };
   for (const EffectInfo& e : effect_table()) write(e);
+  out << "\nOf a layer of cloud ([[season.cloud]]): in ledgers of rows that have one, and left out "
+         "by "
+         "its\nbound alone.\n";
+  for (const EffectInfo& e : cloud_effect_table()) write(e);
   out << "\nOf computed temperatures ([heat]): on unless effects.without of the sweep file names "
          "them; the\nbound, in kelvin, is part of the temperatures' error then.\n";
   for (const EffectInfo& e : heat_effect_table()) write(e);
@@ -47,6 +51,7 @@ absl::Status write_effects(std::string_view format, std::ostream& out) {
         {text(e.name), text(e.what), text(e.when), text(e.bound), text(e.cost), e.switchable});
   };
   for (const EffectInfo& e : effect_table()) row(e);
+  for (const EffectInfo& e : cloud_effect_table()) row(e);
   for (const EffectInfo& e : heat_effect_table()) row(e);
   for (const EffectInfo& e : plume_effect_table()) row(e);
   return (*writer)->finish();

@@ -48,6 +48,10 @@ void check_effect_name(const google::protobuf::RepeatedPtrField<std::string>& na
   if (!effect) {
     check.error_at(key, absl::StrCat("= \"", name, "\" is no effect that can be left out, ",
                                      suggestion(name, switchable_names(of_without))));
+  } else if (is_of_cloud(*effect)) {
+    check.error_at(key, absl::StrCat("= \"", name,
+                                     "\" is left out by its bound alone; for a clear sky leave out "
+                                     "[[season.cloud]]"));
   } else if (!of_without && is_of_without(*effect)) {
     check.error_at(key, absl::StrCat("= \"", name, "\" is an effect of ",
                                      is_of_heat(*effect) ? "computed temperatures" : "hot gas",

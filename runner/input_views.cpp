@@ -57,6 +57,7 @@ void add_moved_effects(bool materials, bool air, bool land, std::vector<Effect>&
     moved.insert(moved.end(), {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun,
                                Effect::kSkyReflected, Effect::kLowerReflected});
   if (air) moved.insert(moved.end(), {Effect::kPathSun, Effect::kBackgroundSun});
+  if (materials || air) moved.push_back(Effect::kCloud);
   for (const Effect e : moved)
     if (std::find(out.begin(), out.end(), e) == out.end()) out.push_back(e);
 }

@@ -46,8 +46,9 @@ class SunAmounts {
 
   // Adds what lies between a height and the sun; false: the Earth is in the way.
   [[nodiscard]] bool add_to(AbsorberAmounts& sum, double height_m) const;
-  // Returns true if the sun shines on `height_m`.
+  // Returns true if the sun shines on `height_m`; on any air above.
   [[nodiscard]] bool lit() const { return lit_; }
+  [[nodiscard]] bool lights_any() const { return !point_.empty() && point_.back().lit; }
 
  private:
   struct Point {

@@ -31,4 +31,10 @@ AirSpectrum scattered_again_relative(const Atmosphere& atmosphere, double height
   return out;
 }
 
+double low_sun_relative(double zenith_deg) {
+  constexpr double kFromDeg = 85, kAtDeg = 88, kThere = 0.12, kPerDeg = 0.81, kMost = 1.5;
+  if (zenith_deg < kFromDeg) return 0;
+  return std::min(kMost, kThere * std::exp(kPerDeg * (zenith_deg - kAtDeg)));
+}
+
 }  // namespace irsig

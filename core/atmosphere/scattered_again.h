@@ -24,4 +24,13 @@ namespace irsig {
                                                    double zenith_deg,
                                                    const BandChoice& bands = BandChoice());
 
+// Returns one sigma of sunlight that a path scatters once with one zenith angle of the sun on all
+// of it and the sun's amounts interpolated between heights, as a fraction of that light:
+//   0.12 exp(0.81 (zenith angle / deg - 88)), at most 1.5; 0 for suns above 5 deg.
+// Towards a sun at the horizon, where the path's far end sees a higher sun, it is too little.
+//
+// Accuracy: sums over all steps, each with its own sun, 5 and 30 deg above a setting sun
+// (tests/physics/environment_twilight_test.cpp).
+[[nodiscard]] double low_sun_relative(double zenith_deg);
+
 }  // namespace irsig

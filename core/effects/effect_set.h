@@ -18,7 +18,8 @@ struct EffectSet {
     bool direct = true, diffuse = true, mirrored = true, path = true, background = true;
     bool operator==(const Sun&) const = default;
   };
-  std::vector<Sun> sun;  // [condition]
+  std::vector<Sun> sun;     // [condition]
+  std::vector<bool> cloud;  // [condition] false: its sky is clear; empty: none is cleared
 
   // Returns the set with nothing left out.
   [[nodiscard]] static EffectSet everything(std::size_t conditions, std::uint32_t reflections) {
@@ -40,11 +41,16 @@ struct EffectSet {
     return surroundings() && sun[condition].diffuse;
   }
 
+  // Returns true unless a condition's cloud is left out.
+  [[nodiscard]] bool has_cloud(std::size_t condition) const {
+    return cloud.empty() || cloud[condition];
+  }
+
   // Returns true if the other set needs the same light of air, sky and surface. The number of
   // reflections, and reflection by other parts, do not change this light.
   [[nodiscard]] bool same_light(const EffectSet& other) const {
     return reflections() == other.reflections() && sky == other.sky && lower == other.lower &&
-           joined_lines == other.joined_lines && sun == other.sun;
+           joined_lines == other.joined_lines && sun == other.sun && cloud == other.cloud;
   }
 
   bool operator==(const EffectSet&) const = default;

@@ -86,6 +86,19 @@ const std::array<EffectInfo, kEffects>& effect_table() {
   return table;
 }
 
+const std::array<EffectInfo, kCloudEffects>& cloud_effect_table() {
+  static constexpr std::array<EffectInfo, kCloudEffects> table{{
+      {Effect::kCloud, "cloud",
+       "the layer of cloud in sky, sunlight and background; off: they are those of a clear sky",
+       "unless the target is much brighter than sky and surface, and reflects hardly any sunlight",
+       "the most that a clear and an overcast sky send, by the larger of the cover and the "
+       "standard deviation of the choice between both; none where target or line of sight reach "
+       "the cloud",
+       "of a broken sky a second sky at every view", true, 2.4e-3},
+  }};
+  return table;
+}
+
 const std::array<EffectInfo, kHeatEffects>& heat_effect_table() {
   static constexpr std::array<EffectInfo, kHeatEffects> table{{
       {Effect::kHeatExchange, "heat_exchange",
@@ -126,8 +139,9 @@ const std::array<EffectInfo, kPlumeEffects>& plume_effect_table() {
 
 const EffectInfo& info_of(Effect effect) {
   const auto index = static_cast<std::size_t>(effect);
-  if (is_of_heat(effect)) return heat_effect_table()[index - kEffects];
-  if (is_of_plume(effect)) return plume_effect_table()[index - kEffects - kHeatEffects];
+  if (is_of_cloud(effect)) return cloud_effect_table()[index - kEffects];
+  if (is_of_heat(effect)) return heat_effect_table()[index - kPlannedEffects];
+  if (is_of_plume(effect)) return plume_effect_table()[index - kPlannedEffects - kHeatEffects];
   return effect_table()[index];
 }
 

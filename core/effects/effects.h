@@ -32,6 +32,8 @@ enum class Effect : std::uint8_t {
   kSpectralVariation,
   kPerspective,
   kRefraction,
+  // Effects of the sky: in ledgers of rows whose condition has a cloud.
+  kCloud,
   // Effects on computed temperatures: chosen for a whole sweep by its author, not for a row by its
   // bound.
   kHeatExchange,
@@ -42,8 +44,10 @@ enum class Effect : std::uint8_t {
   kHotLineCorrelation,
 };
 inline constexpr std::size_t kEffects = 19;  // of rows: those that every ledger has
-inline constexpr std::size_t kHeatEffects = 2, kPlumeEffects = 3;
-inline constexpr std::size_t kEffectCount = kEffects + kHeatEffects + kPlumeEffects;
+inline constexpr std::size_t kCloudEffects = 1, kHeatEffects = 2, kPlumeEffects = 3;
+// Effects that a view decides by bounds known before it is traced.
+inline constexpr std::size_t kPlannedEffects = kEffects + kCloudEffects;
+inline constexpr std::size_t kEffectCount = kPlannedEffects + kHeatEffects + kPlumeEffects;
 
 struct EffectInfo {
   Effect effect;
@@ -64,9 +68,11 @@ struct EffectInfo {
 inline constexpr double kRaySeconds = 3e-7;
 
 [[nodiscard]] const std::array<EffectInfo, kEffects>& effect_table();
+[[nodiscard]] const std::array<EffectInfo, kCloudEffects>& cloud_effect_table();
 // Effects on computed temperatures; their omission is bounded in kelvin.
 [[nodiscard]] const std::array<EffectInfo, kHeatEffects>& heat_effect_table();
 [[nodiscard]] const std::array<EffectInfo, kPlumeEffects>& plume_effect_table();
+[[nodiscard]] constexpr bool is_of_cloud(Effect effect) { return effect == Effect::kCloud; }
 [[nodiscard]] constexpr bool is_of_heat(Effect effect) {
   return effect == Effect::kHeatExchange || effect == Effect::kHeatDiffuseSun;
 }

@@ -65,7 +65,6 @@ RowBounds::Bound EffectPlanner::all_reflected(std::size_t row) const {
 void EffectPlanner::decide() {
   decided_ = true;
   if (choice_.mode == EffectChoice::Mode::kAll) return;
-  const std::size_t conditions = off_.size();
   if (choice_.mode == EffectChoice::Mode::kOnly) {
     for (const EffectInfo& e : effect_table()) {
       const bool listed =
@@ -100,27 +99,47 @@ void EffectPlanner::decide() {
   } else {
     leave_out_surroundings();
   }
-  for (std::size_t c = 0; c < conditions; ++c)
+  leave_out_sunlight();
+  leave_out_clouds();
+}
+
+void EffectPlanner::leave_out_under(std::size_t condition, Effect effect) {
+  const std::size_t first = condition * bands_, last = first + bands_;
+  bool all = true, needed = false;
+  for (std::size_t row = first; row < last; ++row) {
+    const RowBounds::Bound& b = rows_[row].effect[index_of(effect)];
+    needed |= !b.absent;
+    all = all && (b.absent || (has_goal(row) && fits(b, room_[row])));
+  }
+  if (!needed || !all) return;
+  off_[condition][index_of(effect)] = true;
+  for (std::size_t row = first; row < last; ++row)
+    if (const RowBounds::Bound& b = rows_[row].effect[index_of(effect)]; !b.absent)
+      take(b, room_[row]);
+}
+
+void EffectPlanner::leave_out_sunlight() {
+  for (std::size_t c = 0; c < off_.size(); ++c)
     for (const Effect e : {Effect::kDiffuseSun, Effect::kMirroredSun, Effect::kDirectSun,
                            Effect::kPathSun, Effect::kBackgroundSun}) {
-      bool& off = off_[c][index_of(e)];
-      if (off || choice_.keeps(e)) continue;
+      if (off_[c][index_of(e)] || choice_.keeps(e)) continue;
       // The sun in the waves is the same light: paths to it need the sun.
       if (e == Effect::kDirectSun && !off_[c][index_of(Effect::kMirroredSun)] &&
           !rows_[c * bands_].effect[index_of(Effect::kMirroredSun)].absent)
         continue;
-      bool all = true, needed = false;
-      for (std::size_t row = c * bands_; row < (c + 1) * bands_; ++row) {
-        const RowBounds::Bound& b = rows_[row].effect[index_of(e)];
-        needed |= !b.absent;
-        all = all && (b.absent || (has_goal(row) && fits(b, room_[row])));
-      }
-      if (!needed || !all) continue;
-      off = true;
-      for (std::size_t row = c * bands_; row < (c + 1) * bands_; ++row)
-        if (const RowBounds::Bound& b = rows_[row].effect[index_of(e)]; !b.absent)
-          take(b, room_[row]);
+      leave_out_under(c, e);
     }
+}
+
+// Without reflections a cloud is in the background and in what the line of sight scatters.
+void EffectPlanner::leave_out_clouds() {
+  if (without_reflections_)
+    for (RowBounds& row : rows_) {
+      RowBounds::Bound& cloud = row.effect[index_of(Effect::kCloud)];
+      if (!cloud.absent) cloud = row.cloud_unreflected;
+    }
+  if (choice_.keeps(Effect::kCloud)) return;
+  for (std::size_t c = 0; c < off_.size(); ++c) leave_out_under(c, Effect::kCloud);
 }
 
 // Leaves out the reflected light of sky and sea, with the sunlight that they scatter, where the
@@ -185,8 +204,9 @@ std::vector<RowBounds::Bound> EffectPlanner::omitted() const {
       add(rows_[row].reflected, sum);
     else if (around_is_off)
       add(around(rows_[row]), sum);
-    for (const EffectInfo& e : effect_table()) {
-      const RowBounds::Bound& b = rows_[row].effect[index_of(e.effect)];
+    for (std::size_t i = 0; i < kPlannedEffects; ++i) {
+      const EffectInfo& e = info_of(static_cast<Effect>(i));
+      const RowBounds::Bound& b = rows_[row].effect[i];
       if (b.absent || on(e.effect, condition) || !e.switchable) continue;
       const bool of_around = e.effect == Effect::kSkyReflected ||
                              e.effect == Effect::kLowerReflected ||
@@ -206,8 +226,10 @@ std::vector<std::vector<LedgerEntry>> EffectPlanner::ledger() const {
     std::vector<LedgerEntry>& entries = out.emplace_back();
     const Room whole{kOmittedShare * std::numbers::sqrt3 * rows_[row].goal_w_sr,
                      kOmittedShare * std::numbers::sqrt3 * rows_[row].aperture_goal_w_sr};
-    for (const EffectInfo& e : effect_table()) {
-      const RowBounds::Bound& b = rows_[row].effect[index_of(e.effect)];
+    for (std::size_t i = 0; i < kPlannedEffects; ++i) {
+      const EffectInfo& e = info_of(static_cast<Effect>(i));
+      const RowBounds::Bound& b = rows_[row].effect[i];
+      if (is_of_cloud(e.effect) && b.absent) continue;
       LedgerEntry entry{e.effect,
                         EffectState::kOn,
                         EffectReason::kAlways,

@@ -1,6 +1,7 @@
 #include "core/environment/broken_cloud.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -126,17 +127,28 @@ ViewEnvironment under_broken_cloud(ViewEnvironment clear, ViewEnvironment overca
   return out;
 }
 
+namespace {
+
+constexpr std::array kAllBounds = {&LightBounds::transmittance, &LightBounds::path_radiance,
+                                   &LightBounds::thermal,       &LightBounds::sun,
+                                   &LightBounds::diffuse_sun,   &LightBounds::diffuse_sun_w_m2_um,
+                                   &LightBounds::mirrored_sun,  &LightBounds::mirrored_sun_w_m2_um,
+                                   &LightBounds::path_sun,      &LightBounds::background_sun};
+
+}  // namespace
+
 LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& overcast,
                                double cover) {
   const CloudMixer mix{cover};
   LightBounds out;
-  for (Spectrum LightBounds::*of :
-       {&LightBounds::transmittance, &LightBounds::path_radiance, &LightBounds::thermal,
-        &LightBounds::sun, &LightBounds::diffuse_sun, &LightBounds::diffuse_sun_w_m2_um,
-        &LightBounds::mirrored_sun, &LightBounds::mirrored_sun_w_m2_um, &LightBounds::path_sun,
-        &LightBounds::background_sun})
-    out.*of = mix(clear.*of, overcast.*of);
+  for (Spectrum LightBounds::*of : kAllBounds) out.*of = mix(clear.*of, overcast.*of);
   return out;
+}
+
+LightBounds larger_of(LightBounds a, const LightBounds& b) {
+  for (Spectrum LightBounds::*of : kAllBounds)
+    for (std::size_t i = 0; i < (a.*of).size(); ++i) (a.*of)[i] = std::max((a.*of)[i], (b.*of)[i]);
+  return a;
 }
 
 }  // namespace irsig

@@ -48,4 +48,7 @@ struct CloudMixer {
 [[nodiscard]] LightBounds under_broken_cloud(const LightBounds& clear, const LightBounds& overcast,
                                              double cover);
 
+// Returns the larger of two bounds, spectrum by spectrum.
+[[nodiscard]] LightBounds larger_of(LightBounds a, const LightBounds& b);
+
 }  // namespace irsig

@@ -98,6 +98,10 @@ Vec<Body> with_elevation(Vec<Body> v, double elevation_rad) {
           -std::sin(elevation_rad)};
 }
 
+// How far below the horizon the sun lights no air that matters: below 1 % of the light that is
+// scattered with the sun 1 deg up (tests/physics/twilight_test.cpp).
+constexpr double kTwilightRad = 6 * kRadPerDeg;
+
 // A ray that arrives at an elevation a left the sun at a - bending(a).
 Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, double height_m,
                               const ConditionEnvironment& c, bool refraction) {
@@ -134,6 +138,7 @@ Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, doub
   const double cut = std::clamp((-dip - seen_rad) / radius, -1.0, 1.0);
   const double chord = std::sqrt(1 - cut * cut), area = std::acos(cut) - cut * chord;
   out.visible = area / std::numbers::pi;
+  out.lights_air = out.visible > 0 || true_rad > -dip - kTwilightRad;
   const double above = area > 0 ? 2 * chord * chord * chord / (3 * area) : 1;
   out.middle = above > 0 ? with_elevation(out.direction, seen_rad + radius * above) : out.direction;
   return out;
@@ -159,7 +164,7 @@ struct Environment::Parts {
     GrazingRay ray;
     Lazy<std::unique_ptr<const ThermalSurroundings>> light;
     Lazy<std::unique_ptr<const WeatherBounds>> bounds;
-    int suns = 0;                    // conditions under which the sun is up
+    int suns = 0;                    // conditions under which a sun lights the air
     const Weather* clear = nullptr;  // the same without its cloud, where that covers a part
   };
   struct Condition {
@@ -167,7 +172,6 @@ struct Environment::Parts {
     Lazy<std::unique_ptr<const SunLight>> sun;
     Lazy<std::unique_ptr<const ConditionBounds>> bounds;
     SunSeen seen{};
-    [[nodiscard]] bool sun_is_up() const { return seen.visible > 0; }
   };
 
   // Parts of a weather or condition of the environment, by index: one, or a clear and an overcast
@@ -178,6 +182,8 @@ struct Environment::Parts {
       double fraction;
     };
     std::vector<Part> part;
+    // Index of the same without its cloud, where it has one: the first part, or no part.
+    std::optional<std::uint32_t> clear;
     [[nodiscard]] std::uint32_t first() const { return part.front().index; }
   };
 
@@ -253,6 +259,9 @@ struct Environment::SightLine::Parts {
                                                          std::uint32_t condition,
                                                          const EffectSet& effects,
                                                          bool with_azimuths);
+  [[nodiscard]] LightBounds bounds_of(std::uint32_t index);
+  // Returns true if target and line of sight end below a weather's cloud, wherever its base may be.
+  [[nodiscard]] bool below_cloud(std::uint32_t index);
   [[nodiscard]] const SensorPath& sensor_path_of(std::uint32_t index) {
     Weather& here = weather.at(index);
     const Environment::Parts::Weather& w = of.weather[index];
@@ -355,6 +364,10 @@ const Environment::SunSeen& Environment::sun_seen(std::uint32_t condition) const
   IRSIG_CHECK(condition < conditions());
   return parts_->condition[parts_->of_condition[condition].first()].seen;
 }
+bool Environment::cloudy(std::uint32_t condition) const {
+  IRSIG_CHECK(condition < conditions());
+  return parts_->of_condition[condition].clear.has_value();
+}
 std::size_t Environment::conditions() const { return parts_->of_condition.size(); }
 
 absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
@@ -416,13 +429,17 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       w.ray = ray;
       return w;
     };
-    if (spec.cloud_cover < 1) {
-      Parts::Weather& holes = add(1 - spec.cloud_cover);
+    const auto set_clear = [&](Parts::Weather& holes) -> absl::Status {
       if (is_fog(spec.air.aerosol.kind)) {
         holes.turbid_beam.emplace(*std::move(clear));
         ASSIGN_OR_RETURN(clear, turbid_atmosphere(spec, ForwardPeak::kDiffuse, false));
       }
       holes.atmosphere.emplace(*std::move(clear));
+      return absl::OkStatus();
+    };
+    if (spec.cloud_cover < 1) {
+      RETURN_IF_ERROR(set_clear(add(1 - spec.cloud_cover)));
+      if (spec.cloud_cover > 0) mix.clear = mix.first();
     }
     if (spec.cloud_cover > 0) {
       absl::StatusOr<Atmosphere> diffuse = turbid_atmosphere(spec, ForwardPeak::kDiffuse, true);
@@ -434,6 +451,11 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       overcast.clear = of_holes;
       overcast.atmosphere.emplace(*std::move(diffuse));
       overcast.turbid_beam.emplace(*std::move(beam));
+      if (!of_holes) {
+        mix.clear = static_cast<std::uint32_t>(parts->weather.size());
+        RETURN_IF_ERROR(set_clear(add(0)));
+        mix.part.pop_back();
+      }
     }
   }
   bool sun = false;
@@ -456,14 +478,22 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       const AirProfile& clear = w.turbid_beam ? w.spec.air.profile : w.atmosphere->profile();
       seen = sun_from(clear, w.ray, w.height_m, c, w.spec.refraction);
     }
-    for (const Parts::Mix::Part& part : of_weather.part) {
-      mix.part.push_back({static_cast<std::uint32_t>(parts->condition.size()), part.fraction});
+    const auto add = [&](std::uint32_t weather_index) {
       Parts::Condition& here = parts->condition.emplace_back();
       here.spec = c;
-      here.spec.weather = part.index;
+      here.spec.weather = weather_index;
       here.seen = seen;
-      if (here.sun_is_up()) ++parts->weather[part.index].suns;
-      sun = sun || here.sun_is_up();
+      if (here.seen.lights_air) ++parts->weather[weather_index].suns;
+      sun = sun || here.seen.lights_air;
+    };
+    for (const Parts::Mix::Part& part : of_weather.part) {
+      mix.part.push_back({static_cast<std::uint32_t>(parts->condition.size()), part.fraction});
+      add(part.index);
+    }
+    if (of_weather.clear) {
+      const bool a_part = *of_weather.clear == of_weather.first();
+      mix.clear = a_part ? mix.first() : static_cast<std::uint32_t>(parts->condition.size());
+      if (!a_part) add(*of_weather.clear);
     }
   }
   // The first ring below the horizon lies safely on the sea.
@@ -498,9 +528,9 @@ double Environment::bytes_per_condition() const {
 
 absl::StatusOr<Environment::SightLine> Environment::sight_line(const Line& line) const {
   auto parts = std::unique_ptr<SightLine::Parts>(new SightLine::Parts{*parts_, line, {}, {}});
-  for (const Parts::Condition& c : parts_->condition) {
-    RETURN_IF_ERROR(parts->add(c.spec.weather));
-  }
+  for (const Parts::Mix& mix : parts_->of_condition)
+    for (const Parts::Mix::Part& part : mix.part)
+      RETURN_IF_ERROR(parts->add(parts_->condition[part.index].spec.weather));
   return SightLine(std::move(parts));
 }
 
@@ -538,6 +568,10 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::evaluate(std::uint32_t c
         "effects of ", effects.sun.size(), " conditions, expected ", of.of_condition.size()));
   }
   const Environment::Parts::Mix& mix = of.of_condition[condition];
+  if (mix.clear && !effects.has_cloud(condition)) {
+    RETURN_IF_ERROR(parts_->add(of.condition[*mix.clear].spec.weather));
+    return parts_->evaluate(*mix.clear, condition, effects, with_azimuths);
+  }
   ASSIGN_OR_RETURN(ViewEnvironment out,
                    parts_->evaluate(mix.first(), condition, effects, with_azimuths));
   if (mix.part.size() == 1) return out;
@@ -552,15 +586,21 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::Parts::evaluate(std::uin
                                                                         bool with_azimuths) {
   const Environment::Parts::Condition& c = of.condition[index];
   const bool diffuse_sun = effects.scattered_sun(condition);
-  if (c.sun_is_up() && diffuse_sun && !with_azimuths) {
+  if (c.seen.lights_air && diffuse_sun && !with_azimuths) {
     return absl::InvalidArgumentError(absl::StrCat(
         "condition ", condition, ": scattered sunlight is reflected, but nodes have no azimuths"));
   }
   const bool any_sun = effects.follows_sun(condition) || diffuse_sun ||
                        effects.sun[condition].path || effects.sun[condition].background;
-  const SunLight* sun = c.sun_is_up() && any_sun ? &of.sun_of(c) : nullptr;
+  const SunLight* sun = c.seen.lights_air && any_sun ? &of.sun_of(c) : nullptr;
   return light_of(c.spec.weather)
       .seen_under(sun, effects, condition, with_azimuths ? of.nodes : of.rings);
+}
+
+LightBounds Environment::SightLine::Parts::bounds_of(std::uint32_t index) {
+  const Environment::Parts::Condition& c = of.condition[index];
+  return light_bounds(of.bounds_of(c), sensor_path_of(c.spec.weather), line,
+                      *weather.at(c.spec.weather).horizon);
 }
 
 const LightBounds& Environment::SightLine::bounds(std::uint32_t condition) {
@@ -568,16 +608,43 @@ const LightBounds& Environment::SightLine::bounds(std::uint32_t condition) {
   if (known != parts_->bounds.end()) return known->second;
   const Environment::Parts& of = parts_->of;
   IRSIG_CHECK(condition < of.of_condition.size());
-  const auto bounds_of = [&](std::uint32_t index) {
-    const Environment::Parts::Condition& c = of.condition[index];
-    return light_bounds(of.bounds_of(c), parts_->sensor_path_of(c.spec.weather), parts_->line,
-                        *parts_->weather.at(c.spec.weather).horizon);
-  };
   const Environment::Parts::Mix& mix = of.of_condition[condition];
-  LightBounds out = bounds_of(mix.first());
+  LightBounds out = parts_->bounds_of(mix.first());
   if (mix.part.size() > 1)
-    out = under_broken_cloud(out, bounds_of(mix.part[1].index), mix.part[1].fraction);
+    out = under_broken_cloud(out, parts_->bounds_of(mix.part[1].index), mix.part[1].fraction);
   return parts_->bounds[condition] = std::move(out);
+}
+
+bool Environment::SightLine::Parts::below_cloud(std::uint32_t index) {
+  const Environment::Parts::Weather& w = of.weather[index];
+  double base_m = w.spec.cloud->base_m;
+  if (w.spec.cloud_base_range_m) base_m = std::min(base_m, w.spec.cloud_base_range_m->front());
+  base_m += w.atmosphere->profile().level.front().height_m;
+  double highest_m = std::max(w.height_m, sensor_path_of(index).highest_m);
+  for (const Line::End& end : line.end)
+    highest_m = std::max(highest_m, end.height_m + w.reference_m);
+  return highest_m < base_m;
+}
+
+std::optional<CloudBounds> Environment::SightLine::cloud_bounds(std::uint32_t condition) {
+  const Environment::Parts& of = parts_->of;
+  IRSIG_CHECK(condition < of.of_condition.size());
+  const Environment::Parts::Mix& mix = of.of_condition[condition];
+  if (!mix.clear) return std::nullopt;
+  const std::uint32_t overcast = mix.part.back().index,
+                      weather = of.condition[overcast].spec.weather;
+  if (!parts_->below_cloud(weather)) return std::nullopt;
+  if (!parts_->add(of.condition[*mix.clear].spec.weather).ok()) return std::nullopt;
+  CloudBounds out;
+  out.most = larger_of(parts_->bounds_of(*mix.clear), parts_->bounds_of(overcast));
+  const SensorPath& path = parts_->sensor_path_of(weather);
+  AirSpectrum scattered = path.layers.surroundings_fraction;
+  const AirSpectrum& brightest = of.bounds_of(of.condition[overcast]).weather.thermal;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= brightest[b];
+  out.path_surroundings = path.spread_thermal(scattered);
+  const double cover = mix.part.back().fraction;
+  out.weight = std::max(cover, std::sqrt(cover * (1 - cover)));
+  return out;
 }
 
 std::vector<double> air_band_edges_um(double lambda_min_um, double lambda_max_um) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,9 @@ class Environment {
   // The rings of nodes(), with one azimuth if `with_azimuths` is false.
   [[nodiscard]] const DirectionNodes& nodes(bool with_azimuths) const;
 
+  // Returns true if a condition's weather has a layer of cloud.
+  [[nodiscard]] bool cloudy(std::uint32_t condition) const;
+
   // The surface below the horizon under a condition.
   [[nodiscard]] const SurfaceBoundary& surface(std::uint32_t condition) const;
 
@@ -76,8 +80,12 @@ class Environment {
     SightLine& operator=(SightLine&&) noexcept;
     ~SightLine();
     [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
+    // Returns the most that light can change if a condition's cloud is left out. nullopt: the
+    // condition has no cloud, or target or line of sight reach it.
+    [[nodiscard]] std::optional<CloudBounds> cloud_bounds(std::uint32_t condition);
     // Returns the light of the line under a condition. The result depends on the line, the
-    // condition and the effects alone; effects that are left out are 0. `effects` has as many
+    // condition and the effects alone; effects that are left out are 0, and without its cloud a
+    // condition has the clear sky. `effects` has as many
     // conditions as the environment. For lines with directions behind the target,
     // EffectSet::joined_lines chooses whether the air's lines are joined at every ring that is
     // computed exactly (8 of a side), or at three of them. The nodes are those of

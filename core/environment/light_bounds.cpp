@@ -58,11 +58,18 @@ ConditionBounds::ConditionBounds(const ConditionEnvironment& condition, const Su
   outside = sun = diffuse_sun = diffuse_sun_w_m2_um = mirrored_sun = mirrored_sun_w_m2_um = dark;
   lower_sun = dark;
   shines = seen.visible > 0;
-  if (!shines) return;
+  scatters = seen.lights_air;
+  if (!scatters) return;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (!chosen(weather.bands, b)) continue;
     outside[b] = solar_irradiance_w_m2_um(air_band_lambda_um(b)) /
                  (condition.sun_distance_au * condition.sun_distance_au);
+  }
+  if (!shines) {
+    // In twilight light comes by way of higher, clearer air: nothing on its way counts.
+    sun_above.assign(weather.above.size(), outside);
+    scatter(0);
+    return;
   }
   // A ray is the steepest against the layers where it is highest, and refraction flattens it.
   const double level = std::sqrt(std::max(0.0, 1 - direction.z * direction.z)) *
@@ -197,7 +204,7 @@ LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg
   AirSpectrum path(kAirBandCount, 0.0), background = path;
   const AbsorberAmounts& near = leg.layers.amounts();
   const AirSpectrum& molecules = near.grey(GreyAbsorber::kMolecularScattering);
-  if (condition.shines && !leg.imported_radiance) {
+  if (condition.scatters && !leg.imported_radiance) {
     const double cosine = -dot(condition.direction, line.direction);
     const AirSpectrum depth = scattering_optical_depth(near);
     const AirSpectrum aerosol = weather.aerosol_per_sr(cosine);
@@ -213,7 +220,7 @@ LightBounds light_bounds(const ConditionBounds& condition, const SensorPath& leg
         path[b] += condition.outside[b] * -std::expm1(-depth[b]) * cloud_peak_per_sr();
     }
   }
-  if (condition.shines) {
+  if (condition.scatters) {
     double largest_cosine = -1, lowest = 1, glint = 0, incidence = 1;
     bool sky = false, lower = false;
     for (std::uint32_t n = 0; n < line.behind.count(); ++n) {

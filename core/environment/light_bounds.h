@@ -15,7 +15,7 @@ struct ConditionBounds {
                   const WeatherBounds& weather);
 
   const WeatherBounds& weather;
-  bool shines = false;
+  bool shines = false, scatters = false;  // on the target, in the air around it
   Vec<Body> direction;
   AirSpectrum outside, sun, diffuse_sun, diffuse_sun_w_m2_um, mirrored_sun, mirrored_sun_w_m2_um;
   AirSpectrum lower_sun;               // of diffuse_sun, below the horizon

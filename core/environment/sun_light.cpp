@@ -104,23 +104,27 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       limb_source_(kLimb.size()),
       lower_source_(weather.lower.size()),
       far_(weather.lower.size()) {
-  outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
+  outside = irradiance = whole_ = near_ = AirSpectrum(kAirBandCount, 0.0);
   scattered_relative_.assign(kAirBandCount, kAerosolRelativeError);
   air_relative_ = scattered_relative_;
-  if (!(seen.visible > 0)) return;
+  if (!seen.lights_air) return;
   const double zenith_deg = this->zenith_deg();
   sun_.emplace(atmosphere, height_m, zenith_deg, bands_);
-  if (!sun_->lit()) {
+  if (!sun_->lights_any()) {
     sun_.reset();
     return;
   }
+  if (!sun_->lit()) visible = 0;
   if (weather_.cloud()) {
     beam_.emplace(beam, height_m, zenith_deg, bands_);
     cloud_.emplace(*weather_.cloud(), *sun_, zenith_deg);
   }
   const AirSpectrum again = scattered_again_relative(atmosphere, height_m, zenith_deg, bands_);
-  for (std::size_t b = 0; b < kAirBandCount; ++b)
+  const double low = low_sun_relative(zenith_deg);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
     air_relative_[b] = std::hypot(kAerosolRelativeError, again[b]);
+    if (low > 0) air_relative_[b] = std::hypot(air_relative_[b], low);
+  }
   scattered_relative_ = air_relative_;
   if (const UnknownCloud* unknown = weather_.unknown_cloud()) {
     const AirSpectrum by_cloud = unknown->diffuse_sun_relative(zenith_deg);
@@ -128,12 +132,14 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
       scattered_relative_[b] = std::hypot(scattered_relative_[b], by_cloud[b]);
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    outside[b] = solar_irradiance_w_m2_um(air_band_lambda_um(b)) /
-                 (condition.sun_distance_au * condition.sun_distance_au);
+    whole_[b] = solar_irradiance_w_m2_um(air_band_lambda_um(b)) /
+                (condition.sun_distance_au * condition.sun_distance_au);
   }
+  if (!(visible > 0)) return;
   near_ = irradiance = joined(AbsorberAmounts());
-  multiply(irradiance, outside);
-  for (double& x : outside) x *= seen.visible;
+  multiply(irradiance, whole_);
+  outside = whole_;
+  for (double& x : outside) x *= visible;
 }
 
 double SunLight::zenith_deg() const {
@@ -177,6 +183,10 @@ const AirSpectrum& SunLight::far(std::size_t ring) const {
   return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers->amounts()); });
 }
 
+AirSpectrum SunLight::passed(std::size_t ring) const {
+  return visible > 0 ? quotient(far(ring), near_) : weather_.lower[ring].layers->transmittance;
+}
+
 SunLight::Around SunLight::make_around() const {
   const std::size_t n = wavelengths_.used.size();
   const auto write = [&](BandRows<float>& to, std::size_t row, const AirSpectrum& of) {
@@ -211,7 +221,7 @@ SunLight::Sky SunLight::make_sky() const {
   for (std::size_t r = 0; r < sine.size(); ++r) {
     for (std::uint32_t a = 0; a < azimuths_; ++a) {
       out.node.push_back(sky_source(r).per_sr(phase(sine, r, 1, a)));
-      multiply(out.node.back(), outside);
+      multiply(out.node.back(), whole_);
     }
   }
   std::vector<AirSpectrum> of_hat;
@@ -238,11 +248,11 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const BandRows<double>& sky)
   const std::vector<double> sine = sines_of(weather_.lower);
   const LowerRing& ring = weather_.lower[r];
   const ScatteredSun air = scattered_below(r);
-  const AirSpectrum through = quotient(far(r), near_);
+  const AirSpectrum through = passed(r);
   const double diffuse = ring.limb ? 0 : diffuse_per_sr();
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
     out.air.push_back(air.per_sr(phase(sine, r, -1, a)));
-    multiply(out.air.back(), outside);
+    multiply(out.air.back(), whole_);
     std::vector<double> sum(sky.bands, 0.0);
     for (const LowerRing::Cell& cell : ring.cell) {
       const double *from = sky.row(cell.ring * azimuths_ + (a + cell.turn) % azimuths_),
@@ -313,7 +323,7 @@ AirSpectrum SunLight::sky_towards(Vec<Body> direction, std::size_t ring, double 
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     out[b] = (1 - f) * sky_source(ring).per_sr(b, cosine);
     if (f > 0) out[b] += f * sky_source(ring + 1).per_sr(b, cosine);
-    out[b] *= outside[b];
+    out[b] *= whole_[b];
   }
   return out;
 }
@@ -322,7 +332,7 @@ AirSpectrum SunLight::lower_air_towards(Vec<Body> direction, std::size_t ring) c
   const double cosine = dot(direction, direction_);
   const ScatteredSun& source = lower_source(ring);
   AirSpectrum out(kAirBandCount, 0.0);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] = source.per_sr(b, cosine) * outside[b];
+  for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] = source.per_sr(b, cosine) * whole_[b];
   return out;
 }
 
@@ -396,8 +406,8 @@ void SunLight::find_node_errors(Sky& out, std::span<const std::size_t> bands) co
               (a + g) * kTurn / azimuths_);
           const double cosine = dot(d, direction_);
           for (const std::size_t b : bands) {
-            const double direct = outside[b] * std::lerp(sky_source(r).per_sr(b, cosine),
-                                                         sky_source(r + 1).per_sr(b, cosine), f);
+            const double direct = whole_[b] * std::lerp(sky_source(r).per_sr(b, cosine),
+                                                        sky_source(r + 1).per_sr(b, cosine), f);
             const auto of_ring = [&](std::size_t ring) {
               return std::lerp(sky[ring * azimuths_ + a][b], sky[ring * azimuths_ + next][b], g);
             };
@@ -429,7 +439,7 @@ void SunLight::find_errors(Sky& out) const {
       part.resize(quarter + 1, 0.0);
       band.resize(quarter + 1, 0);
     }
-    const double solar = scattered_in_all(sky_source(weather_.sky.size() - 1), b) * outside[b];
+    const double solar = scattered_in_all(sky_source(weather_.sky.size() - 1), b) * whole_[b];
     const double share =
         ratio_of(solar, solar + 4 * std::numbers::pi * weather_.sky.back().total[b]);
     if (share > part[quarter]) {
@@ -470,8 +480,8 @@ void SunLight::find_errors(Sky& out) const {
       const double cosine = dot(d, direction_);
       for (std::size_t q = 0; q < quarters.size(); ++q) {
         const std::size_t b = band[quarters[q]];
-        const double direct = outside[b] * ((1 - f) * sky_source(r).per_sr(b, cosine) +
-                                            f * sky_source(r + 1).per_sr(b, cosine));
+        const double direct = whole_[b] * ((1 - f) * sky_source(r).per_sr(b, cosine) +
+                                           f * sky_source(r + 1).per_sr(b, cosine));
         const auto node = [&](std::size_t ring) {
           return (1 - g) * sky[ring * azimuths + a][b] +
                  g * sky[ring * azimuths + (a + 1) % azimuths][b];
@@ -503,6 +513,11 @@ void SunLight::find_errors(Sky& out) const {
 
 SunLight::LowerRatio SunLight::lower_ratio(std::size_t ring, const AbsorberAmounts& near,
                                            const AirSpectrum& near_end) const {
+  if (!(visible > 0)) {
+    const AirSpectrum passed_by_both =
+        transmittance(weather_.lower[ring].layers->amounts() + near, bands_);
+    return {transmittance(near, bands_), quotient(passed_by_both, passed(ring))};
+  }
   const AirSpectrum far_end = joined(weather_.lower[ring].layers->amounts() + near);
   AirSpectrum air(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -518,7 +533,7 @@ AirSpectrum SunLight::sky_ratio(std::size_t ring, const AbsorberAmounts& near) c
 
 AirSpectrum SunLight::limb_towards(Vec<Body> direction, std::size_t ring) const {
   const double cosine = dot(direction, direction_);
-  AirSpectrum out = outside;
+  AirSpectrum out = whole_;
   for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] *= limb_source(ring).per_sr(b, cosine);
   return out;
 }
@@ -536,7 +551,7 @@ AirSpectrum SunLight::scattered_around(const PathLayers& path, const AbsorberAmo
     phase.add(1, dot(direction_, {std::cos(azimuth), std::sin(azimuth), 0}));
   }
   AirSpectrum out = path.scattered(*sun_, near, cloud()).per_sr(phase);
-  multiply(out, outside);
+  multiply(out, whole_);
   return out;
 }
 
@@ -555,7 +570,7 @@ AirSpectrum SunLight::sky_on_level() const {
 AirSpectrum SunLight::scattered_by(const PathLayers& path, Vec<Body> towards) const {
   const ScatteredSun source = path.scattered(*sun_, nullptr, cloud());
   const double cosine = -dot(direction_, towards);
-  AirSpectrum s = outside;
+  AirSpectrum s = whole_;
   for (std::size_t b = 0; b < kAirBandCount; ++b) s[b] *= source.per_sr(b, cosine);
   return s;
 }

@@ -13,8 +13,9 @@
 namespace irsig {
 
 // The light that the sun of one condition adds at the target, on the air's bands: direct, scattered
-// once by the air, mirrored by the sea. All 0 with the sun below the horizon. Light that is not
-// asked for is not computed. Private to core/environment.
+// once by the air, mirrored by the sea. What the air scatters is that of the whole disk, which
+// lights the air above when the target sees a part of it or, in twilight, nothing; all else is then
+// less or 0. Light that is not asked for is not computed. Private to core/environment.
 class SunLight {
  public:
   // All arguments outlive the object.
@@ -28,9 +29,13 @@ class SunLight {
   [[nodiscard]] Vec<Body> direction() const { return direction_; }
   [[nodiscard]] std::uint32_t azimuths() const { return azimuths_; }
 
-  double visible;          // share of the disk that has not set
+  double visible;          // share of the disk that has not set; 0 in twilight
   AirSpectrum outside;     // irradiance normal to the beam outside the air, of what has not set
   AirSpectrum irradiance;  // at the target, of the whole disk: what has set is left to who sees it
+
+  // Returns the spectrum by which bands of scattered sunlight count: `irradiance`, or in twilight
+  // that outside the air.
+  [[nodiscard]] const AirSpectrum& shape() const { return visible > 0 ? irradiance : whole_; }
 
   // Radiance at the target; only where it shines. Of the sky the best linear fit to the aureole, so
   // that sums over directions keep its energy; of the air below the horizon means over the nodes'
@@ -106,6 +111,9 @@ class SunLight {
   [[nodiscard]] const ScatteredSun& limb_source(std::size_t ring) const;
   [[nodiscard]] ScatteredSun scattered_below(std::size_t ring) const;
   [[nodiscard]] const ScatteredSun& lower_source(std::size_t ring) const;
+  // Returns the part of the sky's sunlight, whose lines it carries, that the air in front of a ring
+  // of the surface lets pass; in twilight of light without lines.
+  [[nodiscard]] AirSpectrum passed(std::size_t ring) const;
   // Transmittance from the sun to the surface and back to the target.
   [[nodiscard]] const AirSpectrum& far(std::size_t ring) const;
   // Returns the mean phase function of a direction.
@@ -147,6 +155,7 @@ class SunLight {
   std::optional<CloudSunlight> cloud_;
   AirSpectrum scattered_relative_;             // scattered_model_relative()
   AirSpectrum air_relative_;                   // air_model_relative()
+  AirSpectrum whole_;                          // `outside` of the whole disk
   AirSpectrum near_;                           // transmittance from the sun to the target
   std::deque<Lazy<ScatteredSun>> sky_source_;  // [ring]
   std::deque<Lazy<ScatteredSun>> limb_source_;

@@ -15,8 +15,8 @@ namespace irsig {
 // A line from the target to a sensor.
 struct SensorLine {
   double range_m;
-  double elevation_deg;  // of the sensor, at the target, geometric; -90 .. 90
-  Vec<Body> direction;   // unit vector towards the sensor
+  double elevation_deg;         // of the sensor, at the target, geometric; -90 .. 90
+  Vec<Body> direction;          // unit vector towards the sensor
   BackgroundDirections behind;  // where the background is wanted: directions away from the sensor
   // Other places of the target, by what of the air lies in front of them: how far they are from
   // the sensor, and how high above the target's reference point.
@@ -37,7 +37,8 @@ struct SunSeen {
   Vec<Body> direction;  // unit vector to the disk's centre
   double horizon_z;     // directions with a larger z have set
   double visible;       // share of the disk that has not; 0: none, or no sun
-  Vec<Body> middle;     // of that share; unit vector
+  Vec<Body> middle;     // of that share, or of what set last; unit vector
+  bool lights_air;      // it shines on air that the target sees, in twilight too
 };
 
 // End of the sea (or ground) for the sensor of a line, refracted if the weather is.
@@ -77,12 +78,12 @@ struct ViewEnvironment {
   // cloud's particles, counts by overcast_fraction; null: one air for all of the light.
   std::shared_ptr<const AbsorberAmounts> air, overcast_air;
   double overcast_fraction = 0;
-  std::vector<AirPath> end;                        // [SensorLine::end] the same of the target's ends
+  std::vector<AirPath> end;  // [SensorLine::end] the same of the target's ends
   std::vector<IncidentRadiance::AirChange> end_change;  // [SensorLine::end] by how much they differ
-  Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
-  IncidentRadiance around;                         // sky, then lower
-  std::vector<Spectrum> background_apparent;       // [node of SensorLine::behind]
-  LandLight land;  // empty unless SensorLine::land
+  Spectrum sun, sun_apparent;                 // normal to the beam, at the target; 0: no sun
+  IncidentRadiance around;                    // sky, then lower
+  std::vector<Spectrum> background_apparent;  // [node of SensorLine::behind]
+  LandLight land;                             // empty unless SensorLine::land
   // Errors of background_apparent: the largest deviation from straight lines to the neighbouring
   // nodes found at three places between (within a factor of 2 of the largest error,
   // tests/physics/horizon_test.cpp), and one sigma of the models. Empty: none.
@@ -122,7 +123,17 @@ struct LightBounds {
   Spectrum diffuse_sun, diffuse_sun_w_m2_um;
   Spectrum mirrored_sun, mirrored_sun_w_m2_um;  // by a rough sea towards the target
   Spectrum path_sun;                            // at the sensor
-  Spectrum background_sun;                      // at the sensor, in any direction of SensorLine::behind
+  Spectrum background_sun;  // at the sensor, in any direction of SensorLine::behind
+};
+
+// Bounds of the change of light from a sky with a cloud to a clear one, for a target and a line
+// of sight below the cloud. On the sweep's wavelengths.
+struct CloudBounds {
+  LightBounds most;                         // the larger of the bounds under both skies
+  LightBounds::Spectrum path_surroundings;  // thermal light that the line scatters to the sensor
+  // The larger of the cover and of the standard deviation of the choice between both skies, which
+  // is a model error of rows under a broken one.
+  double weight = 1;
 };
 
 }  // namespace irsig

@@ -224,8 +224,8 @@ double ViewLight::joined_lines_bound(Solar* solar) {
   double bound = std::max(joined_lines_bound(sky_ratio_, kSkyJoinedShare, sky),
                           joined_lines_bound(lower_ratio_, kLowerJoinedShare, lower));
   if (solar) {
-    sky.assign(sky.size(), &solar->sun.irradiance);
-    lower.assign(lower.size(), &solar->sun.irradiance);
+    sky.assign(sky.size(), &solar->sun.shape());
+    lower.assign(lower.size(), &solar->sun.shape());
     bound = std::max({bound, joined_lines_bound(solar->sky, kSkyJoinedShare, sky),
                       joined_lines_bound(solar->lower_air, kLowerJoinedShare, lower),
                       joined_lines_bound(solar->lower_surface, kLowerJoinedShare, lower)});
@@ -263,7 +263,7 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   out.path_radiance = leg_.plus_solar(leg_.spread_thermal(path_radiance_), scattered);
   add_ends(out, scattered, sun && use.path && !leg_.imported_radiance ? sun : nullptr);
   out.sun = out.sun_apparent = dark;
-  if (sun && direct_sun) {
+  if (sun && direct_sun && sun->visible > 0) {
     out.sun = leg_.plus_solar(dark, sun->irradiance);
     out.sun_apparent = leg_.plus_solar(dark, solar->irradiance());
   }
@@ -283,7 +283,7 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
                  leg_.imported ? 0.2 : 0.0);
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
   out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
-  if (sun && direct_sun)
+  if (sun && direct_sun && sun->visible > 0)
     out.sun_model_relative = std::hypot(out.sun_model_relative, sun->beam_cloud_relative());
   return out;
 }
@@ -309,7 +309,10 @@ void ViewLight::add_land(ViewEnvironment& out, const SunLight* sun, const SunLig
     AirSpectrum from_sky = light_.sky_ratio(ring, amounts, transmittance), sunlit = dark,
                 irradiance = dark;
     for (std::size_t b = 0; b < kAirBandCount; ++b) from_sky[b] *= sky[b];
-    if (lit.light != nullptr) {
+    if (lit.light != nullptr && !(lit.light->visible > 0)) {
+      sunlit = lit.sky;
+      for (std::size_t b = 0; b < kAirBandCount; ++b) sunlit[b] *= transmittance[b];
+    } else if (lit.light != nullptr) {
       irradiance = sunlit = lit.light->joined(amounts);
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         sunlit[b] *= lit.at_target[b] > 0 ? lit.sky[b] / lit.at_target[b] : 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
@@ -119,12 +120,93 @@ bool dark(const std::vector<double>& spectrum) {
   return std::all_of(spectrum.begin(), spectrum.end(), [](double x) { return x == 0; });
 }
 
+// Properties of a target and its view that bound the light: surfaces, areas, facets.
+struct OfTarget {
+  const PreparedScene& scene;
+  const SurfaceLimits& surface;
+  const UndersampledSources* lit;  // null: facets as if they were matt and turned to the sun
+  double q0, area_m2;
+};
+
+// Bounds of the sunlight that a row has by way of the target; `by_parts` of that which meets it
+// more than once.
+struct SunByTarget {
+  RowBounds::Bound direct, diffuse, mirrored, by_parts;
+};
+SunByTarget sun_by_target(const OfTarget& of, const UndersampledSources::Sun& facets,
+                          const BandOf& sunlight, const LightBounds& light, const RowBounds& row) {
+  const bool convex = of.scene.target.convex;
+  const auto bound_of = [&row](Effect e) { return row.effect[static_cast<std::size_t>(e)]; };
+  SunByTarget out{bound_of(Effect::kDirectSun),
+                  bound_of(Effect::kDiffuseSun),
+                  bound_of(Effect::kMirroredSun),
+                  {}};
+  // Without light from the target itself sunlight that comes by way of it is gone too.
+  if (!out.direct.absent) {
+    const double first = of.lit != nullptr
+                             ? std::min(facets.first.sum(), of.area_m2 * facets.first.brightest())
+                             : of.area_m2 * of.surface.matt_per_sr;
+    const double later =
+        convex ? 0 : of.q0 * (of.lit != nullptr ? facets.brightest_per_sr : of.surface.matt_per_sr);
+    out.direct = times(first + later, sunlight(light.sun));
+    out.by_parts = times(later, sunlight(light.sun));
+  }
+  const double shown = of.lit ? of.lit->shown_m2_per_sr() : 0,
+               edge_on = of.lit ? of.lit->edge_on_m2() : 0, any = of.lit ? of.lit->any_per_sr() : 0;
+  const auto from_around = [&](RowBounds::Bound& bound, const std::vector<double>& radiance,
+                               const std::vector<double>& irradiance) {
+    if (bound.absent) return;
+    if (dark(radiance)) {
+      bound = {true, 0, 0, 0};
+      return;
+    }
+    const RowBounds::Bound all = times(of.q0, sunlight(radiance));
+    const RowBounds::Bound later =
+        convex ? RowBounds::Bound{}
+               : smaller(all, times(of.q0 > 0 ? of.q0 * any * of.surface.gathered : 0,
+                                    sunlight(irradiance)));
+    bound = smaller(all, together(together(times(shown, sunlight(irradiance)),
+                                           times(edge_on, sunlight(radiance))),
+                                  later));
+    out.by_parts = together(out.by_parts, later);
+  };
+  from_around(out.diffuse, light.diffuse_sun, light.diffuse_sun_w_m2_um);
+  from_around(out.mirrored, light.mirrored_sun, light.mirrored_sun_w_m2_um);
+  return out;
+}
+
+RowBounds::Bound weighted(double weight, const RowBounds::Bound& b) {
+  return {false, weight * b.source, weight * b.apparent, weight * b.contrast};
+}
+
+// Sets the bound of a condition's cloud: under either sky light is between nothing and the larger
+// of both bounds, by way of the target, in the line of sight and behind the target.
+void set_cloud(const OfTarget& of, const UndersampledSources::Sun& facets, const CloudBounds& cloud,
+               const BandOnAxis& on_axis, bool atmosphere, RowBounds& row) {
+  const BandOf band(on_axis, cloud.most.transmittance);
+  const std::vector<double> arrives =
+      arriving_sunlight(cloud.most, atmosphere, of.scene.axis.node_um());
+  const SunByTarget sun = sun_by_target(of, facets, BandOf(on_axis, arrives), cloud.most, row);
+  RowBounds::Bound reflected = times(of.q0, band(cloud.most.thermal));
+  for (const RowBounds::Bound& b : {sun.direct, sun.diffuse, sun.mirrored})
+    reflected = together(reflected, b);
+  const double line =
+      of.area_m2 * (band(cloud.path_surroundings).source + band(cloud.most.path_sun).source);
+  const double behind =
+      of.area_m2 * (band(cloud.most.thermal).apparent + band(cloud.most.background_sun).source);
+  row.cloud_unreflected = weighted(cloud.weight, {false, 0, line, behind});
+  at(row, Effect::kCloud) = together(row.cloud_unreflected, weighted(cloud.weight, reflected));
+}
+
 // Returns bounds of 0 for effects that nothing in the scene causes; all other bounds are unknown.
 RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request, std::size_t c) {
   RowBounds row;
-  for (const EffectInfo& e : effect_table())
-    at(row, e.effect) = {false, kInfinite, kInfinite, kInfinite};
+  row.effect.fill({false, kInfinite, kInfinite, kInfinite});
+  row.cloud_unreflected = at(row, Effect::kCloud);
   const bool sun = sun_shines(request.condition[c]), air = request.environment != nullptr;
+  // In twilight the air scatters sunlight, though the disk has set.
+  const bool scattered = air && request.condition[c].sun && request.condition[c].sun_scale > 0 &&
+                         request.environment->sun_seen(static_cast<std::uint32_t>(c)).lights_air;
   const bool homogeneous = !air && request.air.model != AirModel::kVacuum;
   bool hot = false;
   for (const PartSpec& part : scene.target.part) hot |= part.hot;
@@ -133,10 +215,10 @@ RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request,
   };
   absent(Effect::kDirectSun, !sun);
   absent(Effect::kSunDisk, !sun);
-  absent(Effect::kDiffuseSun, !sun || !air);
+  absent(Effect::kDiffuseSun, !scattered);
   absent(Effect::kMirroredSun, !sun || !(request.condition[c].sea_wind_m_s > 0));
-  absent(Effect::kPathSun, !sun || !air);
-  absent(Effect::kBackgroundSun, !sun || !air);
+  absent(Effect::kPathSun, !scattered);
+  absent(Effect::kBackgroundSun, !scattered);
   absent(Effect::kInterReflection, scene.target.convex);
   absent(Effect::kHotPartsReflected, !hot || scene.target.convex);
   absent(Effect::kTransmission, !air && !homogeneous);
@@ -144,6 +226,7 @@ RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request,
   absent(Effect::kJoinedLines, !air);
   absent(Effect::kAirToHorizon, !air);
   absent(Effect::kRefraction, !air);
+  absent(Effect::kCloud, !air || !request.environment->cloudy(static_cast<std::uint32_t>(c)));
   bool spectral = false;
   for (const Material& m : scene.carried_material()) spectral |= !m.grey();
   absent(Effect::kSpectralVariation, !spectral);
@@ -215,6 +298,7 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
   const std::size_t bands = scene.axis.bands();
   const SurfaceLimits surface = surface_limits(scene);
   const double q0 = pilot.beyond_m2, area_m2 = pilot.area_m2;
+  const OfTarget of{scene, surface, lit, q0, area_m2};
   const UndersampledSources::Sun dark_facets;
   std::vector<RowBounds> out;
   for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
@@ -227,8 +311,7 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
             ? lit->of({condition.sun_direction,
                        condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0})
             : dark_facets;
-    const double shown = lit ? lit->shown_m2_per_sr() : 0, edge_on = lit ? lit->edge_on_m2() : 0,
-                 any = lit ? lit->any_per_sr() : 0;
+    const std::optional<CloudBounds> cloud = surroundings.cloud_bounds(c);
     for (std::size_t b = 0; b < bands; ++b) {
       const BandOf band(scene.axis.band(b), light.transmittance);
       const BandOf sunlight(scene.axis.band(b), sun_arrives);
@@ -256,38 +339,11 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
       at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = times(q0, thermal);
       if (dark(light.thermal))
         at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = {true, 0, 0, 0};
-      // Without light from the target itself sunlight that comes by way of it is gone too.
-      RowBounds::Bound sun_by_parts{};
-      if (!at(row, Effect::kDirectSun).absent) {
-        const double first = lit != nullptr
-                                 ? std::min(facets.first.sum(), area_m2 * facets.first.brightest())
-                                 : area_m2 * surface.matt_per_sr;
-        const double later =
-            convex ? 0 : q0 * (lit != nullptr ? facets.brightest_per_sr : surface.matt_per_sr);
-        at(row, Effect::kDirectSun) = times(first + later, sunlight(light.sun));
-        sun_by_parts = times(later, sunlight(light.sun));
-      }
-      const auto from_around = [&](Effect effect, const std::vector<double>& radiance,
-                                   const std::vector<double>& irradiance) {
-        RowBounds::Bound& bound = at(row, effect);
-        if (bound.absent) return;
-        if (dark(radiance)) {
-          bound = {true, 0, 0, 0};
-          return;
-        }
-        const RowBounds::Bound all = times(q0, sunlight(radiance));
-        const RowBounds::Bound later =
-            convex ? RowBounds::Bound{}
-                   : smaller(all,
-                             times(q0 > 0 ? q0 * any * surface.gathered : 0, sunlight(irradiance)));
-        bound = smaller(all, together(together(times(shown, sunlight(irradiance)),
-                                               times(edge_on, sunlight(radiance))),
-                                      later));
-        sun_by_parts = together(sun_by_parts, later);
-      };
-      from_around(Effect::kDiffuseSun, light.diffuse_sun, light.diffuse_sun_w_m2_um);
-      from_around(Effect::kMirroredSun, light.mirrored_sun, light.mirrored_sun_w_m2_um);
-      if (!convex) at(row, Effect::kInterReflection) = together(row.reflected, sun_by_parts);
+      const SunByTarget sun = sun_by_target(of, facets, sunlight, light, row);
+      at(row, Effect::kDirectSun) = sun.direct;
+      at(row, Effect::kDiffuseSun) = sun.diffuse;
+      at(row, Effect::kMirroredSun) = sun.mirrored;
+      if (!convex) at(row, Effect::kInterReflection) = together(row.reflected, sun.by_parts);
       if (RowBounds::Bound& bound = at(row, Effect::kJoinedLines); !bound.absent) {
         // Transmittances lie between 0 and 1: all of it, until the rings are known.
         const double all =
@@ -298,6 +354,7 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
         bound = {false, 0, area_m2 * band(light.path_sun).source, 0};
       if (RowBounds::Bound& bound = at(row, Effect::kBackgroundSun); !bound.absent)
         bound = {false, 0, 0, area_m2 * band(light.background_sun).source};
+      if (cloud) set_cloud(of, facets, *cloud, on_axis, request.environment != nullptr, row);
       out.push_back(row);
     }
   }

@@ -38,6 +38,9 @@ struct PilotLimits {
 //   diffuse and mirrored sun    Q0 x their largest radiance, or the facets' largest BRDF x their
 //                               irradiance
 //   sun in path and background  A x radiance
+//   cloud                       the weight of CloudBounds x (all of the above under either sky,
+//                               Q0 x thermal radiance, and A x what the line scatters of it and
+//                               what it has behind the target)
 //
 // At the aperture each is multiplied, wavelength by wavelength, by the line's transmittance: that
 // is the most that arrives of light bounded by a smooth spectrum, lines or not. Of sunlight that is

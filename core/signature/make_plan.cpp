@@ -78,6 +78,12 @@ void carry_out(const EffectPlanner& planner, const ViewRequest& request, const T
     effects.sun[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
                       planner.on(Effect::kMirroredSun, c), planner.on(Effect::kPathSun, c),
                       planner.on(Effect::kBackgroundSun, c)};
+  effects.cloud.clear();
+  for (std::size_t c = 0; c < effects.sun.size(); ++c)
+    if (!planner.on(Effect::kCloud, c)) {
+      effects.cloud.resize(effects.sun.size(), true);
+      effects.cloud[c] = false;
+    }
   plan.omitted = planner.omitted();
   plan.ledger = planner.ledger();
   if (request.max_reflections == 0) without_allowed_reflections(plan.ledger);
@@ -265,7 +271,8 @@ bool worth_a_pilot(const std::vector<RowBounds>& best_case, std::size_t bands,
   EffectPlanner planner(best_case, bands, request.effects);
   planner.decide();
   if (!planner.reflections()) return true;
-  for (const Effect e : {Effect::kSkyReflected, Effect::kDirectSun, Effect::kDiffuseSun})
+  for (const Effect e :
+       {Effect::kSkyReflected, Effect::kDirectSun, Effect::kDiffuseSun, Effect::kCloud})
     for (std::size_t c = 0; c < request.condition.size(); ++c)
       if (!planner.on(e, c)) return true;
   return request.environment != nullptr && fewer_lines_may_fit(best_case, bands, planner);

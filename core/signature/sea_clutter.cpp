@@ -172,7 +172,8 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
 
   const PreparedView& prepared = *view.setup.view;
   const EffectSet& effects = prepared.effects;
-  std::vector<std::uint32_t> wanted, dark;  // dark: the target needs no such light
+  std::vector<std::uint32_t> wanted,
+      dark;  // dark: the target needs no such light, or not this sky's
   for (const std::uint32_t c : request.selected_condition) {
     const SurfaceBoundary& surface = request.environment->surface(c);
     if (surface.kind != SurfaceBoundary::Kind::kRoughSea || !(surface.wind_speed_m_s > 0) ||
@@ -180,7 +181,8 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
       continue;
     wanted.push_back(c);
     const bool sun = sun_shines(request.condition[c]);
-    if (!effects.surroundings() || (sun && !effects.follows_sun(c))) dark.push_back(c);
+    if (!effects.surroundings() || (sun && !effects.follows_sun(c)) || !effects.has_cloud(c))
+      dark.push_back(c);
   }
   std::optional<ViewEnvironments> everything;
   if (!dark.empty()) {

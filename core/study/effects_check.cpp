@@ -92,7 +92,10 @@ absl::StatusOr<std::vector<CheckedRow>> compare_rows(const ViewResult& chosen,
     row.condition = r.condition;
     row.band = r.band;
     row.reflections = r.reflections;
-    if (r.effect.size() != kEffects + (r.has_plume ? kPlumeEffects : 0))
+    const bool cloudy = std::any_of(r.effect.begin(), r.effect.end(),
+                                    [](const LedgerEntry& e) { return is_of_cloud(e.effect); });
+    if (r.effect.size() !=
+        kEffects + (cloudy ? kCloudEffects : 0) + (r.has_plume ? kPlumeEffects : 0))
       return absl::InternalError("a row does not have its ledger of effects");
     row.effect.fill(EffectState::kAbsent);
     for (const LedgerEntry& e : r.effect) row.effect[static_cast<std::size_t>(e.effect)] = e.state;

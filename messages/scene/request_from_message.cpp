@@ -21,7 +21,7 @@ absl::StatusOr<EffectChoice> effects_from_message(const schema::Effects& effects
   choice.mode = *mode;
   for (const std::string& name : effects.only()) {
     const auto effect = effect_named(name);
-    if (!effect || !info_of(*effect).switchable)
+    if (!effect || !info_of(*effect).switchable || is_of_cloud(*effect))
       return keyed_problem("effects.only",
                            absl::StrCat("\"", name, "\" is no effect that can be left out"));
     choice.only.push_back(*effect);

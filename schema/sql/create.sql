@@ -47,7 +47,8 @@ CREATE TABLE effect (
   effect INTEGER PRIMARY KEY,
   name TEXT NOT NULL UNIQUE,
   bounded_with INTEGER REFERENCES effect,  -- the effect whose bound contains this one's; NULL: it has its own bound
-  of_hot_gas INTEGER NOT NULL DEFAULT 0 CHECK (of_hot_gas IN (0, 1))  -- 1: only rows with hot gas have it
+  of_hot_gas INTEGER NOT NULL DEFAULT 0 CHECK (of_hot_gas IN (0, 1)),  -- 1: only rows with hot gas have it
+  of_cloud INTEGER NOT NULL DEFAULT 0 CHECK (of_cloud IN (0, 1))       -- 1: only rows under a cloud may have it
 ) STRICT;
 INSERT INTO effect (effect, name) VALUES
   (1, 'self_emission'), (2, 'direct_sun'), (3, 'diffuse_sun'), (4, 'mirrored_sun'), (5, 'sky_reflected'),
@@ -57,6 +58,7 @@ INSERT INTO effect (effect, name) VALUES
   (19, 'refraction');
 INSERT INTO effect (effect, name, of_hot_gas) VALUES
   (20, 'plume', 1), (21, 'plume_reflected', 1), (22, 'hot_line_correlation', 1);
+INSERT INTO effect (effect, name, of_cloud) VALUES (23, 'cloud', 1);
 UPDATE effect SET bounded_with = 7 WHERE name = 'hot_parts_reflected';
 
 CREATE TABLE effect_state (

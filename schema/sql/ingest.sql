@@ -95,6 +95,9 @@ SELECT name, bounded_with FROM effect WHERE bounded_with IS NOT NULL;
 -- name: effects_of_hot_gas
 SELECT name, effect FROM effect WHERE of_hot_gas = 1;
 
+-- name: effects_of_cloud
+SELECT name, effect FROM effect WHERE of_cloud = 1;
+
 -- name: known_effect_reasons
 SELECT name, reason FROM effect_reason;
 

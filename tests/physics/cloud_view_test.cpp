@@ -71,6 +71,81 @@ ViewResult simulated(const World& w) {
   return *std::move(view);
 }
 
+// Expected: in a world of one temperature below an opaque cloud nothing is to be seen.
+TEST(CloudView, HasNoContrastInAWorldOfOneTemperature) {
+  constexpr double kKelvin = 285;
+  WeatherSpec w = weather(1, {CloudPhase::kWater, 330, 1000, 50, 7.9});
+  for (AirLevel& level : w.air.profile.level) {
+    level.temperature_k = kKelvin;
+    level.gas.h2o_ppmv = std::min(level.gas.h2o_ppmv, 100.0);
+  }
+  w.lower = {SurfaceBoundary::Kind::kGround, kKelvin, 0.9, 0};
+  World below = world({w}, 5, 1000);
+  ConditionSpec& c = below.request.condition[0];
+  c.part_temperature_k = {kKelvin};
+  c.surroundings.kind = SurroundingsKind::kGround;
+  c.sun = false;
+  for (const SignatureResult& row : simulated(below).row) {
+    EXPECT_NEAR(row.contrast_intensity_w_sr.value, 0,
+                3 * row.contrast_numerical_error_w_sr + 1e-6 * row.apparent_intensity_w_sr.value);
+    EXPECT_NEAR(row.source_radiance_temperature_k, kKelvin, 0.1);  // 0.2 % of the sky's light
+    EXPECT_NEAR(row.apparent_temperature_k, kKelvin, 0.1);
+  }
+}
+
+// A plate of reflectance 0.4 under a stratus based at 330 m, seen from 60 deg up. Expected: what it
+// reflects of the sky is within 3 % (8-12 um) and 5 % (3-5 um) of a black base's, 286.0 K: 42.7 and
+// 1.54 W/sr; sunlight is below 1 % of the 3.37 W/sr that it reflects under a clear sky.
+TEST(CloudView, APlateReflectsTheBaseOfAStratus) {
+  const double zenith_rad = 26 * M_PI / 180;
+  SceneSpec scene = scene_of(generated("box", 12, 0, 2, 2, 0.1), grey(0.6), lwir());
+  scene.band[0].step_um = 0.1;
+  scene.band.push_back({"MWIR", 3, 5, 0.05, {}});
+  scene.spectral_breaks_um = air_band_edges_um(3, 13);
+  const auto simulator = simulator_of(scene);
+  ViewRequest view = request(*simulator, 0, 60, 100, {290});
+  view.max_reflections = 1;
+  view.accuracy.samples_per_replicate = 512;
+  view.condition.assign(2, view.condition[0]);
+  view.selected_condition = {0, 1};
+  WeatherSpec w{{afgl_profile(AfglProfile::kUsStandard1976), {AerosolKind::kRural, 23e3}},
+                true,
+                {SurfaceBoundary::Kind::kGround, 293, 0.95, 0},
+                nullptr};
+  w.cloud = kStratus;
+  w.cloud_cover = 1;
+  std::vector<ConditionEnvironment> conditions;
+  for (const bool sun : {false, true}) {
+    ConditionSpec& c = view.condition[conditions.size()];
+    c.surroundings.kind = SurroundingsKind::kGround;
+    c.sun = sun;
+    c.sun_direction = {std::sin(zenith_rad), 0, -std::cos(zenith_rad)};
+    c.sun_cos_zenith = std::cos(zenith_rad);
+    c.sun_angular_radius_deg = 0.266;
+    c.sun_scale = 1;
+    conditions.push_back({0, sun, c.sun_direction, 1});
+  }
+  std::vector<double> node_um;
+  for (const BandGrid& grid : simulator->band_grids())
+    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
+  view.environment = *Environment::make({w}, conditions, 1, node_um);
+  const ViewResult seen = *simulator->simulate(view);
+  const auto sky = [&](std::uint32_t condition, std::uint32_t band) {
+    double sum = 0;
+    for (const SignatureResult& r : seen.row)
+      if (r.condition == condition && r.band == band)
+        for (const Cause cause : {Cause::kSkyReflected, Cause::kSunReflected})
+          sum += r.cause_w_sr[static_cast<std::size_t>(cause)].value;
+    return sum;
+  };
+  RecordProperty("w_sr_8_12", std::to_string(sky(0, 0)));
+  RecordProperty("w_sr_3_5", std::to_string(sky(0, 1)));
+  EXPECT_NEAR(sky(0, 0), 42.7, 0.03 * 42.7);
+  EXPECT_NEAR(sky(0, 1), 1.54, 0.05 * 1.54);
+  EXPECT_GT(sky(1, 1), sky(0, 1));
+  EXPECT_LT(sky(1, 1) - sky(0, 1), 0.01 * 3.37);
+}
+
 // Rationale: under a broken sky a target has one sky or the other; a sky that is brighter in the
 // hull is brighter in the sea behind it, too.
 // Expected: one sigma of the choice, sqrt(c (1 - c)) times the difference of the rows under both

@@ -21,7 +21,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kElevationsDeg[] = {1, 10, 40, 85};
+constexpr double kElevationsDeg[] = {1, 10, 40, 85, -1.2};  // the last: twilight
 
 std::vector<double> wavelengths() {
   std::vector<double> um;
@@ -152,7 +152,7 @@ void expect_bounded(const Environment& e, const Environment::Line& l, const std:
                     Tightness& tight) {
   auto look = e.sight_line(l);
   if (!look.ok()) return;  // below the surface from so low
-  const std::vector<std::uint32_t> all = {0, 1, 2, 3, 4};
+  const std::vector<std::uint32_t> all = {0, 1, 2, 3, 4, 5};
   const auto views = *e.view(l, all);
   const ViewEnvironment& night = views[0];
   // Differences of day and night are known to a few units in the last place of either.

@@ -171,7 +171,7 @@ TEST(Fog, SunlightOfRowsIsThatOfSingleRays) {
   const Vec<Body> up{std::sqrt(0.5), 0, -std::sqrt(0.5)};
   ConditionEnvironment condition{};
   condition.sun_distance_au = 1;
-  const SunLight sun(condition, {up, 1, 1, up}, sky, weather.lower, diffuse, beam, kObserverM,
+  const SunLight sun(condition, {up, 1, 1, up, true}, sky, weather.lower, diffuse, beam, kObserverM,
                      nodes, wavelengths);
   const std::size_t b = band_of(2605), last = sky.sky.size() - 1;
   const double zenith_deg = std::acos(sky.sky[last].sin_elevation) * 180 / M_PI;

@@ -3,8 +3,8 @@
 // Expected: sunlight that the sky scatters fades without a jump from a sun 1 deg up to one 6 deg
 // below the horizon; air below the edge of the shadow is dark and the sun's way to that edge the
 // longest; once the refracted disk has set, the light that is left is within three sigma of the
-// sky's model error, and within one from 1.5 deg on, so that rows without it are honest. Source:
-// geometry of the shadow; the stated error.
+// sky's model error, and within one from 1.5 deg on, so that rows, which have none from 6 deg on,
+// are honest. Source: geometry of the shadow; the stated error.
 #include <gtest/gtest.h>
 
 #include <algorithm>

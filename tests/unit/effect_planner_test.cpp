@@ -30,6 +30,7 @@ RowBounds row_with(double reflected, double direct, double diffuse, double mirro
   at(row, Effect::kJoinedLines) = {false, 0, 3, 3};
   at(row, Effect::kPathSun) = {false, 0, 0.01, 0};
   at(row, Effect::kBackgroundSun) = {false, 0, 0, 100};
+  at(row, Effect::kCloud) = {true, 0, 0, 0};
   return row;
 }
 
@@ -67,6 +68,60 @@ TEST(EffectPlanner, LeavesOutAllReflectionsWhereTheyFitTogether) {
   EXPECT_EQ(entry(planner, 0, Effect::kBackgroundSun).reason, EffectReason::kAboveShare);
   EXPECT_EQ(entry(planner, 0, Effect::kSelfEmission).reason, EffectReason::kAlways);
   EXPECT_TRUE(std::isnan(entry(planner, 0, Effect::kSelfEmission).bound_w_sr));
+}
+
+TEST(EffectTable, CloudsAreAfterTheEffectsOfEveryRow) {
+  const EffectInfo& cloud = cloud_effect_table()[0];
+  EXPECT_EQ(static_cast<std::size_t>(cloud.effect), kEffects);
+  EXPECT_EQ(&info_of(cloud.effect), &cloud);
+  EXPECT_EQ(effect_named("cloud"), Effect::kCloud);
+  for (const EffectInfo& e : heat_effect_table()) EXPECT_EQ(&info_of(e.effect), &e);
+  for (const EffectInfo& e : plume_effect_table()) EXPECT_EQ(&info_of(e.effect), &e);
+}
+
+// Without reflections a cloud changes what no reflection brings, and no more.
+TEST(EffectPlanner, ACloudGoesWhereItsBoundFitsInAllBandsOfItsCondition) {
+  const auto cloudy = [](double reflected, double cloud, double unreflected) {
+    RowBounds row = row_with(reflected, 50, 50, 50);
+    at(row, Effect::kCloud) = {false, cloud, cloud, cloud};
+    row.cloud_unreflected = {false, 0, unreflected, unreflected};
+    return row;
+  };
+  const RowBounds clear = row_with(2, 50, 50, 50), much = cloudy(2, 2, 1.5),
+                  little = cloudy(2, 0.5 * kRoomOfOne, 0.1);
+  // Conditions: none, in one band too much, little in both.
+  EffectPlanner planner({clear, clear, little, much, little, little}, 2, kAutomatic);
+  planner.decide();
+  EXPECT_TRUE(planner.reflections());
+  EXPECT_TRUE(planner.on(Effect::kCloud, 0));
+  EXPECT_TRUE(planner.on(Effect::kCloud, 1));
+  EXPECT_FALSE(planner.on(Effect::kCloud, 2));
+  const auto ledger = planner.ledger();
+  EXPECT_EQ(ledger[0].size(), kEffects);
+  EXPECT_EQ(ledger[2].size(), kPlannedEffects);
+  EXPECT_EQ(ledger[2].back().reason, EffectReason::kOtherRow);
+  EXPECT_EQ(ledger[3].back().reason, EffectReason::kAboveShare);
+  EXPECT_EQ(ledger[4].back().reason, EffectReason::kWithinShare);
+  EXPECT_EQ(planner.omitted()[2].contrast, 0);
+  EXPECT_NEAR(planner.omitted()[4].contrast, 0.5 * kRoomOfOne, 1e-12);
+  EXPECT_NEAR(planner.room()[4].source, 0.5 * kRoomOfOne, 1e-12);
+
+  RowBounds dark = cloudy(0.5 * kRoomOfOne, 2, 0.3 * kRoomOfOne);
+  for (const Effect e : {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun})
+    at(dark, e) = {true, 0, 0, 0};
+  EffectPlanner by_night({dark}, 1, kAutomatic);
+  by_night.decide();
+  EXPECT_FALSE(by_night.reflections());
+  EXPECT_FALSE(by_night.on(Effect::kCloud, 0));
+  EXPECT_NEAR(by_night.omitted()[0].contrast, 0.8 * kRoomOfOne, 1e-12);
+  EXPECT_NEAR(by_night.omitted()[0].source, 0.5 * kRoomOfOne, 1e-12);
+
+  EffectChoice kept = kAutomatic;
+  kept.kept = {Effect::kCloud};
+  EffectPlanner uncertain({little}, 1, kept);
+  uncertain.decide();
+  EXPECT_TRUE(uncertain.on(Effect::kCloud, 0));
+  EXPECT_EQ(uncertain.ledger()[0].back().reason, EffectReason::kForced);
 }
 
 TEST(EffectPlanner, WhatAnUncertainInputMovesStays) {

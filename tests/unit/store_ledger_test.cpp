@@ -80,8 +80,10 @@ TEST_F(StoreLedger, KnowsTheNamesOfTheCore) {
     EXPECT_EQ(sqlite_text(
                   path_, absl::StrCat("SELECT name FROM effect WHERE effect = ", kEffects + i + 1)),
               plume_effect_table()[i].name);
+  EXPECT_EQ(sqlite_text(path_, "SELECT name FROM effect WHERE of_cloud = 1"),
+            cloud_effect_table()[0].name);
   EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM effect"),
-            absl::StrCat(kEffects + kPlumeEffects));
+            absl::StrCat(kEffects + kPlumeEffects + kCloudEffects));
   const auto last = static_cast<int>(EffectReason::kNotAsked);
   for (int reason = 0; reason <= last; ++reason)
     EXPECT_EQ(sqlite_text(path_, absl::StrCat("SELECT name FROM effect_reason WHERE reason = ",
@@ -129,6 +131,36 @@ TEST_F(StoreLedger, WhatMayBeMissing) {
   EXPECT_EQ(ledger.effect[7].state, "off");
   EXPECT_TRUE(std::isnan(ledger.effect[7].bound_w_sr));
   EXPECT_FALSE(ledger.energy.has_value());
+}
+
+// A row under a cloud has one entry more; it is off with a bound, and not twice there.
+TEST_F(StoreLedger, HasACloudWhereARowHasOne) {
+  auto writer = StoreWriter::open(path_).value();
+  ASSERT_OK(submit(*writer, sweep_, "sweep-a").status());
+  ASSERT_OK(writer->begin());
+  const QueuedJob job = writer->lease_next("w", 0).value().value();
+  const schema::JobResult made = make_result(sweep_, job.spec);
+  const auto completed = [&](int entries, bool bounded) {
+    schema::JobResult result = made;
+    schema::SignatureRow& row = *result.mutable_view()->mutable_row(0);
+    for (int i = 0; i < entries; ++i) {
+      schema::EffectEntry& cloud = *row.add_effect();
+      cloud = row.effect(1);
+      cloud.set_effect("cloud");
+      cloud.set_state(schema::EFFECT_STATE_OFF);
+      cloud.set_reason("within_fraction");
+      if (!bounded) cloud.clear_contrast_bound_w_sr();
+    }
+    return writer->complete(job.fencing_token, result, "w");
+  };
+  EXPECT_THAT(std::string(completed(1, false).message()),
+              testing::HasSubstr("(cloud) is off without a bound"));
+  EXPECT_THAT(std::string(completed(2, true).message()),
+              testing::HasSubstr("is there twice: cloud"));
+  ASSERT_OK(completed(1, true));
+  ASSERT_OK(writer->commit());
+  ASSERT_OK(writer->finish());
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM ledger_view WHERE effect = 'cloud'"), "1");
 }
 
 TEST_F(StoreLedger, GoesWithItsRow) {

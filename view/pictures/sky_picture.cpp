@@ -188,7 +188,7 @@ absl::StatusOr<FalseColorPicture> draw_sky(const schema::ResolvedSweep& sweep, i
     }
   }
   const SunSeen& seen = environment->sun_seen(0);
-  const bool sun = sweep.sweep().transport().sun() && seen.visible > 0;
+  const bool sun = sweep.sweep().transport().sun() && seen.lights_air;
   out.subtitle =
       fmt::format("Seen from above, equal area, {}, {}", cloud_of(c.weather()),
                   sun ? fmt::format("sun {:.1f}\u00b0 from the zenith, without its disk",

@@ -30,6 +30,8 @@ std::string to_string(const ViewPlan& plan) {
     }
   }
   for (std::size_t c = 0; c < e.sun.size(); ++c)
+    if (!e.has_cloud(c)) absl::StrAppendFormat(&out, "cloud %d: off\n", c);
+  for (std::size_t c = 0; c < e.sun.size(); ++c)
     absl::StrAppendFormat(&out,
                           "sun %d: direct %s, diffuse %s, mirrored %s, path %s, background %s\n", c,
                           word(e.sun[c].direct), word(e.sun[c].diffuse), word(e.sun[c].mirrored),

@@ -22,7 +22,7 @@ struct ViewPlan {
   std::vector<RowBounds::Bound> omitted;       // reflections after max_reflections are not in it
   // Remaining room for the omission of hot gas's effects. Empty: nothing by itself.
   std::vector<EffectPlanner::Room> room;
-  std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects]
+  std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects, and a cloud's]
   BrightFacets bright;                           // what rays of their own are aimed at
 
   // Numbers that are unknown in both plans are equal.

@@ -293,6 +293,13 @@ const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
   return surrounding_bounds(condition);
 }
 
+std::optional<CloudBounds> ViewSurroundings::cloud_bounds(std::uint32_t condition) {
+  if (!look_ || request_->land != nullptr || request_->image ||
+      request_->condition[condition].gas != nullptr)
+    return std::nullopt;
+  return look_->cloud_bounds(condition);
+}
+
 const LightBounds& ViewSurroundings::surrounding_bounds(std::uint32_t condition) {
   if (look_) return look_->bounds(condition);
   std::optional<LightBounds>& known = plain_bounds_[condition];
@@ -354,7 +361,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::evaluate(
   // The choice must not depend on the conditions that are asked for.
   bool with_azimuths = false;
   for (std::uint32_t c = 0; c < effects.sun.size(); ++c)
-    with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).visible > 0;
+    with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).lights_air;
   EffectSet wanted = effects;
   if (!with_azimuths)
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;

@@ -52,6 +52,10 @@ class ViewSurroundings {
 
   // The most that light can be, before any sky is computed.
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
+  // Returns the most that light can change if a condition's cloud is left out. nullopt: it has no
+  // cloud, or none is left out: where target or line of sight reach it, before land, with hot gas,
+  // and in views with images, which show their sky.
+  [[nodiscard]] std::optional<CloudBounds> cloud_bounds(std::uint32_t condition);
   // Computes emission and the line's air alone, for a pilot without reflections.
   [[nodiscard]] ViewEnvironments without_light();
   // Returns the environments of these conditions, as far as these effects need them.

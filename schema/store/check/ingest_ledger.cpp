@@ -54,8 +54,9 @@ absl::StatusOr<LedgerNames> ledger_names(Database& database) {
   ASSIGN_OR_RETURN(auto reason, numbers_of_names(database, sql::known_effect_reasons));
   ASSIGN_OR_RETURN(auto bounded_with, numbers_of_names(database, sql::effects_without_own_bound));
   ASSIGN_OR_RETURN(auto of_hot_gas, numbers_of_names(database, sql::effects_of_hot_gas));
+  ASSIGN_OR_RETURN(auto of_cloud, numbers_of_names(database, sql::effects_of_cloud));
   return LedgerNames{std::move(effect), std::move(reason), std::move(bounded_with),
-                     std::move(of_hot_gas)};
+                     std::move(of_hot_gas), std::move(of_cloud)};
 }
 
 absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
@@ -68,6 +69,7 @@ absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& na
       return wrong_ledger(at, absl::StrCat("is there twice: ", row.effect(i).effect()));
   }
   for (const auto& [name, number] : names.effect) {
+    if (names.of_cloud.contains(name)) continue;
     const bool expected = row.has_plume_w_sr() || !names.of_hot_gas.contains(name);
     if (expected && !seen.contains(name))
       return wrong_ledger(path + ".effect", absl::StrCat("lacks ", name));

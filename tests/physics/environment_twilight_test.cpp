@@ -1,0 +1,171 @@
+// Rationale: the disk of the sun sets in parts, lifted by refraction, and lights the air above when
+// it is partly or all below the horizon.
+// Expected: direct sunlight is that of the visible part, and none after sunset; the sky towards
+// the sun is that of the whole disk along the same ray within the stated error; it fades without a
+// jump from half a degree up to the end of twilight; the sea reflects it. Source: sums over all
+// steps of a ray, each with its own sun.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+#include "core/atmosphere/path_layers.h"
+#include "core/atmosphere/path_sums.h"
+#include "core/atmosphere/scattered_again.h"
+#include "core/base/constants.h"
+#include "core/environment/environment.h"
+#include "core/spectral/solar.h"
+#include "tests/physics/around_spectra.h"
+
+namespace irsig {
+namespace {
+
+const std::vector<double> kTwilightUm = [] {
+  std::vector<double> um;
+  for (const double x : {3.5, 3.7, 3.9, 4.7}) um.push_back(air_band_lambda_um(*air_band(x)));
+  return um;
+}();
+constexpr double kEyeM = 10;
+constexpr double kSkyDeg = 5;  // elevation of the sky that is looked at
+
+WeatherSpec twilight_weather() {
+  WeatherSpec w{{afgl_profile(AfglProfile::kMidlatitudeSummer), {}}, true, {}, nullptr};
+  w.air.aerosol.kind = AerosolKind::kRural;
+  w.air.aerosol.visibility_m = 23e3;
+  w.lower.temperature_k = 293;
+  w.lower.wind_speed_m_s = 5;
+  return w;
+}
+
+ConditionEnvironment sun_up_by(double elevation_deg) {
+  const double e = elevation_deg * M_PI / 180;
+  return {0, true, {std::cos(e), 0, -std::sin(e)}, 1};
+}
+
+// The views under suns of these elevations, and without one as the last; sky towards the sun.
+struct Evening {
+  std::unique_ptr<const Environment> environment;
+  std::vector<ViewEnvironment> view;
+};
+Evening evening(const std::vector<double>& elevation_deg) {
+  std::vector<ConditionEnvironment> conditions;
+  for (const double e : elevation_deg) conditions.push_back(sun_up_by(e));
+  conditions.push_back({});
+  Evening out{*Environment::make({twilight_weather()}, conditions, kEyeM, kTwilightUm), {}};
+  const Vec<Body> from = body_from_aspect(180, -kSkyDeg);
+  SensorLine line{10, -kSkyDeg, from,
+                  BackgroundDirections({static_cast<float>(-std::sin(kSkyDeg * kRadPerDeg))},
+                                       std::atan2(-from.y, -from.x))};
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t c = 0; c < conditions.size(); ++c) all.push_back(c);
+  out.view = *out.environment->view(line, all);
+  return out;
+}
+
+double background(const ViewEnvironment& v, std::size_t i) { return v.background_apparent[0][i]; }
+
+// Sunlight that a ray 5 deg up scatters, for an irradiance of 1: over all of its steps, from each
+// of whose ends the sun is seen under its own angle. [band of the air, 1/sr]
+AirSpectrum scattered_step_by_step(const Atmosphere& air, double zenith_deg) {
+  const LightPath path =
+      look(air.profile(), kEyeM, 90 - kSkyDeg, std::numeric_limits<double>::infinity());
+  AbsorberAmounts so_far;
+  StepScattering step;
+  AirSpectrum out(kAirBandCount, 0.0), before = out, after = out;
+  const double z = zenith_deg * kRadPerDeg,
+               cosine = std::cos((90 - kSkyDeg - zenith_deg) * kRadPerDeg);
+  for (std::size_t i = 0; i < path.node.size(); ++i) {
+    const double turn = path.node[i].central_angle_deg * kRadPerDeg;
+    const auto to_sun = air.sun_amounts(path.node[i].height_m, (z - turn) / kRadPerDeg);
+    before = std::exchange(
+        after, to_sun ? transmittance(so_far + *to_sun) : AirSpectrum(kAirBandCount, 0.0));
+    if (i > 0) {
+      for (std::size_t b = 0; b < kAirBandCount; ++b)
+        out[b] += mean_of_sunlight(before[b], after[b], step.grey_depth[b]) *
+                  (step.aerosol_depth[b] * henyey_greenstein_per_sr(step.asymmetry[b], cosine) +
+                   step.molecular_depth[b] * rayleigh_per_sr(cosine));
+    }
+    if (i + 1 < path.node.size()) add_step(so_far, &step, air, path, i);
+  }
+  return out;
+}
+
+TEST(EnvironmentTwilight, TheSkyIsThatOfTheWholeDiskWithinTheStatedError) {
+  const std::vector<double> elevations = {0.5, -0.3, -0.6, -0.85, -1.0, -2.5};
+  const Evening seen = evening(elevations);
+  const Atmosphere air = *Atmosphere::make(twilight_weather().air);
+  for (std::size_t c = 0; c < elevations.size(); ++c) {
+    const SunSeen& sun = seen.environment->sun_seen(static_cast<std::uint32_t>(c));
+    ASSERT_TRUE(sun.lights_air);
+    const double zenith_deg = 90 - std::asin(-sun.middle.z) / kRadPerDeg;
+    const AirSpectrum exact = scattered_step_by_step(air, zenith_deg);
+    const double stated = std::hypot(kAerosolRelativeError, low_sun_relative(zenith_deg));
+    std::printf("sun at %+.2f deg, stated +-%.2f:", elevations[c], stated);
+    for (std::size_t i = 0; i < kTwilightUm.size(); ++i) {
+      const std::size_t b = *air_band(kTwilightUm[i]);
+      const double ours = background(seen.view[c], i) - background(seen.view.back(), i),
+                   expected = exact[b] * solar_irradiance_w_m2_um(air_band_lambda_um(b));
+      std::printf(" %.2f um %.4g of %.4g;", kTwilightUm[i], ours, expected);
+      if (expected < 1e-3 * background(seen.view.back(), i)) continue;
+      EXPECT_GT(ours, 0);
+      EXPECT_NEAR(ours, expected, 1.5 * stated * ours) << elevations[c] << " " << kTwilightUm[i];
+    }
+    std::printf("\n");
+  }
+}
+
+TEST(EnvironmentTwilight, DirectLightIsThatOfTheVisiblePartAndNoneAfterSunset) {
+  const Evening seen = evening({0.5, -0.6, -0.95, -1.5});  // sets at -0.9
+  const Environment& e = *seen.environment;
+  EXPECT_EQ(e.sun_seen(0).visible, 1);
+  EXPECT_GT(e.sun_seen(1).visible, 0.1);
+  EXPECT_LT(e.sun_seen(1).visible, 0.9);
+  for (const std::uint32_t c : {2u, 3u}) {
+    EXPECT_EQ(e.sun_seen(c).visible, 0);
+    for (const double x : seen.view[c].sun) EXPECT_EQ(x, 0);
+    for (const double x : seen.view[c].sun_apparent) EXPECT_EQ(x, 0);
+  }
+  EXPECT_GT(seen.view[1].sun[0], 0);
+  // The middle of the visible part is above the horizon, and lifted by refraction.
+  EXPECT_GT(std::asin(-e.sun_seen(0).direction.z) / kRadPerDeg, 0.5 + 0.3);
+}
+
+// Steps of 0.05 deg, 12 s at the equator, past the moment at which the disk has set.
+TEST(EnvironmentTwilight, LightFadesWithoutAJump) {
+  std::vector<double> elevations;
+  for (double e = 0.5; e > -1.5; e -= 0.05) elevations.push_back(e);
+  const std::size_t fine = elevations.size();
+  for (double e = -2; e > -7; e -= 1) elevations.push_back(e);
+  const Evening seen = evening(elevations);
+  const ViewEnvironment& night = seen.view.back();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double first = background(seen.view[0], i) - background(night, i);
+    double last = first, last_sea = 0;
+    EXPECT_GT(first, 0);
+    for (std::size_t c = 0; c + 1 < seen.view.size(); ++c) {
+      const double now = background(seen.view[c], i) - background(night, i);
+      EXPECT_LE(now, 1.02 * last + 1e-3 * first) << elevations[c];
+      if (c < fine) {
+        EXPECT_GE(now, 0.8 * last) << elevations[c];
+      }
+      last = now;
+      // The sea's reflection of the sky, steeply below, at the azimuth of the sun.
+      const std::uint32_t azimuths = seen.environment->nodes().azimuths();
+      const std::uint32_t node = seen.environment->nodes().count() - 3 * azimuths;
+      const double sea = seen.view[c].around.radiance(node)[i] -
+                         night.around.radiance(seen.environment->nodes().count() - 3 * azimuths)[i];
+      EXPECT_GE(sea, 0);
+      if (c > 0 && c < fine) {
+        EXPECT_GE(sea, 0.5 * last_sea) << elevations[c];
+      }
+      last_sea = sea;
+    }
+    EXPECT_LT(last, 0.02 * first);
+  }
+}
+
+}  // namespace
+}  // namespace irsig
