@@ -24,7 +24,7 @@ import zlib
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMAT = 28  # of the databases that this file reads
+FORMAT = 29  # of the databases that this file reads
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),

@@ -403,8 +403,9 @@ void PathSums::add_model_error() {
   if (sun_node_.empty()) return;
   const AirSpectrum again =
       scattered_again_relative(atmosphere_, path_.node.front().height_m, light_.sun->zenith_deg);
+  const double low = low_sun_relative(light_.sun->zenith_deg);
   for (std::size_t b = 0; b < kAirBandCount; ++b)
-    out_.model_error_w_m2_sr_um[b] += again[b] * out_.scattered_w_m2_sr_um[b];
+    out_.model_error_w_m2_sr_um[b] += std::hypot(again[b], low) * out_.scattered_w_m2_sr_um[b];
 }
 
 AirSpectrum downward_irradiance_w_m2_um(const Atmosphere& atmosphere, double height_m,

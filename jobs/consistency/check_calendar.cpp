@@ -27,6 +27,8 @@ int day_of_year(int month, int day) {
 
 // The upper limb of the sun, raised by refraction, touches the horizon.
 constexpr double kSunriseDeg = -0.833;
+// Down to here the air scatters sunlight that rows count (core/environment).
+constexpr double kTwilightEndDeg = -6;
 
 // From the first day of the meteorological season to the last of the astronomical one, in the
 // north.
@@ -199,7 +201,7 @@ void check_sun_rises(schema::ResolvedSweep& resolved, double highest_deg, Findin
                              std::round(-of_day_deg * 10) / 10, " deg below the horizon all day"),
                 findings);
   }
-  if (polar_night || highest_deg > kSunriseDeg) return;
+  if (polar_night || highest_deg > kTwilightEndDeg) return;
   for (int s = 0; s < resolved.sweep().season_size(); ++s)
     warn_season(resolved, s, "transport.sun",
                 absl::StrCat("transport.sun = true, but the sun is below the horizon at every time "

@@ -1,4 +1,4 @@
--- The tables and views of a signature database, format 28. schema/README.md explains every table to its users.
+-- The tables and views of a signature database, format 29. schema/README.md explains every table to its users.
 --
 -- A name that ends in a unit is a number in that unit. The same name stands for the same quantity in the messages
 -- (schema/*.proto), in exports and on plot axes; core/accuracy/quantities.h explains every quantity of a row. Values
@@ -10,7 +10,7 @@
 
 -- name: create
 PRAGMA application_id = 0x49525347;  -- "IRSG": tells a signature database from every other SQLite file
-PRAGMA user_version = 28;
+PRAGMA user_version = 29;
 
 -- Names of stored numbers ---------------------------------------------------------------------------------------------
 -- Numbers are never reused. The tables let a person read a database without the program.

@@ -14,7 +14,7 @@ namespace irsig {
 inline constexpr std::uint32_t kApplicationId = 0x49525347;
 
 // The version of the format, which schema/sql/create.sql makes.
-inline constexpr int kFormat = 28;
+inline constexpr int kFormat = 29;
 
 struct WritableDatabase {
   std::unique_ptr<WriterLock> lock;  // outlives the connection

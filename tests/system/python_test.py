@@ -175,7 +175,7 @@ class Python(unittest.TestCase):
                     (lambda: irsig.open(text), "not a database"),
                     (lambda: irsig.open(empty), "this is no signature database"),
                     (lambda: irsig.open(newer), "its format is 999"),
-                    (lambda: irsig.open(older), "its format is 19, this irsig.py reads 28"),
+                    (lambda: irsig.open(older), "its format is 19, this irsig.py reads 29"),
                     (lambda: irsig.open(damaged).query().spectra(), "1 values at"),
                     (lambda: irsig.open(files["modes"]).query().modes(), "row 3 of quickstart: its spectral_intensity_modes are no list"),
                     (lambda: irsig.open(files["modes"]).query().to_xarray(), "row 3 of quickstart"),

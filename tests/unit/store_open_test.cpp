@@ -216,7 +216,7 @@ TEST_F(StoreOpen, AnOlderFileIsRefusedAndStaysAsItIs) {
   EXPECT_EQ(refused("UPDATE provenance SET build_id = 'v0-12' || char(27)"),
             path_ +
                 ": has format version 19, of an irsig before the first release; this irsig "
-                "reads version 28: run the sweep again into a new file, or read this one with "
+                "reads version 29: run the sweep again into a new file, or read this one with "
                 "the irsig that wrote it (build v0-12?)");
   // Nothing of an unchecked definition is run: this view never ends.
   EXPECT_THAT(refused("DROP VIEW signature_view; DROP TABLE provenance; CREATE VIEW provenance AS "

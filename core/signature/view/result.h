@@ -18,6 +18,8 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
+// 30: air scatters sunlight until the sun is 6 deg below the horizon; errors of a low sun; clouds
+// that hardly matter are left out by a bound.
 // 21: a pixel is the mean radiance in its own solid angle, which is smaller far from the axis.
 // 20: pictures have errors, and state the parts that each pixel shows; the quadrature bound allows
 // for emissivities that are linear between the points of tables.
@@ -37,7 +39,7 @@ namespace irsig {
 // 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
 // added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
 // met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 29;
+inline constexpr int kPhysicsVersion = 30;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
