@@ -36,13 +36,14 @@ FrameView::FrameView(const LiveSweep& sweep, const LandRays* land, const PlaceLi
     rays_ = land;
     land_.emplace(request.land, condition.above_surface_m - target_.centre.z, target_.centre,
                   of_.land_range_m, land->bend_per_m());
-    cos_heading_ = std::cos(request.land->heading_deg * kRadPerDeg);
-    sin_heading_ = std::sin(request.land->heading_deg * kRadPerDeg);
-    surface_m_ = request.land->surface_m + condition.above_surface_m - target_.centre.z;
-    sensor_ = place_of(frame_.sensor);
-    slope_ = {land->bend_per_m() * sensor_.x, land->bend_per_m() * sensor_.y, 0};
-    sensor_.z += dot(slope_, sensor_);
-    land_sun_ = turned(of_.sun);
+    land_frame_.cos_heading = std::cos(request.land->heading_deg * kRadPerDeg);
+    land_frame_.sin_heading = std::sin(request.land->heading_deg * kRadPerDeg);
+    land_frame_.surface_m = request.land->surface_m + condition.above_surface_m - target_.centre.z;
+    land_frame_.sensor = place_of(frame_.sensor);
+    land_frame_.slope = {land->bend_per_m() * land_frame_.sensor.x,
+                         land->bend_per_m() * land_frame_.sensor.y, 0};
+    land_frame_.sensor.z += dot(land_frame_.slope, land_frame_.sensor);
+    land_frame_.sun = turned(of_.sun);
   }
   emitters_ = request.emitters.get();
   plane_ = request.land != nullptr ? std::nullopt
@@ -165,16 +166,16 @@ void FrameView::find_target_rectangle() {
       for (const double d : {depth_m, depth_m + 2 * r})
         add((across + sx) * pictures_.plane_m / d, (up + sy) * pictures_.plane_m / d);
   const PlaneRectangle& rect = pictures_.rectangle;
-  target_x0_ = (x0 - rect.x0_m) / pixel_m_;
-  target_x1_ = (x1 - rect.x0_m) / pixel_m_;
-  target_y0_ = pictures_.height_px - (y1 - rect.y0_m) / pixel_m_;
-  target_y1_ = pictures_.height_px - (y0 - rect.y0_m) / pixel_m_;
+  target_px_.x0 = (x0 - rect.x0_m) / pixel_m_;
+  target_px_.x1 = (x1 - rect.x0_m) / pixel_m_;
+  target_px_.y0 = pictures_.height_px - (y1 - rect.y0_m) / pixel_m_;
+  target_px_.y1 = pictures_.height_px - (y0 - rect.y0_m) / pixel_m_;
 }
 
 bool FrameView::overlaps_target(std::uint32_t tile_x, std::uint32_t tile_y) const {
   const double x = tile_x * kTileSide, y = tile_y * kTileSide;
-  return x <= target_x1_ && x + kTileSide >= target_x0_ && y <= target_y1_ &&
-         y + kTileSide >= target_y0_;
+  return x <= target_px_.x1 && x + kTileSide >= target_px_.x0 && y <= target_px_.y1 &&
+         y + kTileSide >= target_px_.y0;
 }
 
 std::string FrameView::name_of(LiveClass met, const schema::Sweep& sweep) const {

@@ -144,12 +144,19 @@ class FrameView {
   std::unique_ptr<GasRays> gas_rays_;      // null: no gas, or none that a table has
   const LandRays* rays_ = nullptr;
   std::optional<Land> land_;
-  double cos_heading_ = 1, sin_heading_ = 0, surface_m_ = 0;
-  Vec<Enu> sensor_, slope_, land_sun_;  // of the lines of sight over land
+  // The place and the heading of the camera in the land's local frame.
+  struct LandFrame {
+    double cos_heading = 1, sin_heading = 0, surface_m = 0;
+    Vec<Enu> sensor, slope, sun;  // of the lines of sight over land
+  };
+  LandFrame land_frame_;
   const Emitters* emitters_ = nullptr;
   std::optional<Plane> plane_;
   Float3 sun_{0, 0, 0};
-  double target_x0_ = 0, target_x1_ = 0, target_y0_ = 0, target_y1_ = 0;
+  struct Pixels {  // a rectangle
+    double x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  };
+  Pixels target_px_;
 };
 
 }  // namespace irsig

@@ -28,17 +28,18 @@ Vec<Enu> land_normal(const RayPacket& land, std::uint32_t lane) {
 }  // namespace
 
 Vec<Enu> FrameView::turned(Vec<Body> d) const {
-  return {d.x * sin_heading_ + d.y * cos_heading_, d.x * cos_heading_ - d.y * sin_heading_, -d.z};
+  return {d.x * land_frame_.sin_heading + d.y * land_frame_.cos_heading,
+          d.x * land_frame_.cos_heading - d.y * land_frame_.sin_heading, -d.z};
 }
 
 Vec<Enu> FrameView::place_of(Vec<Body> p) const {
   const Vec<Enu> level = turned({p.x + target_.centre.x, p.y + target_.centre.y, 0});
-  return {level.x, level.y, surface_m_ - p.z};
+  return {level.x, level.y, land_frame_.surface_m - p.z};
 }
 
 Vec<Enu> FrameView::in_sight(Vec<Body> d) const {
   Vec<Enu> out = turned(d);
-  out.z += dot(slope_, out);
+  out.z += dot(land_frame_.slope, out);
   return out;
 }
 
@@ -48,7 +49,7 @@ void FrameView::trace_land(const Vec<Body>* direction, FrameWorker& worker) cons
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const Vec<Enu> d =
           in_sight(direction[p * RayPacket::kSize + static_cast<std::uint32_t>(lane)]);
-      set_ray(packet, lane, sensor_, d);
+      set_ray(packet, lane, land_frame_.sensor, d);
     }
     rays_->scene().intersect(packet, RayPacket::kSize);
   }
@@ -60,7 +61,7 @@ bool FrameView::shade_land(Vec<Body> d, FrameWorker& worker, std::uint32_t i, Sa
   if (land.triangle[lane] == RayPacket::kMiss) return false;
   LandMix& mix = worker.mix;
   const auto distance = static_cast<double>(land.tfar[lane]);
-  const Vec<Enu> n = land_normal(land, lane), at_m = sensor_ + distance * in_sight(d);
+  const Vec<Enu> n = land_normal(land, lane), at_m = land_frame_.sensor + distance * in_sight(d);
   rays_->mix_at(land.instance[lane], land.triangle[lane], at_m.x, at_m.y, n, mix);
   const Land::RangeShare range = land_->behind(distance);
   const auto ranges = static_cast<std::uint32_t>(of_.land_range_m.size());
@@ -83,7 +84,7 @@ bool FrameView::shade_land(Vec<Body> d, FrameWorker& worker, std::uint32_t i, Sa
   out.met = static_cast<LiveClass>(1 + 2 * (of_.materials + most));
   out.thing = (1u << 16) | most;
   out.range_m = distance;
-  worker.sun_of[i] = sun * static_cast<float>(std::max(0.0, dot(n, land_sun_)));
+  worker.sun_of[i] = sun * static_cast<float>(std::max(0.0, dot(n, land_frame_.sun)));
   return true;
 }
 
@@ -104,9 +105,10 @@ void FrameView::add_sun_on_land(FrameWorker& worker, const Vec<Body>* direction,
       // Coordinates of float32 are known to 2^-24 of the farthest of them.
       constexpr double kDepart = 0x1p-20;
       const auto distance = static_cast<double>(land.tfar[lane]);
-      const Vec<Enu> at = sensor_ + distance * in_sight(direction[i]), n = land_normal(land, lane);
+      const Vec<Enu> at = land_frame_.sensor + distance * in_sight(direction[i]),
+                     n = land_normal(land, lane);
       const double off = kDepart * (distance + length(at)) + 1e-4;
-      set_ray(ray, count, at + off * n, land_sun_);
+      set_ray(ray, count, at + off * n, land_frame_.sun);
       of[count++] = i;
     }
     if (count == 0) continue;

@@ -154,7 +154,7 @@ int FrameView::past_land(const RayPacket& packet, std::uint32_t* lane_of, int co
     const double offset = target_.offset_m();
     set_ray(ray, k,
             place_of(Vec<Body>{at.x + offset * n.x, at.y + offset * n.y, at.z + offset * n.z}),
-            land_sun_);
+            land_frame_.sun);
   }
   if (count > 0) rays_->scene().occluded(ray, count);
   int lit = 0;
