@@ -77,11 +77,12 @@ absl::StatusOr<std::string> Flight::edited(const LiveAsk& ask, const std::string
   }
   if (camera) {
     const LiveCamera& c = ask.camera;
+    ASSIGN_OR_RETURN(const Vec<Body> look_at_m, look_at_of_sweep(c));
     edit.camera = SweepEdit::Camera{c.azimuth_deg,
                                     c.elevation_deg,
                                     c.range_m,
                                     c.field_of_view_deg,
-                                    {c.look_at_m.x, c.look_at_m.y, c.look_at_m.z},
+                                    {look_at_m.x, look_at_m.y, look_at_m.z},
                                     c.width_px,
                                     c.height_px,
                                     kStoredPixelErrorPercent};

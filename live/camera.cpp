@@ -47,4 +47,17 @@ absl::Status check_camera(const LiveCamera& c) {
   return out;
 }
 
+absl::StatusOr<Vec<Body>> look_at_of_sweep(const LiveCamera& camera) {
+  if (length(camera.look_at_m) < camera.range_m) return camera.look_at_m;
+  const Vec<Body> sensor =
+      camera.range_m * body_from_aspect(camera.azimuth_deg, camera.elevation_deg);
+  const Vec<Body> sight = normalized(camera.look_at_m - sensor);
+  const Vec<Body> nearest = sensor - dot(sensor, sight) * sight;
+  if (!(dot(sensor, sight) < 0) || !(length(nearest) < camera.range_m))
+    return absl::InvalidArgumentError(
+        "the camera looks away from the target, expected a middle of the picture that is nearer "
+        "to it than the camera: turn the camera");
+  return nearest;
+}
+
 }  // namespace irsig

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/geo/frames.h"
 #include "core/geo/viewpoint.h"
 #include "core/signature/view/image_spec.h"
@@ -33,5 +34,10 @@ struct LiveCamera {
 // Returns INVALID_ARGUMENT for a number that is not finite or beyond its limits; the message names
 // the parameter, its value and the limits.
 [[nodiscard]] absl::Status check_camera(const LiveCamera& camera);
+
+// Returns the point in the middle of the picture as a sweep file states it, nearer to the target's
+// reference point than the sensor: look_at_m, or the nearest such point on the same line of sight.
+// INVALID_ARGUMENT: the camera looks away from the target.
+[[nodiscard]] absl::StatusOr<Vec<Body>> look_at_of_sweep(const LiveCamera& camera);
 
 }  // namespace irsig

@@ -30,6 +30,25 @@ float float_of(std::uint16_t half) {
   return (half & 0x8000) != 0 ? -size : size;
 }
 
+// Rationale: a camera may look at a point behind the target, which no sweep file may state.
+// Expected: the line of sight stays, its point is nearer than the sensor; a camera that looks away
+// is refused.
+TEST(LiveCamera, LooksAlongTheSameLineInASweepFile) {
+  LiveCamera camera;
+  camera.azimuth_deg = 30;
+  camera.range_m = 100;
+  camera.look_at_m = {1, -2, 3};
+  EXPECT_EQ(*look_at_of_sweep(camera), camera.look_at_m);
+  const Vec<Body> sensor = 100.0 * body_from_aspect(30, 10);
+  camera.look_at_m = {-300, -100, 40};
+  const auto nearer = look_at_of_sweep(camera);
+  ASSERT_TRUE(nearer.ok()) << nearer.status();
+  EXPECT_LT(length(*nearer), camera.range_m);
+  EXPECT_GT(dot(normalized(*nearer - sensor), normalized(camera.look_at_m - sensor)), 1 - 1e-12);
+  camera.look_at_m = 3.0 * sensor;
+  EXPECT_FALSE(look_at_of_sweep(camera).ok());
+}
+
 TEST(HalfOf, IsTheNearestFloat16) {
   for (float value = 1e-8f; value < 6e4f; value *= 1.0007f) {
     const std::uint16_t half = half_of(value);
