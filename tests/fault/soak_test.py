@@ -100,7 +100,7 @@ class Soak(unittest.TestCase):
         return {name: int(value) for name, value in rows[0].items() if name in ("jobs", "done", "failed", "workers")} if (rows := self.told()) else {}
 
     def crew(self):
-        return {row["worker"]: row for row in self.told("--workers")}
+        return {row["worker"]: row for row in self.told("--by-worker")}
 
     def all_are_there(self):
         return self.until("all workers are there", lambda: len(crew := self.crew()) == len(WORKERS) and crew)

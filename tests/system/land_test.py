@@ -96,8 +96,8 @@ class Land(unittest.TestCase):
         cls.path = pathlib.Path(cls.folder.name)
         (cls.path / "maps").mkdir()
         for layer in ("heights", *LAYERS):
-            cls.terrain(f"maps/{layer}.asc", "--layer", layer, "--width-m", "2000", "--spacing-m", "20")
-        cls.terrain("maps/inset.asc", "--layer", "heights", "--width-m", "500", "--spacing-m", "5")
+            cls.terrain(f"maps/{layer}.asc", "--map-layer", layer, "--width-m", "2000", "--spacing-m", "20")
+        cls.terrain("maps/inset.asc", "--map-layer", "heights", "--width-m", "500", "--spacing-m", "5")
 
     @classmethod
     def terrain(cls, out, *options):

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/unit/fake_database.h"
 #include "view/report/effect_ledger.h"
@@ -147,8 +149,18 @@ TEST(Temperatures, AreATableOfWhatPassesTheFilter) {
   EXPECT_EQ(out.str(),
             "sweep,season,time_utc,part,mean_k,coldest_k,hottest_k,error_k,superseded\n"
             "ship,july,2025-07-21T12:00:00Z,hull,302.5,291,321,0.5,true\n");
-  filter.season = "may";
-  EXPECT_TRUE(absl::IsNotFound(write_temperatures(db, filter, "text", out)));
+  filter.season = NameSet(std::vector<std::string>{"june", "july"});
+  out.str("");
+  ASSERT_TRUE(write_temperatures(db, filter, "csv", out).ok());
+  EXPECT_THAT(out.str(), HasSubstr("ship,june,"));
+  EXPECT_THAT(out.str(), HasSubstr("ship,july,"));
+  for (const auto& names : {std::vector<std::string>{"may"}, {"june", "may"}}) {
+    filter.season = NameSet(names);
+    const absl::Status said = write_temperatures(db, filter, "text", out);
+    EXPECT_TRUE(absl::IsNotFound(said));
+    EXPECT_THAT(std::string(said.message()),
+                HasSubstr("no season \"may\" in this database; there is: july, june"));
+  }
 }
 
 TEST(Explain, SaysWhatTheRowIsAndEveryErrorOfIt) {

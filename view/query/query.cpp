@@ -156,7 +156,11 @@ absl::Status check_seasons(StoreReader& reader, const NameSet& season) {
   std::set<std::string> known;
   for (const SweepContents& sweep : contents)
     for (const SweepContents::Condition& c : sweep.condition) known.insert(c.season);
-  return known.empty() ? absl::OkStatus() : check_known("season", season, known);
+  return known.empty() ? absl::OkStatus() : check_seasons(season, known);
+}
+
+absl::Status check_seasons(const NameSet& season, const std::set<std::string>& known) {
+  return check_known("season", season, known);
 }
 
 // Each name is looked for among the signatures

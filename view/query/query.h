@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Query {
 // Checks the seasons of a filter. NOT_FOUND: the database lacks one of them; the message lists
 // those that it has.
 [[nodiscard]] absl::Status check_seasons(StoreReader& reader, const NameSet& season);
+[[nodiscard]] absl::Status check_seasons(const NameSet& season, const std::set<std::string>& known);
 
 // Returns the reason for which a filter selects nothing. NOT_FOUND: a name, range or row is
 // unknown.

@@ -206,15 +206,19 @@ std::string comparison(const StoredPublished& p, const StoredProfileRow& ours) {
 }  // namespace
 
 absl::StatusOr<Rows> find_profiles(StoreReader& reader, const ProfileQuery& query) {
-  RETURN_IF_ERROR(check_seasons(reader, query.filter.season));
   ASSIGN_OR_RETURN(auto rows, reader.profiles(query.filter));
   if (query.row) std::erase_if(rows, [&](const auto& r) { return r.row != *query.row; });
-  if (!rows.empty()) return rows;
+  const bool several = query.filter.season.names().size() > 1;
+  if (!rows.empty() && !several) return rows;
   ASSIGN_OR_RETURN(const auto all, reader.profiles({}));
-  std::set<std::string> names;
-  for (const StoredProfileRow& r : all)
+  std::set<std::string> names, seasons;
+  for (const StoredProfileRow& r : all) {
     names.insert(fmt::format("{} ({}, {}, row {})", r.profile, r.season, r.band, r.row));
+    seasons.insert(r.season);
+  }
   if (names.empty()) return absl::NotFoundError("the database holds no profile");
+  RETURN_IF_ERROR(check_seasons(query.filter.season, seasons));
+  if (!rows.empty()) return rows;
   return absl::NotFoundError(
       fmt::format("no profile matches; there are: {}", fmt::join(names, ", ")));
 }

@@ -1,5 +1,8 @@
 #include "view/report/temperatures.h"
 
+#include <set>
+#include <string>
+
 #include "core/base/status_macros.h"
 #include "view/base/table.h"
 #include "view/query/query.h"
@@ -8,13 +11,15 @@ namespace irsig {
 
 absl::Status write_temperatures(StoreReader& reader, const TemperatureFilter& filter,
                                 std::string_view format, std::ostream& out) {
-  RETURN_IF_ERROR(check_seasons(reader, filter.season));
   ASSIGN_OR_RETURN(const auto rows, reader.computed_temperatures(filter));
-  if (rows.empty()) {
+  if (rows.empty() || filter.season.names().size() > 1) {
     ASSIGN_OR_RETURN(const auto any, reader.computed_temperatures({}));
-    return absl::NotFoundError(any.empty()
-                                   ? "no job has computed temperatures of a sweep in this database"
-                                   : "no computed temperatures match the filters");
+    if (any.empty())
+      return absl::NotFoundError("no job has computed temperatures of a sweep in this database");
+    std::set<std::string> seasons;  // also of earlier versions of a sweep
+    for (const StoredTemperature& t : any) seasons.insert(t.season);
+    RETURN_IF_ERROR(check_seasons(filter.season, seasons));
+    if (rows.empty()) return absl::NotFoundError("no computed temperatures match the filters");
   }
   const std::vector<Column> columns = {{"sweep"},     {"season"},  {"time_utc"},
                                        {"part"},      {"mean_k"},  {"coldest_k"},
