@@ -179,7 +179,7 @@ class Explain(unittest.TestCase):
         self.assertIn("direct_sun *: sunlight reflected by the target", text)
         self.assertIn("self_emission: what surfaces emit", text)
         table = json.loads(irsig("show", "effects", "--format", "json"))
-        self.assertEqual(len(table), 24)
+        self.assertEqual(len(table), 25)
         self.assertEqual(sum(e["switchable"] for e in table), len(re.findall(r"(?m)^\w+ \*:", text)))
         for effect in table:
             self.assertTrue(all(effect[k] for k in ("effect", "what", "matters", "bound", "cost")), effect)
