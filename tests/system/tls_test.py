@@ -149,7 +149,7 @@ class Tls(unittest.TestCase):
                    for name in ("first", "second")]
         for worker in workers:
             self.addCleanup(lambda w=worker: (w.kill(), w.wait()))
-        rows = self.wait_for(["--workers", "--csv", reach], lambda out: out.count(",idle,") == 2).splitlines()
+        rows = self.wait_for(["--by-worker", "--csv", reach], lambda out: out.count(",idle,") == 2).splitlines()
         self.assertEqual(rows[0], "worker,host,state,job_s,memory_bytes,reason,job_key,determinism_class")
         self.assertEqual(sorted(row.split(",")[0] for row in rows[1:]), ["first", "second"])
         self.assertGreater(float(rows[1].split(",")[4]), 1e8)
@@ -164,7 +164,7 @@ class Tls(unittest.TestCase):
         workers = [subprocess.Popen([WORKER, reach], cwd=self.path, stderr=subprocess.DEVNULL) for _ in range(2)]
         for worker in workers:
             self.addCleanup(lambda w=worker: (w.kill(), w.wait()))
-        self.wait_for(["--workers", "--csv", reach], lambda out: out.count(",idle,") == 2)
+        self.wait_for(["--by-worker", "--csv", reach], lambda out: out.count(",idle,") == 2)
         submitted = self.run_program(IRSIG, "submit", "views.toml", reach)
         self.assertEqual(submitted.returncode, 0, submitted.stderr)
         told = self.wait_for([reach], lambda out: "; 6 jobs computed by two workers" in out)
