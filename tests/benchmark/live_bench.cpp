@@ -28,6 +28,8 @@ double since_s(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+// Returns the camera of the first viewpoint: the sweep's own field of view, or one that the target
+// fills.
 LiveCamera start_camera(const LiveSweep& sweep) {
   const schema::Viewpoint& v = sweep.resolved().viewpoint(0);
   LiveCamera out;
@@ -36,6 +38,8 @@ LiveCamera start_camera(const LiveSweep& sweep) {
   out.range_m = v.range_m();
   out.field_of_view_deg = std::min(
       60.0, 2.6 * std::atan(sweep.simulator().target().radius_m / v.range_m()) * 180 / 3.14159265);
+  if (const schema::Image& image = sweep.resolved().sweep().image(); image.kind() == "camera")
+    out.field_of_view_deg = image.field_of_view_deg();
   out.look_at_m = sweep.simulator().target().centre;
   return out;
 }
