@@ -31,20 +31,6 @@ Vec<Body> direction_of(std::size_t i, std::size_t count) {
   return {across * std::cos(turn), across * std::sin(turn), z};
 }
 
-ColumnTests tests_for(const std::vector<GasColumn>& columns) {
-  std::array<double, kPlumeSpecies> most{};
-  double hottest_k = 1;
-  for (const GasColumn& column : columns) {
-    std::array<double, kPlumeSpecies> sum{};
-    for (const GasSegment& segment : column) {
-      for (std::size_t k = 0; k < kPlumeSpecies; ++k) sum[k] += segment.amount[k];
-      hottest_k = std::max(hottest_k, segment.temperature_k);
-    }
-    for (std::size_t k = 0; k < kPlumeSpecies; ++k) most[k] = std::max(most[k], sum[k]);
-  }
-  return {most, hottest_k};
-}
-
 }  // namespace
 
 SegmentSteps frame_steps() {
@@ -94,7 +80,7 @@ absl::Status LiveGas::compute(const Columns& columns) {
   first_node_ = band.first_node;
   ASSIGN_OR_RETURN(auto wavelengths, GasWavelengths::make(band.grid.node_um));
   wavelengths_ = std::make_unique<const GasWavelengths>(std::move(wavelengths));
-  tests_ = std::make_unique<const ColumnTests>(tests_for(columns.full));
+  tests_ = std::make_unique<const ColumnTests>(ColumnTests::of(columns.full));
   stride_ = columns.full.size() > 1 ? 2 : 1;
   for (std::size_t m = 0; m < columns.full.size(); ++m) {
     tests_->test(columns.frame[m], tested_.emplace_back(ColumnTests::kCount));

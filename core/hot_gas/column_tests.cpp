@@ -45,6 +45,20 @@ ColumnTests::ColumnTests(const std::array<double, kPlumeSpecies>& most, double h
   for (std::size_t k = 0; k < kPlumeSpecies; ++k) scale_[k] = most[k] > 0 ? 1 / most[k] : 0;
 }
 
+ColumnTests ColumnTests::of(const std::vector<GasColumn>& columns) {
+  std::array<double, kPlumeSpecies> most{};
+  double hottest_k = 1;
+  for (const GasColumn& column : columns) {
+    std::array<double, kPlumeSpecies> sum{};
+    for (const GasSegment& segment : column) {
+      for (std::size_t k = 0; k < kPlumeSpecies; ++k) sum[k] += segment.amount[k];
+      hottest_k = std::max(hottest_k, segment.temperature_k);
+    }
+    for (std::size_t k = 0; k < kPlumeSpecies; ++k) most[k] = std::max(most[k], sum[k]);
+  }
+  return {most, hottest_k};
+}
+
 void ColumnTests::test(const GasColumn& column, std::span<double> out) const {
   static constexpr auto kAll = [] {
     std::array<std::uint32_t, kGases> all{};

@@ -22,6 +22,8 @@ class ColumnTests {
  public:
   // most: the largest amount of each species in any column; hottest_k likewise.
   ColumnTests(const std::array<double, kPlumeSpecies>& most, double hottest_k);
+  // Returns the tests whose scales are the largest amounts and temperature of some columns.
+  [[nodiscard]] static ColumnTests of(const std::vector<GasColumn>& columns);
 
   static constexpr std::size_t kDepths = 6, kRises = 3, kLambdas = 2;
   static constexpr std::size_t kGases = kPlumeSpecies * kDepths * kRises;

@@ -79,7 +79,7 @@ absl::StatusOr<bool> GasMeasurement::find() {
     run(survey, *aimed_, traced_.samples, 0, reflections(true));
   }
   if (survey->columns().empty()) return false;
-  const ColumnTests tests = tests_for(survey->columns());
+  const ColumnTests tests = ColumnTests::of(survey->columns());
   std::vector<std::vector<double>> tested;
   for (const GasColumn& column : survey->columns())
     tests.test(column, tested.emplace_back(ColumnTests::kCount));
@@ -165,20 +165,6 @@ PathSettings GasMeasurement::gas_picture_settings(const PathSettings& settings,
   if (!given_.request.image && out.pixel_samples > kLeastPixelSamples)
     out = picture_settings(settings, pictures, out.pixel_samples / 2);
   return out;
-}
-
-ColumnTests GasMeasurement::tests_for(const std::vector<GasColumn>& columns) {
-  std::array<double, kPlumeSpecies> most{};
-  double hottest_k = 1;
-  for (const GasColumn& column : columns) {
-    std::array<double, kPlumeSpecies> sum{};
-    for (const GasSegment& segment : column) {
-      for (std::size_t k = 0; k < kPlumeSpecies; ++k) sum[k] += segment.amount[k];
-      hottest_k = std::max(hottest_k, segment.temperature_k);
-    }
-    for (std::size_t k = 0; k < kPlumeSpecies; ++k) most[k] = std::max(most[k], sum[k]);
-  }
-  return {most, hottest_k};
 }
 
 std::uint32_t GasMeasurement::reflections(bool pilot) const {

@@ -109,8 +109,6 @@ class GasMeasurement {
   [[nodiscard]] PathSettings gas_picture_settings(const PathSettings& settings,
                                                   const ImagePlan& pictures) const;
 
-  static ColumnTests tests_for(const std::vector<GasColumn>& columns);
-
   [[nodiscard]] std::uint32_t reflections(bool pilot) const;
 
   // Returns the number of groups of reflected gas: one for each part that is seen.
