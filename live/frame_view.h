@@ -144,10 +144,10 @@ class FrameView {
   std::unique_ptr<GasRays> gas_rays_;      // null: no gas, or none that a table has
   const LandRays* rays_ = nullptr;
   std::optional<Land> land_;
-  // The place and the heading of the camera in the land's local frame.
+  // The target's heading and height, and the lines of sight, in the land's local frame.
   struct LandFrame {
     double cos_heading = 1, sin_heading = 0, surface_m = 0;
-    Vec<Enu> sensor, slope, sun;  // of the lines of sight over land
+    Vec<Enu> sensor, slope, sun;
   };
   LandFrame land_frame_;
   const Emitters* emitters_ = nullptr;

@@ -172,8 +172,8 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
 
   const PreparedView& prepared = *view.setup.view;
   const EffectSet& effects = prepared.effects;
-  std::vector<std::uint32_t> wanted,
-      dark;  // dark: the target needs no such light, or not this sky's
+  // dark: the target needs no such light, or not this sky's.
+  std::vector<std::uint32_t> wanted, dark;
   for (const std::uint32_t c : request.selected_condition) {
     const SurfaceBoundary& surface = request.environment->surface(c);
     if (surface.kind != SurfaceBoundary::Kind::kRoughSea || !(surface.wind_speed_m_s > 0) ||
