@@ -195,12 +195,21 @@ std::string unknown_command(const CLI::App& app, const std::vector<std::string>&
   return "";
 }
 
-// "help query" as "query --help", and "help" as "--help". `words` are the arguments.
+// "help query" as "query --help", and "help" as "--help". `words` are the arguments. Options of the
+// command after its name are in its help.
 std::vector<std::string> without_help(std::vector<std::string> words) {
   if (words.empty() || words.front() != "help") return words;
   words.erase(words.begin());
+  words.erase(std::ranges::find_if(words, [](const auto& word) { return word.starts_with("-"); }),
+              words.end());
   words.emplace_back("--help");
   return words;
+}
+
+// The option that is asked about without its command: --season of "help --season".
+std::string option_without_command(const std::vector<std::string>& words) {
+  const bool asked = words.size() > 1 && words[0] == "help" && words[1].starts_with("-");
+  return asked && words[1] != "-h" && words[1] != "--help" ? words[1] : "";
 }
 
 std::string version() {
@@ -253,7 +262,13 @@ int run_program(int argc, char** argv) {
   irsig::add_manual(app, exit_code);
   app.add_subcommand("help", "This help, or that of a command: irsig help query")->allow_extras();
   irsig::group_commands(app);
-  std::vector<std::string> words = without_help({argv + 1, argv + argc});
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (const std::string option = option_without_command(words); !option.empty()) {
+    irsig::print_note("irsig: help {}: expected a command before it, as in irsig help query\n",
+                      irsig::printable(option));
+    return 2;
+  }
+  words = without_help(std::move(words));
   if (const std::string unknown = unknown_command(app, words); !unknown.empty()) {
     irsig::print_note("irsig: {}\n", unknown);
     return 2;

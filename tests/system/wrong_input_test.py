@@ -292,6 +292,7 @@ COMMANDS = [
     (["material", "show", "gold paint"], r'no material is called "gold paint": expected one of'),
     (["status", "--coordinator", "tcp"], r"expected unix:PATH, or HOST:PORT with TLS"),
     (["QUERY", "DB"], r'unknown command "QUERY", did you mean "query"\?'),
+    (["help", "--season"], r"help --season: expected a command before it, as in irsig help query"),
     (["help", "qurey"], r'unknown command "qurey", did you mean "query"\?'),
     (["query", "DB", "--band", "lwir", "--band", "mwir"], r"--band is given more than once, expected one value"),
     (["query", "DB", "-band", "lwir"], r'-band: did you mean "--band"\?'),
@@ -422,6 +423,7 @@ class WrongInput(unittest.TestCase):
         self.assertEqual(self.irsig("help").stdout, self.irsig("--help").stdout)
         self.assertRegex(self.irsig("help").stdout, r"(?m)^ +help +print this help, or that of a command: irsig help query$")
         self.assertEqual(self.irsig("help", "query").stdout, self.irsig("query", "--help").stdout)
+        self.assertEqual(self.irsig("help", "query", "--season").stdout, self.irsig("query", "--help").stdout)
         self.assertEqual(self.irsig("help", "model", "check").stdout, self.irsig("model", "check", "--help").stdout)
         self.assertIn("-o,--out FILE", self.irsig("help", "query").stdout)
         groups = re.findall(r"(?m)^(Start|Look|Use|Farm|Check|Reference):$", self.irsig("help").stdout)
