@@ -184,10 +184,9 @@ void ask(const std::string& path, int queries) {
   });
   measure("one quantity of a condition and band", queries / 10,
           [&]() -> absl::StatusOr<std::size_t> {
-            SignatureFilter filter;
-            condition(filter);
+            const SweepContents::Condition& c = any(sweep.condition);
             const auto values = (*reader)->values(
-                {filter.sweep, filter.season, filter.time_utc, filter.band, sweep.range_m.front()});
+                {sweep.name, c.season, c.time_utc, any(sweep.band).name, sweep.range_m.front()});
             if (!values.ok()) return values.status();
             return values->size();
           });
