@@ -224,10 +224,12 @@ SunLight::Sky SunLight::make_sky() const {
       multiply(out.node.back(), whole_);
     }
   }
+  // Beside a cloud's edge and the Earth's shadow a fit may fall below 0.
+  const bool edges = cloud_ || low_sun_relative(zenith_deg()) > 0;
   std::vector<AirSpectrum> of_hat;
-  if (cloud_) of_hat = out.node;
+  if (edges) of_hat = out.node;
   fit_to_hats(out.node, sine, azimuths_);
-  if (cloud_) keep_positive(out.node, of_hat);
+  if (edges) keep_positive(out.node, of_hat);
   find_errors(out);
 
   AirSpectrum mean = weather_.sky_mean, error = weather_.sky_model_error;

@@ -167,5 +167,33 @@ TEST(EnvironmentTwilight, LightFadesWithoutAJump) {
   }
 }
 
+// Rationale: the edge of the Earth's shadow moves over the rings of the sky, beside which a fit to
+// the light at rings falls below 0, and an error relative to it is without a limit.
+// Expected: no node sends less than nothing, no bound is negative, and their sum over all nodes
+// does not jump between suns 0.02 deg apart.
+TEST(EnvironmentTwilight, ErrorsBetweenNodesAreNeverNegativeAndDoNotJump) {
+  std::vector<double> elevations;
+  for (double e = -0.6; e > -1.6; e -= 0.02) elevations.push_back(e);
+  const Evening seen = evening(elevations);
+  const std::vector<double> weight(3, 1.0);
+  const auto night = seen.view.back().around.integrals(0, weight, nullptr, 1);
+  double last = 0;
+  for (std::size_t c = 0; c < elevations.size(); ++c) {
+    const auto light = seen.view[c].around.integrals(0, weight, nullptr, 1);
+    double sum = 0;
+    const std::size_t turns = light.source.size() / night.source.size();
+    for (std::size_t k = 0; k < light.source.size(); ++k) {
+      EXPECT_GE(light.interpolation[k], 0) << elevations[c] << " node " << k;
+      EXPECT_GE(light.source[k], 0.999 * night.source[k / turns]) << elevations[c] << " node " << k;
+      sum += light.interpolation[k] - night.interpolation[k / turns];
+    }
+    if (c > 0) {
+      EXPECT_LT(sum, 1.5 * last) << elevations[c];
+      EXPECT_GT(sum, last / 1.5) << elevations[c];
+    }
+    last = sum;
+  }
+}
+
 }  // namespace
 }  // namespace irsig
