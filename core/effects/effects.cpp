@@ -89,7 +89,8 @@ const std::array<EffectInfo, kEffects>& effect_table() {
 const std::array<EffectInfo, kCloudEffects>& cloud_effect_table() {
   static constexpr std::array<EffectInfo, kCloudEffects> table{{
       {Effect::kCloud, "cloud",
-       "the layer of cloud in sky, sunlight and background; off: they are those of a clear sky",
+       "the layer of cloud in sky and sunlight; off: they are those of a clear sky, but for what "
+       "stands behind the target",
        "unless the target is much brighter than sky and surface, and reflects hardly any sunlight",
        "the most that a clear and an overcast sky send, by the larger of the cover and the "
        "standard deviation of the choice between both; none where target or line of sight reach "

@@ -570,7 +570,22 @@ absl::StatusOr<ViewEnvironment> Environment::SightLine::evaluate(std::uint32_t c
   const Environment::Parts::Mix& mix = of.of_condition[condition];
   if (mix.clear && !effects.has_cloud(condition)) {
     RETURN_IF_ERROR(parts_->add(of.condition[*mix.clear].spec.weather));
-    return parts_->evaluate(*mix.clear, condition, effects, with_azimuths);
+    ASSIGN_OR_RETURN(ViewEnvironment out,
+                     parts_->evaluate(*mix.clear, condition, effects, with_azimuths));
+    // The background is a number of its own, of which a target's brightness hides nothing.
+    EffectSet behind = effects;
+    behind.cloud.clear();
+    behind.sky = behind.lower = false;
+    behind.max_reflections = 0;
+    ASSIGN_OR_RETURN(ViewEnvironment seen, evaluate(condition, behind, with_azimuths));
+    // It is net of the air between target and sensor, which here is that of the clear sky.
+    for (ViewEnvironment::Spectrum& node : seen.background_apparent)
+      for (std::size_t i = 0; i < node.size(); ++i)
+        node[i] += seen.path_radiance[i] - out.path_radiance[i];
+    out.background_apparent = std::move(seen.background_apparent);
+    out.background_interpolation = std::move(seen.background_interpolation);
+    out.background_model_error = std::move(seen.background_model_error);
+    return out;
   }
   ASSIGN_OR_RETURN(ViewEnvironment out,
                    parts_->evaluate(mix.first(), condition, effects, with_azimuths));

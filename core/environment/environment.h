@@ -85,10 +85,10 @@ class Environment {
     [[nodiscard]] std::optional<CloudBounds> cloud_bounds(std::uint32_t condition);
     // Returns the light of the line under a condition. The result depends on the line, the
     // condition and the effects alone; effects that are left out are 0, and without its cloud a
-    // condition has the clear sky. `effects` has as many
-    // conditions as the environment. For lines with directions behind the target,
-    // EffectSet::joined_lines chooses whether the air's lines are joined at every ring that is
-    // computed exactly (8 of a side), or at three of them. The nodes are those of
+    // condition has the light of the clear sky, but behind the target what the cloud shows there.
+    // `effects` has as many conditions as the environment. For lines with directions behind the
+    // target, EffectSet::joined_lines chooses whether the air's lines are joined at every ring that
+    // is computed exactly (8 of a side), or at three of them. The nodes are those of
     // nodes(with_azimuths): INVALID_ARGUMENT if a sun is up whose scattered light is to be
     // reflected and the nodes have no azimuths.
     [[nodiscard]] absl::StatusOr<ViewEnvironment> evaluate(std::uint32_t condition,
