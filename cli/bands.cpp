@@ -214,7 +214,7 @@ struct BandsCommand {
       return absl::InvalidArgumentError(
           "--ranges is the merit at each range, and --merit range is of all of them: --detection "
           "has how far each row is seen");
-    if (min_width_um && *min_width_um < search->step_um() - 1e-9)
+    if (min_width_um && !(*min_width_um >= search->step_um() - 1e-9))
       return absl::InvalidArgumentError(
           fmt::format("--min-width-um {:g}: narrower than the stored step of {:g} um; ask for "
                       "step_um = {:g} in the [[band]] of the sweep",

@@ -348,7 +348,7 @@ std::vector<std::string> notes_on(const WindowChoice& choice, const BandPopulati
   for (const CandidateMerit& w : choice.candidate)
     if (w.as_good >= kTold) ++alike;
   if (alike < 2) {
-    out.push_back("the first is told from all others");
+    out.push_back("the first is told from the others listed");
     return out;
   }
   out.push_back(
