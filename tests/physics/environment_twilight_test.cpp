@@ -133,6 +133,18 @@ TEST(EnvironmentTwilight, DirectLightIsThatOfTheVisiblePartAndNoneAfterSunset) {
   EXPECT_GT(std::asin(-e.sun_seen(0).direction.z) / kRadPerDeg, 0.5 + 0.3);
 }
 
+// Expected: from 10 m, where the horizon is 0.1 deg below the level, a sun 6 deg below it still
+// lights air that is seen, and one 6.2 deg below does not: its views are those of the night.
+TEST(EnvironmentTwilight, EndsSixDegreesBelowTheHorizon) {
+  const Evening seen = evening({-5.9, -6.2});
+  const ViewEnvironment &last = seen.view[0], &after = seen.view[1], &night = seen.view[2];
+  EXPECT_TRUE(seen.environment->sun_seen(0).lights_air);
+  EXPECT_GT(background(last, 0), background(night, 0));
+  EXPECT_FALSE(seen.environment->sun_seen(1).lights_air);
+  EXPECT_EQ(after.background_apparent, night.background_apparent);
+  EXPECT_EQ(after.path_radiance, night.path_radiance);
+}
+
 // Steps of 0.05 deg, 12 s at the equator, past the moment at which the disk has set.
 TEST(EnvironmentTwilight, LightFadesWithoutAJump) {
   std::vector<double> elevations;
