@@ -3,14 +3,18 @@
 // Expected: bounds of the ledger hold against rows under a clear sky on the same paths, for broken
 // and overcast skies, by day and night; a hot body under a cloud has the rows of the clear sky,
 // bit by bit, with the bound in its error; a line of sight that reaches the cloud has no bound.
-// Source: the same program with and without the cloud.
+// In twilight sunlight that the air scatters is left, and none of the disk.
+// Source: the same program with and without the cloud, and without a sun.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "core/accuracy/replicates.h"
 #include "core/environment/environment.h"
+#include "core/signature/effect_bounds.h"
+#include "tests/physics/plume_view_fixture.h"
 #include "tests/physics/scene_fixture.h"
 
 namespace irsig {
@@ -25,6 +29,7 @@ struct Under {
   bool sun;
   CloudSpec cloud = kDeck;
   std::optional<std::array<double, 2>> base_range_m = std::nullopt;
+  Vec<Body> sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
 };
 
 struct CloudyScene {
@@ -61,7 +66,7 @@ CloudyScene body_under(const std::vector<Under>& skies, const Mesh& mesh, double
     c.surroundings.kind = SurroundingsKind::kSea;
     c.sea_wind_m_s = w.lower.wind_speed_m_s;
     c.sun = skies[i].sun;
-    c.sun_direction = normalized(Vec<Body>{0.3, 0.5, -0.8});
+    c.sun_direction = skies[i].sun_direction;
     c.sun_cos_zenith = -c.sun_direction.z;
     c.sun_angular_radius_deg = 0.266;
     c.sun_scale = 1;
@@ -207,6 +212,97 @@ TEST(CloudEffect, HasNoBoundWhereTheLineOfSightReachesTheCloud) {
   EXPECT_EQ(cloud_of(planned(image).ledger[0])->state, EffectState::kOff);
   image.request.image.emplace();
   expect_unbounded(image);
+}
+
+// Rationale: rows are far below their bounds; a part that a bound lacks is seen in the bound alone.
+// Expected: of a target that reflects nothing the line of sight and the background are left, each
+// with its thermal light and its sunlight; a reflecting one has all sunlight of a clear sky, too,
+// at the target and at the sensor.
+TEST(CloudEffect, BoundsHaveEveryPart) {
+  const CloudyScene s = body_under({{1, true}, {0, true}}, hot_box(), 300, 2, 2000, 0.02);
+  const PreparedScene& scene = s.simulator->scene();
+  auto around = ViewSurroundings::make(s.request, scene.target, 2000, scene.axis.node_um()).value();
+  const CloudBounds cloud = around.cloud_bounds(0).value();
+  const auto bounds_of = [&](double beyond_m2) {
+    const std::vector<PilotLimits::Row> rows(4, {0, 0, 0});
+    return effect_bounds(scene, s.request, {3, beyond_m2, rows}, nullptr, around);
+  };
+  const std::vector<RowBounds> black = bounds_of(0), bright = bounds_of(1);
+  for (std::size_t b = 0; b < 2; ++b) {
+    const BandOnAxis band = scene.axis.band(b);
+    std::vector<double> thermal = cloud.most.thermal;
+    for (std::size_t i = 0; i < thermal.size(); ++i) thermal[i] *= cloud.most.transmittance[i];
+    const double path = in_band(cloud.path_surroundings, band),
+                 path_sun = in_band(cloud.most.path_sun, band), behind = in_band(thermal, band),
+                 behind_sun = in_band(cloud.most.background_sun, band);
+    for (const double part : {path, path_sun, behind, behind_sun}) EXPECT_GT(part, 0);
+    const RowBounds::Bound& of = black[b].cloud_unreflected;
+    EXPECT_EQ(of.source, 0);
+    EXPECT_NEAR(of.apparent, 3 * (path + path_sun), 1e-9 * of.apparent);
+    EXPECT_NEAR(of.contrast, 3 * (behind + behind_sun), 1e-9 * of.contrast);
+    const auto at = [](const RowBounds& row, Effect e) {
+      return row.effect[static_cast<std::size_t>(e)];
+    };
+    const RowBounds::Bound all = at(bright[b], Effect::kCloud), left = bright[b].cloud_unreflected;
+    RowBounds::Bound sun{false, in_band(cloud.most.thermal, band), behind, behind};
+    for (const Effect e : {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun}) {
+      const RowBounds::Bound one = at(bright[2 + b], e);
+      sun.source += one.source;
+      sun.apparent += one.apparent;
+      sun.contrast += one.contrast;
+    }
+    EXPECT_GE(all.source - left.source, sun.source * (1 - 1e-9));
+    EXPECT_GE(all.apparent - left.apparent, sun.apparent * (1 - 1e-9));
+    EXPECT_GE(all.contrast - left.contrast, sun.contrast * (1 - 1e-9));
+  }
+}
+
+// Hot gas has no bound of what a cloud changes in the light behind it.
+TEST(CloudEffect, HasNoBoundBehindHotGas) {
+  CloudyScene s = body_under({{1, false}, {0, false}}, hot_box(), 1200, 3, 1000, 0.05);
+  const auto cloud_bounds = [&] {
+    const PreparedScene& scene = s.simulator->scene();
+    return ViewSurroundings::make(s.request, scene.target, 1000, scene.axis.node_um())
+        ->cloud_bounds(0);
+  };
+  EXPECT_TRUE(cloud_bounds().has_value());
+  s.request.condition[0].gas = slab(10);
+  EXPECT_FALSE(cloud_bounds().has_value());
+}
+
+// Rationale: in twilight the air scatters sunlight, though the disk has set.
+// Expected: its effects are not absent from the row, those of the disk are; the target reflects
+// the light, which is in neither a night's row nor one after twilight.
+TEST(TwilightEffect, ScatteredSunlightOutlastsTheDisk) {
+  const auto below = [](double deg) {
+    const double e = deg * std::numbers::pi / 180;
+    return Vec<Body>{std::cos(e), 0, std::sin(e)};
+  };
+  CloudyScene s =
+      body_under({{0, true, kDeck, {}, below(1.5)}, {0, true, kDeck, {}, below(7)}, {0, false}},
+                 generated("box", 12, 0, 20, 20, 10), 290, 3, 1000, 0.05);
+  s.request.accuracy.samples_per_replicate = 64;
+  s.request.effects.mode = EffectChoice::Mode::kAll;
+  const std::vector<RowBounds> known = effects_without_bounds(s.simulator->scene(), s.request);
+  const auto absent = [&](std::size_t condition, Effect e) {
+    return known[2 * condition].effect[static_cast<std::size_t>(e)].absent;
+  };
+  for (const Effect e : {Effect::kDiffuseSun, Effect::kPathSun, Effect::kBackgroundSun}) {
+    EXPECT_FALSE(absent(0, e)) << info_of(e).name;
+    EXPECT_TRUE(absent(1, e)) << info_of(e).name;
+    EXPECT_TRUE(absent(2, e)) << info_of(e).name;
+  }
+  EXPECT_TRUE(absent(0, Effect::kDirectSun));
+  const auto view = s.simulator->simulate(s.request);
+  ASSERT_TRUE(view.ok()) << view.status();
+  const auto sunlight = [&](std::size_t condition) {
+    double sum = 0;
+    for (const Cause cause : {Cause::kSkyReflected, Cause::kSeaReflected})
+      sum += view->row[2 * condition + 1].cause_w_sr[static_cast<std::size_t>(cause)].value;
+    return sum;
+  };
+  EXPECT_GT(sunlight(0), sunlight(2));
+  EXPECT_EQ(sunlight(1), sunlight(2));
 }
 
 }  // namespace

@@ -230,6 +230,59 @@ TEST(EnvironmentBounds, NothingUnderACloudExceedsThem) {
   }
 }
 
+// Rationale: a cloud changes light by no more than the brighter of both skies has.
+// Expected: the bound is the larger one of the clear and the overcast sky, for every kind of light,
+// and bounds what the line of sight scatters of the cloud by night; there is none where the sensor,
+// the target or a part of it may be above the base, and the clear sky has none.
+TEST(EnvironmentBounds, OfACloudAreTheLargerOfBothSkies) {
+  const WeatherSpec clear_sky = weathers()[0].spec;
+  WeatherSpec deck = clear_sky;
+  deck.cloud = {CloudPhase::kWater, 330, 1000, 0.2, 7.9};
+  deck.cloud_cover = 1;
+  const auto environment_of = [](const WeatherSpec& w) {
+    return *Environment::make({w}, {{}, sunny(40)}, 10, wavelengths());
+  };
+  const auto clear = environment_of(clear_sky), overcast = environment_of(deck);
+  const Environment::Line of = line(3000, 2, 100);
+  auto without = *clear->sight_line(of), with = *overcast->sight_line(of);
+  std::size_t clear_is_larger = 0, overcast_is_larger = 0;
+  for (const std::uint32_t c : {0u, 1u}) {
+    EXPECT_FALSE(without.cloud_bounds(c).has_value());
+    const auto cloud = with.cloud_bounds(c);
+    ASSERT_TRUE(cloud.has_value());
+    const LightBounds &a = without.bounds(c), &b = with.bounds(c);
+    for (const auto member :
+         {&LightBounds::transmittance, &LightBounds::path_radiance, &LightBounds::thermal,
+          &LightBounds::sun, &LightBounds::diffuse_sun, &LightBounds::diffuse_sun_w_m2_um,
+          &LightBounds::mirrored_sun, &LightBounds::mirrored_sun_w_m2_um, &LightBounds::path_sun,
+          &LightBounds::background_sun})
+      for (std::size_t i = 0; i < (a.*member).size(); ++i) {
+        EXPECT_DOUBLE_EQ((cloud->most.*member)[i], std::max((a.*member)[i], (b.*member)[i]));
+        clear_is_larger += (a.*member)[i] > 1.01 * (b.*member)[i];
+        overcast_is_larger += (b.*member)[i] > 1.01 * (a.*member)[i];
+      }
+    if (c > 0) continue;
+    const std::vector<std::uint32_t> night = {0};
+    const ViewEnvironment clear_night = clear->view(of, night)->front(),
+                          dim_night = overcast->view(of, night)->front();
+    double most = 0;
+    for (std::size_t i = 0; i < wavelengths().size(); ++i) {
+      const double change = std::abs(dim_night.path_radiance[i] - clear_night.path_radiance[i]);
+      EXPECT_LE(change, cloud->path_surroundings[i] * (1 + 1e-9) + 1e-15);
+      most = std::max(most, change);
+    }
+    EXPECT_GT(most, 0);
+  }
+  EXPECT_GT(clear_is_larger, 0U);
+  EXPECT_GT(overcast_is_larger, 0U);
+  Environment::Line tall = of, steep = line(1000, 30, 100);
+  tall.end.push_back({3000, 300});
+  EXPECT_TRUE(overcast->sight_line(tall)->cloud_bounds(0).has_value());
+  tall.end.push_back({3000, 340});
+  EXPECT_FALSE(overcast->sight_line(tall)->cloud_bounds(0).has_value());
+  EXPECT_FALSE(overcast->sight_line(steep)->cloud_bounds(0).has_value());
+}
+
 TEST(EnvironmentBounds, NothingOfAnImportedPathExceedsThem) {
   const double nan = std::nan("");
   for (const bool radiance : {true, false}) {

@@ -133,6 +133,114 @@ TEST(EnvironmentTwilight, DirectLightIsThatOfTheVisiblePartAndNoneAfterSunset) {
   EXPECT_GT(std::asin(-e.sun_seen(0).direction.z) / kRadPerDeg, 0.5 + 0.3);
 }
 
+// Expected: from 10 m, where the horizon is 0.1 deg below the level, a sun 6 deg below it still
+// lights air that is seen, and one 6.2 deg below does not: its views are those of the night.
+TEST(EnvironmentTwilight, EndsSixDegreesBelowTheHorizon) {
+  const Evening seen = evening({-5.9, -6.2});
+  const ViewEnvironment &last = seen.view[0], &after = seen.view[1], &night = seen.view[2];
+  EXPECT_TRUE(seen.environment->sun_seen(0).lights_air);
+  EXPECT_GT(background(last, 0), background(night, 0));
+  EXPECT_FALSE(seen.environment->sun_seen(1).lights_air);
+  EXPECT_EQ(after.background_apparent, night.background_apparent);
+  EXPECT_EQ(after.path_radiance, night.path_radiance);
+}
+
+// Rationale: light that the air scatters comes from the whole disk, also when a part of it or all
+// has set; only the level air around the target lies in the shadow after sunset.
+// Expected: from a whole disk, past one of which a seventh is left, to one that has set, each kind
+// of scattered light fades by less than the disk does, and grows nowhere; the errors of the models
+// are at least those of the light towards a low sun; lines between nodes stay as good.
+TEST(EnvironmentTwilight, AllScatteredLightOutlastsTheDisk) {
+  const std::vector<ConditionEnvironment> suns = {
+      sun_up_by(-0.3), sun_up_by(-0.8), sun_up_by(-1), {}};
+  const auto environment = *Environment::make({twilight_weather()}, suns, kEyeM, kTwilightUm);
+  EXPECT_EQ(environment->sun_seen(0).visible, 1);
+  EXPECT_NEAR(environment->sun_seen(1).visible, 1.0 / 7, 0.02);
+  EXPECT_EQ(environment->sun_seen(2).visible, 0);
+  const Vec<Body> from = body_from_aspect(150, 3);
+  SensorLine line{5000, 3, from,
+                  BackgroundDirections({-0.3f, -0.05f, 0.0018f, 0.0022f, 0.01f, 0.1f, 0.5f},
+                                       std::atan2(-from.y, -from.x))};
+  line.land = true;
+  line.land_range_m = {6000, 20'000};
+  const std::vector<std::uint32_t> all = {0, 1, 2, 3};
+  const auto view = *environment->view(line, all);
+  const auto fades = [&](const char* what, std::size_t n, auto of, std::size_t suns_of_it = 3) {
+    for (std::size_t c = 1; c < suns_of_it; ++c) {
+      const double before = of(view[c - 1]) - of(view[3]), now = of(view[c]) - of(view[3]);
+      EXPECT_GT(now, 0.25 * before) << what << " " << n << " under sun " << c;
+      EXPECT_LT(now, 0.95 * before) << what << " " << n << " under sun " << c;
+    }
+  };
+  fades("path", 0, [](const ViewEnvironment& v) { return v.path_radiance[0]; });
+  for (std::size_t n = 0; n < line.behind.count(); ++n)
+    fades("background", n, [&](const ViewEnvironment& v) { return v.background_apparent[n][0]; });
+  for (std::uint32_t n = 0; n < environment->nodes().count(); n += 3) {
+    fades("node", n, [&](const ViewEnvironment& v) { return v.around.radiance(n)[0]; });
+    fades("apparent", n, [&](const ViewEnvironment& v) { return v.around.apparent(n)[0]; });
+  }
+  for (const auto part : {&LandLight::at_target, &LandLight::apparent, &LandLight::behind})
+    for (std::size_t k = 0; k < (view[0].land.*part).size(); ++k) {
+      const bool behind = part == &LandLight::behind;
+      fades("sky on land", k, [&](const ViewEnvironment& v) { return (v.land.*part)[k].sky[0]; });
+      fades(
+          "air before land", k,
+          [&](const ViewEnvironment& v) { return (v.land.*part)[k].path_radiance[0]; },
+          behind ? 3 : 2);
+    }
+  for (std::size_t c = 0; c < 3; ++c) {
+    const SunSeen& seen = environment->sun_seen(static_cast<std::uint32_t>(c));
+    const double low = low_sun_relative(90 - std::asin(-seen.middle.z) / kRadPerDeg);
+    for (const std::size_t n : {0, 1, 2}) {
+      const auto change = [&](const auto& of) { return of(view[c]) - of(view[3]); };
+      EXPECT_GT(
+          change([&](const ViewEnvironment& v) { return v.background_model_error[n][0]; }),
+          0.9 * low * change([&](const ViewEnvironment& v) { return v.background_apparent[n][0]; }))
+          << c << " " << n;
+    }
+    EXPECT_LT(view[c].sky_interpolation, 0.01);
+    EXPECT_LT(view[c].lower_interpolation, 0.02);
+  }
+}
+
+// A black ground reflects nothing: all sunlight from below the horizon is that of the air before
+// it.
+TEST(EnvironmentTwilight, AirBelowTheHorizonIsLitByTheWholeDisk) {
+  WeatherSpec weather = twilight_weather();
+  weather.lower = {SurfaceBoundary::Kind::kGround, 293, 1, 0};
+  const auto environment =
+      *Environment::make({weather}, {sun_up_by(-0.3), sun_up_by(-0.8), {}}, kEyeM, kTwilightUm);
+  const Vec<Body> from = body_from_aspect(150, 3);
+  const SensorLine line{10, 3, from,
+                        BackgroundDirections({0.05f, 0.1f}, std::atan2(-from.y, -from.x))};
+  const std::vector<std::uint32_t> all = {0, 1, 2};
+  const auto view = *environment->view(line, all);
+  EXPECT_LT(environment->sun_seen(1).visible, 0.2);
+  const auto fades = [&](const char* what, std::uint32_t n, auto of) {
+    EXPECT_GT(of(view[0]), of(view[2])) << what << " " << n;
+    EXPECT_GT(of(view[1]) - of(view[2]), 0.25 * (of(view[0]) - of(view[2]))) << what << " " << n;
+  };
+  for (const std::uint32_t n : {0u, 1u})
+    fades("background", n, [&](const ViewEnvironment& v) { return v.background_apparent[n][0]; });
+  const std::uint32_t nodes = environment->nodes().count(),
+                      azimuths = environment->nodes().azimuths();
+  for (std::uint32_t n = nodes - 4 * azimuths; n < nodes; ++n)
+    fades("node", n, [&](const ViewEnvironment& v) { return v.around.radiance(n)[0]; });
+}
+
+// Expected: the error of light under a low sun begins 5 deg above the horizon, has the size that
+// was fitted 2 deg above it, grows towards the horizon and ends at 1.5.
+TEST(EnvironmentTwilight, TheErrorGrowsTowardsTheHorizon) {
+  EXPECT_EQ(low_sun_relative(84.9), 0);
+  EXPECT_NEAR(low_sun_relative(88), 0.12, 1e-12);
+  EXPECT_NEAR(low_sun_relative(89) / low_sun_relative(88), std::exp(0.81), 1e-12);
+  for (double zenith_deg = 85.2; zenith_deg < 97; zenith_deg += 0.2) {
+    EXPECT_GT(low_sun_relative(zenith_deg), 0);
+    EXPECT_GE(low_sun_relative(zenith_deg), low_sun_relative(zenith_deg - 0.2));
+  }
+  EXPECT_EQ(low_sun_relative(96), 1.5);
+}
+
 // Steps of 0.05 deg, 12 s at the equator, past the moment at which the disk has set.
 TEST(EnvironmentTwilight, LightFadesWithoutAJump) {
   std::vector<double> elevations;

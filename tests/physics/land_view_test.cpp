@@ -271,6 +271,46 @@ TEST(LandView, StripesAreTheirClosedForm) {
   }
 }
 
+// Rationale: materials of land have emissivities of their own.
+// Expected: where the second of two covers all, the view is that of land of it alone; the share of
+// the first is dark, as is all land whose light is left out.
+TEST(LandView, EachMaterialHasItsOwnEmissivity) {
+  const auto seen = [](const std::vector<MaterialSpec>& materials, const EffectChoice& effects) {
+    Scene scene = plain_scene(50);
+    SceneSpec spec = scene_of(generated("box", 12, 0, 4, 3, 2), grey(0.6), lwir());
+    spec.land_material = materials;
+    scene.simulator = simulator_of(spec);
+    scene.request.selected_band = {0};
+    scene.request.accuracy.samples_per_replicate = 256;
+    scene.request.effects = effects;
+    ConditionSpec& c = scene.request.condition[0];
+    c.sun = false;
+    c.land_temperature_k.assign(materials.size(), kGroundK);
+    const auto land = std::make_shared<LandScene>(*land_of(flat));
+    HeightRaster none{LocalMetres{}, -10'000, -10'000, 1000, 1000, 21, 21, {}};
+    none.height_m.assign(441, 0.0f);
+    std::vector<CoverLayer> layers{{"first", none}, {"second"}};
+    if (materials.size() == 1) layers = {{"second"}};
+    auto cover = LandCover::create(layers, *land->field, {});
+    EXPECT_TRUE(cover.ok()) << cover.status();
+    land->cover = *std::move(cover);
+    return view_of(scene, land).row[0];
+  };
+  const SignatureResult two = seen({grey(0.95), grey(0.5)}, {}), one = seen({grey(0.5)}, {});
+  const double of_land = one.background_radiance_w_m2_sr.value;
+  EXPECT_GT(of_land, 0);
+  EXPECT_NEAR(two.background_radiance_w_m2_sr.value, of_land, 1e-6 * of_land);
+  const auto reflected = [](const SignatureResult& row) {
+    return row.cause_w_sr[static_cast<std::size_t>(Cause::kSeaReflected)].value;
+  };
+  EXPECT_GT(reflected(one), 0);
+  EXPECT_NEAR(reflected(two), reflected(one), 1e-6 * reflected(one));
+  EffectChoice no_land;
+  no_land.mode = EffectChoice::Mode::kOnly;
+  no_land.only = {Effect::kSkyReflected};
+  EXPECT_EQ(reflected(seen({grey(0.5)}, no_land)), 0);
+}
+
 // The world may be turned: land by a quarter, the bow and the sun with it.
 TEST(LandView, TurningTheWorldChangesNothing) {
   const Height hills = [](double x, double y) {

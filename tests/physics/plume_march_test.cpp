@@ -345,5 +345,29 @@ TEST(GasPiece, AppendsAsSegmentsMerge) {
   }
 }
 
+// Rationale: what absorbs must be as hot as the rest of its segment.
+// Expected: gas of another composition is a segment of its own if it is hotter, too, whether the
+// share of one species changes most by falling or by rising.
+TEST(GasPiece, HotterGasOfAnotherCompositionIsNotAppended) {
+  using Shares = std::array<double, kPlumeSpecies>;
+  const auto piece = [](double start_m, double kelvin, const Shares& shares) {
+    const GasPoint p({1, kelvin, 1e5, shares});
+    return GasPiece::between(start_m, p, p, start_m + 1, p);
+  };
+  const auto segments_of = [&](double second_k, const Shares& first, const Shares& second) {
+    const SegmentSteps steps;  // shares may change by 0.02 where the temperature does by 1 %
+    SegmentBuilder builder(steps);
+    builder.add(piece(0, 700, first));
+    builder.add(piece(1, second_k, second));
+    return builder.take().size();
+  };
+  const Shares one = {0.6, 0.2, 0.2, 0}, near = {0.59, 0.205, 0.205, 0},
+               other = {0.57, 0.215, 0.215, 0};
+  EXPECT_EQ(segments_of(707, one, near), 1U);
+  EXPECT_EQ(segments_of(700, one, other), 1U);
+  EXPECT_EQ(segments_of(707, one, other), 2U);
+  EXPECT_EQ(segments_of(707, other, one), 2U);
+}
+
 }  // namespace
 }  // namespace irsig

@@ -132,6 +132,14 @@ class Options(unittest.TestCase):
                 self.assertEqual(done.stderr, f"irsig: {spelling}: this option of `irsig {words}` is called {new}\n")
                 self.assertTrue(any(line["command"] == f"irsig {words}" for line in self.by_option[new]))
 
+    def test_an_old_spelling_of_another_command_is_only_unknown(self):
+        for command, spelling in (("query a.sigdb", "--map-layer"), ("query a.sigdb", "--filter"), ("init", "--diameter-m")):
+            with self.subTest(command=command, spelling=spelling):
+                done = irsig(*command.split(), spelling, "1")
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(spelling, done.stderr)
+                self.assertNotIn("is called", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -264,6 +264,21 @@ TEST(BandSearchTest, WindowsAreAlikeThatShareMoreThanHalf) {
   EXPECT_FALSE(alike({1, 5}, {12, 16}));  // apart
 }
 
+// Expected: pairs are alike if both their windows are, whichever of the two is named first.
+TEST(BandSearchTest, PairsAreAlikeThatShareBothWindows) {
+  const BandSearch search = hilly_search(Pairing::kDifference);
+  const auto alike = [&](const Candidate& a, const Candidate& b) {
+    EXPECT_EQ(search.alike(a, b), search.alike(b, a));
+    return search.alike(a, b);
+  };
+  const Passband low{1, 5}, high{12, 16}, near_low{1, 6}, near_high{12, 17}, middle{6, 11};
+  EXPECT_TRUE(alike({low, high}, {near_low, near_high}));
+  EXPECT_TRUE(alike({low, high}, {near_high, near_low}));
+  EXPECT_TRUE(alike({high, low}, {near_low, near_high}));
+  EXPECT_FALSE(alike({low, high}, {near_low, middle}));
+  EXPECT_FALSE(alike({low, high}, {middle, near_high}));
+}
+
 TEST(BandSearchTest, ListsWindowsThatDiffer) {
   for (const Pairing pairing : {Pairing::kNone, Pairing::kDifference, Pairing::kMatched}) {
     const BandSearch search = hilly_search(pairing);

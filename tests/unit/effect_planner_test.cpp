@@ -79,6 +79,25 @@ TEST(EffectTable, CloudsAreAfterTheEffectsOfEveryRow) {
   for (const EffectInfo& e : plume_effect_table()) EXPECT_EQ(&info_of(e.effect), &e);
 }
 
+// One band without room keeps an effect, whichever band of its condition that is.
+TEST(EffectPlanner, EachBandOfAConditionHasAVoice) {
+  const RowBounds clear = row_with(5, 0.1, 0.1, 0.1), bright = row_with(5, 9, 9, 9);
+  RowBounds little = clear, much = clear;
+  at(little, Effect::kCloud) = {false, 0.1 * kRoomOfOne, 0.1 * kRoomOfOne, 0.1 * kRoomOfOne};
+  at(much, Effect::kCloud) = {false, 2, 2, 2};
+  for (std::size_t place = 0; place < 3; ++place) {
+    std::vector<RowBounds> cloudy(3, little), sunny(3, clear);
+    cloudy[place] = much;
+    sunny[place] = bright;
+    EffectPlanner clouds(cloudy, 3, kAutomatic), suns(sunny, 3, kAutomatic);
+    clouds.decide();
+    suns.decide();
+    EXPECT_TRUE(clouds.on(Effect::kCloud, 0)) << place;
+    for (const Effect e : {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun})
+      EXPECT_TRUE(suns.on(e, 0)) << place << " " << info_of(e).name;
+  }
+}
+
 // Without reflections a cloud changes what no reflection brings, and no more.
 TEST(EffectPlanner, ACloudGoesWhereItsBoundFitsInAllBandsOfItsCondition) {
   const auto cloudy = [](double reflected, double cloud, double unreflected) {

@@ -303,6 +303,17 @@ TEST_F(Export, CsvHasTheCausesAndTheFilters) {
   EXPECT_THAT(text, HasSubstr("sun_reflected_w_sr"));
 }
 
+TEST_F(Export, AnUnknownFormatNamesAllThatThereAre) {
+  FakeDatabase db = fake_database();
+  const absl::Status said = export_file(db, {}, "hdf", path("a.hdf"));
+  EXPECT_TRUE(absl::IsInvalidArgument(said)) << said;
+  EXPECT_THAT(std::string(said.message()), HasSubstr("unknown format \"hdf\""));
+  ASSERT_FALSE(export_formats().empty());
+  for (const ExportFormat& of : export_formats())
+    EXPECT_THAT(std::string(said.message()), HasSubstr(std::string(of.name)));
+  EXPECT_FALSE(std::filesystem::exists(path("a.hdf")));
+}
+
 TEST_F(Export, RefusalsLeaveNothingBehind) {
   FakeDatabase db = fake_database();
   std::ofstream(path("old.nc")) << "old";

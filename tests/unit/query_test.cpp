@@ -109,6 +109,16 @@ TEST(Query, EachOfSeveralSeasonsMustExist) {
     EXPECT_TRUE(absl::IsNotFound(run_query(db, {.season = name}).status())) << name;
 }
 
+TEST(Query, ANameInOtherLettersIsTold) {
+  FakeDatabase db = fake_database();
+  EXPECT_THAT(std::string(run_query(db, {.season = "Summer"}).status().message()),
+              HasSubstr("did you mean \"summer\"?"));
+  EXPECT_THAT(std::string(run_query(db, {.band = "LWIR"}).status().message()),
+              HasSubstr("did you mean \"lwir\"?"));
+  EXPECT_THAT(std::string(run_query(db, {.season = "somer"}).status().message()),
+              testing::Not(HasSubstr("did you mean")));
+}
+
 TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
   FakeDatabase db = fake_database();
   const Query query{.season = "summer", .band = "lwir"};
