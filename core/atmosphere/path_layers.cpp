@@ -219,6 +219,12 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
   }
 }
 
+double PathLayers::lowest_m() const {
+  double out = std::numeric_limits<double>::infinity();
+  for (const Node& node : node_) out = std::min(out, node.height_m);
+  return out;
+}
+
 std::optional<PathLayers::Crossing> PathLayers::crossing(double base_m, double top_m) const {
   constexpr double kMarginM = 1e-2;
   std::size_t enters = 0;

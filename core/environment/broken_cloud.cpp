@@ -112,7 +112,8 @@ ViewEnvironment under_broken_cloud(ViewEnvironment clear, ViewEnvironment overca
       mix(clear.model_error_transmittance, overcast.model_error_transmittance);
   out.model_error_path_radiance =
       mix(clear.model_error_path_radiance, overcast.model_error_path_radiance);
-  out.sky_model_relative = mix(clear.sky_model_relative, overcast.sky_model_relative);
+  out.sky_mean = mix(clear.sky_mean, overcast.sky_mean);
+  out.sky_model_error = mix(clear.sky_model_error, overcast.sky_model_error);
   out.lower_model_relative = std::max(clear.lower_model_relative, overcast.lower_model_relative);
   const double a = sum_of(clear.sun), b = sum_of(overcast.sun), mean = mix(a, b);
   out.sun_model_relative =

@@ -127,7 +127,7 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
   }
   scattered_relative_ = air_relative_;
   if (const UnknownCloud* unknown = weather_.unknown_cloud()) {
-    const AirSpectrum by_cloud = unknown->diffuse_sun_relative(zenith_deg);
+    const AirSpectrum by_cloud = unknown->diffuse_sun_relative(height_m_, zenith_deg);
     for (std::size_t b = 0; b < kAirBandCount; ++b)
       scattered_relative_[b] = std::hypot(scattered_relative_[b], by_cloud[b]);
   }
@@ -147,7 +147,7 @@ double SunLight::zenith_deg() const {
 }
 double SunLight::beam_cloud_relative() const {
   const UnknownCloud* unknown = weather_.unknown_cloud();
-  return unknown ? unknown->beam_relative(irradiance, outside, zenith_deg()) : 0;
+  return unknown ? unknown->beam_relative(irradiance, outside, height_m_, zenith_deg()) : 0;
 }
 
 const SunLight::Around& SunLight::around() const {
@@ -212,7 +212,7 @@ SunLight::Around SunLight::make_around() const {
   light->error = sky.node_error;
   const std::vector<double> error = lower_node_error(lower);
   light->error.insert(light->error.end(), error.begin(), error.end());
-  return {std::move(light), sky.interpolation, sky.model_relative};
+  return {std::move(light), sky.interpolation, sky.mean, sky.model_error};
 }
 
 SunLight::Sky SunLight::make_sky() const {
@@ -232,16 +232,16 @@ SunLight::Sky SunLight::make_sky() const {
   if (edges) keep_positive(out.node, of_hat);
   find_errors(out);
 
-  AirSpectrum mean = weather_.sky_mean, error = weather_.sky_model_error;
+  out.mean = weather_.sky_mean;
+  out.model_error = weather_.sky_model_error;
   const std::vector<double> weight = ring_weights(sine);
   for (std::size_t n = 0; n < out.node.size(); ++n) {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       const double part = weight[n / azimuths_] / azimuths_ * out.node[n][b];
-      mean[b] += part;
-      error[b] += scattered_relative_[b] * part;
+      out.mean[b] += part;
+      out.model_error[b] += scattered_relative_[b] * part;
     }
   }
-  out.model_relative = mean_relative(error, mean);
   return out;
 }
 

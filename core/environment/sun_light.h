@@ -45,10 +45,13 @@ class SunLight {
     // any direction of the cells around a node that was looked at; below twice what the differences
     // from the nodes beside it say of straight lines.
     std::shared_ptr<const IncidentRadiance::Sunlight> light;
-    // Relative errors of the sky's light, as ThermalSurroundings's. interpolation: mean over lobes
-    // of cos^20, 30 deg wide, of |linear - direct|. Features narrower than a surface of slope 0.15
-    // mirrors are finer than the nodes.
-    double interpolation = 0, model_relative = 0;
+    // Relative error of the sky's light between nodes: mean over lobes of cos^20, 30 deg wide, of
+    // |linear - direct|. Features narrower than a surface of slope 0.15 mirrors are finer than the
+    // nodes.
+    double interpolation = 0;
+    // The sky with its own light and the sun's: as ThermalSurroundings::sky_mean and
+    // sky_model_error.
+    AirSpectrum sky_mean, sky_model_error;
   };
   [[nodiscard]] const Around& around() const;
 
@@ -123,7 +126,8 @@ class SunLight {
   [[nodiscard]] double zenith_deg() const;
   struct Sky {
     std::vector<AirSpectrum> node;
-    double interpolation = 0, model_relative = 0;
+    double interpolation = 0;
+    AirSpectrum mean, model_error;
     std::vector<double> node_error;
   };
   struct Lower {

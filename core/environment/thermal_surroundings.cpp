@@ -96,16 +96,6 @@ std::vector<double> level_weights(const std::vector<SkyRing>& sky) {
   return out;
 }
 
-double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance) {
-  double sum = 0, count = 0;
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    if (radiance[b] <= 0) continue;
-    sum += error[b] / radiance[b];
-    ++count;
-  }
-  return count > 0 ? sum / count : 0;
-}
-
 double sin_of_dip(const AirProfile& air, double height_m, bool refraction) {
   double above = 90, below = 180;  // zenith angles of rays that pass and that meet the surface
   for (int i = 0; i < 40; ++i) {
@@ -211,7 +201,6 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
       sky_mean[b] += weight[i] * sky[i].total[b];
     }
   }
-  sky_model_relative = mean_relative(sky_model_error, sky_mean);
   lower_model_relative = spec_.kind == SurfaceBoundary::Kind::kRoughSea
                              ? 0.02 + held_slopes_relative(spec_.wind_speed_m_s, 0.2)
                              : surface_model_relative(spec_, 1);
@@ -256,6 +245,7 @@ AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
   AirSpectrum out =
       model_error(air, path.transmittance, scattered, path.warmest_k(), bands_, &surroundings)
           .radiance_w_m2_sr_um;
+  if (path.lowest_m() >= atmosphere_.turbid_levels_m().back()) return out;
   const AirSpectrum unknown =
       unknown_ ? unknown_->sky_error(path) : AirSpectrum(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {

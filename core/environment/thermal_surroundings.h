@@ -69,7 +69,7 @@ class ThermalSurroundings {
   AirSpectrum surface_planck;
   // Means over the hemisphere above: radiance, and one sigma of its model.
   AirSpectrum sky_mean, sky_model_error;
-  double sky_model_relative = 0, lower_model_relative = 0;
+  double lower_model_relative = 0;
   double sky_interpolation = 0, lower_interpolation = 0;
   // [ring] Twice the relative error half way to the rings beside it, the larger, in the worst
   // quarter of a micrometre: towards the horizon the largest error is not half way.
@@ -163,9 +163,6 @@ inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.3
 
 // Weights of a sky's rings in the irradiance of a level surface over pi; they add up to 1.
 [[nodiscard]] std::vector<double> level_weights(const std::vector<SkyRing>& sky);
-
-// Returns the mean over the bands of error / radiance.
-[[nodiscard]] double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance);
 
 // Returns the sine of the depression at which the sea's horizon lies, seen from a height.
 [[nodiscard]] double sin_of_dip(const AirProfile& air, double height_m, bool refraction);

@@ -91,30 +91,34 @@ AirSpectrum UnknownCloud::sky_error(const PathLayers& path) const {
   return out;
 }
 
+double UnknownCloud::part_above(double height_m) const {
+  return std::clamp((top_m_ - height_m) / (top_m_ - base_m_), 0.0, 1.0);
+}
+
 double UnknownCloud::beam_relative(const AirSpectrum& irradiance, const AirSpectrum& outside,
-                                   double zenith_deg) const {
+                                   double height_m, double zenith_deg) const {
+  const double slant = part_above(height_m) / cosine_of(zenith_deg);
   double all = 0, largest = 0;
   for (const double x : irradiance) all += x;
   if (all <= 0) return 0;
   for (const double factor : other_water_) {
     double change = 0;
     for (std::size_t b = 0; b < kAirBandCount; ++b)
-      change += passed_change(irradiance[b], outside[b],
-                              beam_.extinction(b) / cosine_of(zenith_deg), factor);
+      change += passed_change(irradiance[b], outside[b], beam_.extinction(b) * slant, factor);
     largest = std::max(largest, std::abs(change));
   }
   return kSigmaOfEnd * largest / all;
 }
 
-AirSpectrum UnknownCloud::diffuse_sun_relative(double zenith_deg) const {
+AirSpectrum UnknownCloud::diffuse_sun_relative(double height_m, double zenith_deg) const {
   AirSpectrum out(kAirBandCount, 0.0);
-  if (other_water_.empty()) return out;
+  const double part = part_above(height_m);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     const double depth = diffuse_.extinction(b);
-    if (depth <= 0) continue;
+    if (depth <= 0 || part <= 0) continue;
     const auto scattered_down = [&](double factor) {
-      const StreamLayer layer{factor * depth, diffuse_.scattering[b] / depth, diffuse_.asymmetry[b],
-                              0, 0};
+      const StreamLayer layer{factor * part * depth, diffuse_.scattering[b] / depth,
+                              diffuse_.asymmetry[b], 0, 0};
       return diffuse_light({&layer, 1}, {.sun_irradiance = 1, .sun_cosine = cosine_of(zenith_deg)})
           .back()
           .mean;

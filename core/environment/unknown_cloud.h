@@ -28,13 +28,14 @@ class UnknownCloud {
   // with its transmittances t and t' for light whose forward peak stays in the beam.
   [[nodiscard]] AirSpectrum sky_error(const PathLayers& path) const;
 
-  // Returns one sigma of the sun's beam, relative, the mean over the bands.
-  //   irradiance, outside  below the cloud, and outside the air
+  // Returns one sigma of the sun's beam at a height, relative, the mean over the bands; 0 above the
+  // cloud.
+  //   irradiance, outside  at the height, and outside the air
   [[nodiscard]] double beam_relative(const AirSpectrum& irradiance, const AirSpectrum& outside,
-                                     double zenith_deg) const;
-  // Returns one sigma of the sunlight that the cloud scatters down, relative: two streams through
-  // the cloud alone.
-  [[nodiscard]] AirSpectrum diffuse_sun_relative(double zenith_deg) const;
+                                     double height_m, double zenith_deg) const;
+  // Returns one sigma of the sunlight that the cloud scatters down to a height, relative: two
+  // streams through the part of the cloud above it alone; 0 above the cloud.
+  [[nodiscard]] AirSpectrum diffuse_sun_relative(double height_m, double zenith_deg) const;
 
   // Adds the errors of a path between two heights, of whose light all that the cloud scatters is
   // lost.
@@ -43,6 +44,8 @@ class UnknownCloud {
               double range_m) const;
 
  private:
+  // Returns the part of the layer's depth that is above a height.
+  [[nodiscard]] double part_above(double height_m) const;
   // Spectrum of the layer, straight up.
   struct Depth {
     AirSpectrum absorption, scattering, asymmetry;

@@ -102,7 +102,11 @@ struct ViewEnvironment {
   double joined_lines_bound = 0;
   // One sigma of the models, without the numerics.
   Spectrum model_error_transmittance, model_error_path_radiance;
-  double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
+  // Means over the sky that the target reflects: radiance, and one sigma of its models.
+  Spectrum sky_mean, sky_model_error;
+  // One sigma, relative, of the light that the target reflects from below the horizon and from the
+  // sun.
+  double lower_model_relative = 0, sun_model_relative = 0;
   // Light and air under one of the two skies of which a broken one is the mean: the overcast one
   // where the cover is below a half, else the clear one. Null: there is one sky. A target has one
   // sky or the other; one sigma of that choice in any sum of light is one_sky_sigma times the

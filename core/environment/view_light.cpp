@@ -278,9 +278,12 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   if (line_.land)
     add_land(out, diffuse_sun ? sun : nullptr, background_sun ? sun : nullptr, scattered);
   // Products of band means err by up to 40 % for the sky's and 11 % for the sun's lines over 5 km.
-  out.sky_model_relative =
-      std::hypot(diffuse_sun ? sun->around().model_relative : light_.sky_model_relative,
-                 leg_.imported ? 0.2 : 0.0);
+  out.sky_mean = leg_.per_wavelength(diffuse_sun ? sun->around().sky_mean : light_.sky_mean);
+  out.sky_model_error =
+      leg_.per_wavelength(diffuse_sun ? sun->around().sky_model_error : light_.sky_model_error);
+  if (leg_.imported)
+    for (std::size_t i = 0; i < out.sky_mean.size(); ++i)
+      out.sky_model_error[i] = std::hypot(out.sky_model_error[i], 0.2 * out.sky_mean[i]);
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
   out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
   if (sun && direct_sun && sun->visible > 0)

@@ -119,9 +119,11 @@ PathRadiance WeatherAir::Parts::Turbid::radiance(Sight sight, const LightPath& p
   if (sun) {
     const AirSpectrum of_sun = scattered_sun(sight, path, layers, *sun);
     const UnknownCloud* unknown = light->unknown_cloud();
-    const AirSpectrum by_cloud = unknown ? unknown->diffuse_sun_relative(sun->zenith_deg) : dark,
-                      again = scattered_again_relative(diffuse, path.node.front().height_m,
-                                                       sun->zenith_deg, bands);
+    const double observer_m = path.node.front().height_m;
+    const AirSpectrum by_cloud = unknown
+                                     ? unknown->diffuse_sun_relative(observer_m, sun->zenith_deg)
+                                     : dark,
+                      again = scattered_again_relative(diffuse, observer_m, sun->zenith_deg, bands);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       out.scattered_w_m2_sr_um[b] += of_sun[b];
       out.model_error_w_m2_sr_um[b] +=

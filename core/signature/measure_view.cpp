@@ -21,12 +21,15 @@ void add_path(const Row& row, SignatureResult& r) {
   const ViewEnvironment& e = row.light->environment();
   const BandGrid& grid = row.on_axis.grid;
   const std::size_t offset = row.on_axis.first_node;
-  double width_um = 0;
+  double width_um = 0, sky = 0, sky_model = 0;
   r.path_transmittance = r.path_radiance_w_m2_sr = 0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
     width_um += grid.band_weight[i];
     r.path_transmittance += grid.band_weight[i] * e.transmittance[offset + i];
     r.path_radiance_w_m2_sr += grid.band_weight[i] * e.path_radiance[offset + i];
+    if (e.sky_mean.empty()) continue;
+    sky += grid.band_weight[i] * e.sky_mean[offset + i];
+    sky_model += grid.band_weight[i] * e.sky_model_error[offset + i];
   }
   r.path_transmittance /= width_um;
   // Surface emission is multiplied by the mean transmittance, whose error is taken bin by bin; the
@@ -62,7 +65,8 @@ void add_path(const Row& row, SignatureResult& r) {
   const auto cause = [&](Cause which) {
     return r.cause_w_sr[static_cast<std::size_t>(which)].value;
   };
-  r.model_error_w_sr = std::hypot(e.sky_model_relative * cause(Cause::kSkyReflected),
+  const double sky_relative = sky > 0 ? sky_model / sky : 0;
+  r.model_error_w_sr = std::hypot(sky_relative * cause(Cause::kSkyReflected),
                                   e.lower_model_relative * cause(Cause::kSeaReflected),
                                   e.sun_model_relative * cause(Cause::kSunReflected));
   const double seen = r.intensity_w_sr.value != 0

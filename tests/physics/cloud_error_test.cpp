@@ -96,7 +96,45 @@ TEST(CloudSky, StatesTheErrorOfAnUnknownWaterPath) {
   }
   EXPECT_NEAR(stated.sun_model_relative,
               std::hypot(own.sun_model_relative, change / sum / std::sqrt(3)), 0.1 * change / sum);
-  EXPECT_GT(stated.sky_model_relative, 1.05 * own.sky_model_relative);
+  for (std::size_t i = 0; i < kUm.size(); ++i) {
+    EXPECT_EQ(stated.sky_mean[i], own.sky_mean[i]);
+    EXPECT_GT(stated.sky_model_error[i], own.sky_model_error[i]) << kUm[i];
+  }
+}
+
+// Rationale: what lies below a target takes nothing from the sky that the target reflects.
+// Expected: above the cloud, sun and sky and their stated errors are those without a cloud, up to
+// where the air is so thin that nothing of it emits; inside, the error of an unknown water path is
+// no larger than all of the light.
+TEST(CloudSky, StatesNoErrorOfACloudBelowTheTarget) {
+  const auto at = [&](double height_m, double cover, bool unknown) {
+    WeatherSpec w = weather(cover, kStratus);
+    if (unknown) w.cloud_water_range = {0.5, 2};
+    return seen_under(w, 60, 100, 20, height_m).view;
+  };
+  for (const double height_m : {1100.0, 20000.0, 60000.0, 99000.0}) {
+    const ViewEnvironment clear = at(height_m, 0, false), known = at(height_m, 1, false),
+                          unknown = at(height_m, 1, true);
+    EXPECT_EQ(unknown.sun_model_relative, clear.sun_model_relative) << height_m;
+    for (std::size_t i = 0; i < kUm.size(); ++i) {
+      EXPECT_NEAR(known.sun[i], clear.sun[i], 1e-6 * clear.sun[i]) << height_m << " " << kUm[i];
+      EXPECT_EQ(unknown.sky_model_error[i], known.sky_model_error[i]) << height_m << " " << kUm[i];
+      EXPECT_NEAR(known.sky_mean[i], clear.sky_mean[i], 0.05 * clear.sky_mean[i] + 1e-12)
+          << height_m << " " << kUm[i];
+      EXPECT_NEAR(known.sky_model_error[i], clear.sky_model_error[i],
+                  0.05 * clear.sky_mean[i] + 1e-12)
+          << height_m << " " << kUm[i];
+    }
+  }
+  for (const double height_m : {950.0, 660.0, 340.0, 10.0}) {
+    const ViewEnvironment known = at(height_m, 1, false), unknown = at(height_m, 1, true);
+    double relative = 0;
+    for (std::size_t i = 0; i < kUm.size(); ++i) {
+      relative = std::max(relative, unknown.sky_model_error[i] / unknown.sky_mean[i]);
+      EXPECT_GE(unknown.sky_model_error[i], known.sky_model_error[i]);
+    }
+    EXPECT_LT(relative, 1.2) << height_m;
+  }
 }
 
 // A sensor above a thin cloud looks through water of which the amount is not known.

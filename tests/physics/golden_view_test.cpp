@@ -37,7 +37,7 @@ TEST(GoldenView, NumbersBelongToThePhysicsVersion) {
   r.max_reflections = 8;
   const auto view = simulator->simulate(r);
   ASSERT_TRUE(view.ok()) << view.status();
-  ASSERT_EQ(kPhysicsVersion, 30);
+  ASSERT_EQ(kPhysicsVersion, 31);
   const double expected[2][7] = {
       // intensity, projected area, then emitted, sun, sky, sea, parts
       {4242.20862, 2383.09205, 3703.60147, 60.762025, 61.5059997, 301.059879, 115.279242},

@@ -203,6 +203,34 @@ class MovedRows(unittest.TestCase):
                 if len(values) >= 12:
                     self.assertGreater(rms, 0.2)
 
+    def test_through_a_broken_cloud(self):
+        """Model errors of a box at 290 K, 1 and 4 km away and 15 deg up, with half a stratus based at 330 m: the nearer
+        line of sight ends below the cloud. One sigma of the cloud in the line of sight is the largest of them by far."""
+        scene = Scene(2)
+        self.assertEqual(scene.air, "atmosphere")
+        scene.elevation_deg, scene.ranges_m, scene.band, scene.emissivity = 15, [1000, 4000], (8, 12), 0.95
+        vertices, faces = solid("box", (12, 8, 6), 0, 0.3, 0)
+        obj = "".join("v {:.7f} {:.7f} {:.7f}\n".format(*v) for v in vertices) + "g hull\n"
+        obj += "".join("f {} {} {}\n".format(*f) for f in faces)
+        scene.target_k = {"hull": 330}
+        clear = scene.toml()
+        broken = clear.replace("[[band]]", '[[season.cloud]]\ntype = "stratus"\ncover = 0.5\n[[band]]', 1)
+        errors = {}
+        for name, toml in (("clear", clear), ("broken", broken)):
+            with tempfile.TemporaryDirectory() as folder:
+                for to, direct, moved in direct_and_moved(pathlib.Path(folder), toml, obj, scene.ranges_m):
+                    for quantity in ("apparent", "contrast"):
+                        column = f"{quantity}_model_error_w_sr"
+                        errors[name, to, quantity] = float(direct[column]), float(moved[column])
+        for quantity in ("apparent", "contrast"):
+            with self.subTest(quantity=quantity):
+                direct, moved = errors["broken", 4000, quantity]
+                self.assertGreater(direct, 5 * errors["clear", 4000, quantity][0])
+                self.assertLess(abs(moved / direct - 1), 0.1, f"{moved}, direct {direct}")
+                # Back below the cloud a row states no less than the direct run.
+                direct, moved = errors["broken", 1000, quantity]
+                self.assertGreater(moved, 0.8 * direct, f"{moved}, direct {direct}")
+
     # Plates before the horizon: the sensor that is farther looks down on more of the sea. Direct runs and closed forms, W/sr.
     PLATES = {
         1: (8.2244428, 37.4760858, 303.04984873195104, 0.5, (2045, 7282), 266.43584226376515, 286.1001949819155, 3113),

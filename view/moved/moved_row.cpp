@@ -161,6 +161,22 @@ double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& t
   return std::hypot(arrives * row.model_error_w_sr, surface_w_sr);
 }
 
+// One sigma of which of both skies of a broken cloud the line of sight crosses.
+struct ChoiceOfSky {
+  double apparent_w_sr = 0, contrast_w_sr = 0;
+};
+ChoiceOfSky choice_of_sky(const S& row, const Sp& spectrum, const SightLine& to) {
+  const Integrals& at = to.band;
+  double apparent_w_sr = 0, contrast_w_sr = 0;
+  for (std::size_t k = 0; k < at.choice_transmittance.size(); ++k) {
+    const double surface_w_sr =
+        spectrum.spectral_intensity_w_sr_um(static_cast<int>(k)) * at.choice_transmittance[k];
+    apparent_w_sr += surface_w_sr + row.projected_area_m2 * at.choice_path_radiance[k];
+    contrast_w_sr += surface_w_sr - row.projected_area_m2 * at.choice_behind[k];
+  }
+  return {std::abs(apparent_w_sr), std::abs(contrast_w_sr)};
+}
+
 // The light that leaves the target, by cause, and the area that it is seen on.
 void change_source(const ShapeChange& shape, S& s, Sp& spectrum) {
   std::vector<double S::*> number = {&S::intensity_w_sr, &S::intensity_stderr_w_sr,
@@ -306,6 +322,16 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
                         &S::contrast_input_uncertainty_w_sr, &S::apparent_heat_model_error_w_sr,
                         &S::contrast_heat_model_error_w_sr})
     s.*of *= model_growth;
+  // The contrast's stored error contains the choice along the stored line of sight.
+  const ChoiceOfSky choice = choice_of_sky(row, spectrum, to),
+                    choice_here = choice_of_sky(row, spectrum, from);
+  s.apparent_model_error_w_sr = std::hypot(s.apparent_model_error_w_sr, choice.apparent_w_sr);
+  const double has_w_sr = model_growth * choice_here.contrast_w_sr;
+  if (choice.contrast_w_sr > has_w_sr) {
+    s.contrast_model_error_w_sr =
+        std::hypot(s.contrast_model_error_w_sr,
+                   std::sqrt(choice.contrast_w_sr * choice.contrast_w_sr - has_w_sr * has_w_sr));
+  }
   s.path_transmittance = after.transmittance;
   s.path_radiance_w_m2_sr = after.path;
   return out;

@@ -108,6 +108,18 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     };
     to->behind = behind(e.background_apparent, before.value);
     to->background_between_bound = behind(e.background_interpolation, before.value);
+    if (e.one_sky) {
+      const auto choice = [&](std::vector<double> one, const std::vector<double>& both) {
+        for (std::size_t i = 0; i < n; ++i) one[i] = e.one_sky_sigma * (one[i] - both[i]);
+        return one;
+      };
+      to->choice_transmittance = integral(choice(e.one_sky->transmittance, e.transmittance));
+      to->choice_path_radiance = integral(choice(e.one_sky->path_radiance, e.path_radiance));
+      std::vector<std::vector<double>> node = e.one_sky->background_apparent;
+      for (std::size_t k = 0; k < node.size(); ++k)
+        node[k] = choice(std::move(node[k]), e.background_apparent[k]);
+      to->choice_behind = behind(node, before.value);
+    }
     to->background_fraction_bound = behind(away, before.error);
     to->arriving = {to->transmittance,
                     arriving(integral(e.sun_apparent), mean(e.sun), to->transmittance),

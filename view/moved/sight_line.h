@@ -27,6 +27,9 @@ struct SightLine {
     // of the silhouette before each direction, and between the directions.
     Values behind, background_fraction_bound, background_between_bound;
     Values model_error_transmittance, model_error_path_radiance;  // empty: none
+    // One sigma of which of both skies of a broken cloud the line crosses (environment.one_sky),
+    // with its sign: all three change together. Empty: there is one sky.
+    Values choice_transmittance, choice_path_radiance, choice_behind;
   };
   Integrals bin, band;
 

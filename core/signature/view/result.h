@@ -18,6 +18,9 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
+// 31: the model error of a reflected sky is that of its light in the row's band; a cloud below a
+// target takes nothing from the sky above; backgrounds keep the cloud where it is left out; skies
+// of a low sun stay positive between rings.
 // 30: air scatters sunlight until the sun is 6 deg below the horizon; errors of a low sun; clouds
 // that hardly matter are left out by a bound.
 // 21: a pixel is the mean radiance in its own solid angle, which is smaller far from the axis.
@@ -39,7 +42,7 @@ namespace irsig {
 // 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
 // added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
 // met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 30;
+inline constexpr int kPhysicsVersion = 31;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
