@@ -52,13 +52,15 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "long ranges, cold targets", "none needed", "part of transmission", false},
       {Effect::kPathSun, "path_sun",
        "sunlight that the air between target and sensor scatters towards the sensor",
-       "mid-wave by day, haze, towards the sun",
+       "mid-wave by day, haze, towards the sun; never left out unasked, as rows state path "
+       "radiance",
        "irradiance outside the air x phase function at the angle of the line of sight x what the "
        "line scatters",
        "the sun's way to every layer of the line of sight", true, 0.1e-3},
       {Effect::kBackgroundSun, "background_sun",
        "sunlight in what would be seen in the target's place: bright sky, glitter",
-       "contrast by day; changes no other quantity",
+       "contrast and background radiance by day; never left out unasked, as rows state that "
+       "radiance",
        "irradiance outside the air x phase function or glitter in the direction of sight",
        "the sky and the sea under the sun", true, 0.1e-3},
       {Effect::kJoinedLines, "joined_lines",

@@ -73,6 +73,10 @@ inline constexpr double kRaySeconds = 3e-7;
 [[nodiscard]] const std::array<EffectInfo, kHeatEffects>& heat_effect_table();
 [[nodiscard]] const std::array<EffectInfo, kPlumeEffects>& plume_effect_table();
 [[nodiscard]] constexpr bool is_of_cloud(Effect effect) { return effect == Effect::kCloud; }
+// Returns whether an effect is in the background radiance that rows state.
+[[nodiscard]] constexpr bool is_of_background(Effect effect) {
+  return effect == Effect::kPathSun || effect == Effect::kBackgroundSun;
+}
 [[nodiscard]] constexpr bool is_of_heat(Effect effect) {
   return effect == Effect::kHeatExchange || effect == Effect::kHeatDiffuseSun;
 }
@@ -113,7 +117,7 @@ enum class EffectState : std::uint8_t {
   kAbsent,  // nothing in this scene and condition causes it
 };
 enum class EffectReason : std::uint8_t {
-  kAlways,       // can not be left out
+  kAlways,       // never left out unless the user's word does
   kAbsent,       // nothing causes it
   kWithinShare,  // off: the bound fits into the share of the error that omissions may take
   kAboveShare,   // on: it does not

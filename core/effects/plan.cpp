@@ -118,10 +118,11 @@ void EffectPlanner::leave_out_under(std::size_t condition, Effect effect) {
       take(b, room_[row]);
 }
 
+// Sunlight in the air and in the background stays: rows state radiances of both, of which a
+// target's brightness hides nothing.
 void EffectPlanner::leave_out_sunlight() {
   for (std::size_t c = 0; c < off_.size(); ++c)
-    for (const Effect e : {Effect::kDiffuseSun, Effect::kMirroredSun, Effect::kDirectSun,
-                           Effect::kPathSun, Effect::kBackgroundSun}) {
+    for (const Effect e : {Effect::kDiffuseSun, Effect::kMirroredSun, Effect::kDirectSun}) {
       if (off_[c][index_of(e)] || choice_.keeps(e)) continue;
       // The sun in the waves is the same light: paths to it need the sun.
       if (e == Effect::kDirectSun && !off_[c][index_of(Effect::kMirroredSun)] &&
@@ -254,6 +255,8 @@ std::vector<std::vector<LedgerEntry>> EffectPlanner::ledger() const {
           entry.reason = EffectReason::kForced;
         else if (off)
           entry.reason = EffectReason::kWithinShare;
+        else if (is_of_background(e.effect))
+          entry.reason = EffectReason::kAlways;
         else if (!has_goal(row))
           entry.reason = EffectReason::kNoGoal;
         else if (!std::isfinite(b.source + b.apparent + b.contrast))

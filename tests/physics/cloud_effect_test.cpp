@@ -170,11 +170,10 @@ TEST(CloudEffect, IsLeftOutWhereTheTargetOutshinesTheSky) {
       EXPECT_EQ(cloud->reason, EffectReason::kWithinShare);
       EXPECT_EQ(row.replicate_w_sr, clear.replicate_w_sr);
       EXPECT_EQ(row.replicate_apparent_w_sr, clear.replicate_apparent_w_sr);
-      // The background has its cloud; by day its sunlight may be left out, too.
+      // The background has its cloud, and by day its sunlight.
       const double behind = row.background_radiance_w_m2_sr.value,
                    with_cloud = truth.row[i].background_radiance_w_m2_sr.value;
-      EXPECT_NEAR(behind, with_cloud, (sun ? 1e-2 : 1e-4) * with_cloud)
-          << row.condition << " " << row.band;
+      EXPECT_NEAR(behind, with_cloud, 1e-4 * with_cloud) << row.condition << " " << row.band;
       EXPECT_GT(std::abs(behind - clear.background_radiance_w_m2_sr.value), 2e-3 * with_cloud);
       EXPECT_GE(row.contrast_omitted_bound_w_sr, cloud->contrast_bound_w_sr);
       EXPECT_GT(cloud->contrast_bound_w_sr, 0);

@@ -112,7 +112,7 @@ class Explain(unittest.TestCase):
         self.assertRegex(text, r"(?m)^  omitted bound +[\d.e-]+ +[\d.e-]+ %")
         self.assertRegex(text, r"(?m)^asked     1 % of the intensity: [\d.]+ W/sr, or the floor of 0.05 K: [\d.]+ W/sr$")
         self.assertRegex(text, r"(?m)^stopped   accuracy_reached$")
-        self.assertRegex(text, r"(?m)^self_emission +on .* cannot be left out$")
+        self.assertRegex(text, r"(?m)^self_emission +on .* never left out unasked$")
         self.assertRegex(text, r"(?m)^path_sun +absent .* nothing in this scene and condition causes it$")
         self.assertRegex(text, r"(?m)^  sum +[\d.]+ \+- ")
         self.assertRegex(text, r"(?m)^  funnel +[\d.]+ ")

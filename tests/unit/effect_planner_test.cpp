@@ -59,13 +59,13 @@ TEST(EffectPlanner, LeavesOutAllReflectionsWhereTheyFitTogether) {
   EXPECT_FALSE(planner.reflections());
   EXPECT_FALSE(planner.on(Effect::kSkyReflected, 0));
   EXPECT_FALSE(planner.on(Effect::kDirectSun, 0));
-  EXPECT_TRUE(planner.on(Effect::kBackgroundSun, 0));  // its bound of the contrast is far too large
+  EXPECT_TRUE(planner.on(Effect::kBackgroundSun, 0));
   EXPECT_FALSE(planner.on(Effect::kJoinedLines, 0));
   EXPECT_EQ(entry(planner, 0, Effect::kJoinedLines).apparent_bound_w_sr, 0);
   // Reflected light counts once, not once for sky, sea and parts.
   EXPECT_NEAR(planner.omitted()[0].source, 0.8 * kRoomOfOne, 1e-12);
   EXPECT_EQ(entry(planner, 0, Effect::kSkyReflected).reason, EffectReason::kWithinShare);
-  EXPECT_EQ(entry(planner, 0, Effect::kBackgroundSun).reason, EffectReason::kAboveShare);
+  EXPECT_EQ(entry(planner, 0, Effect::kBackgroundSun).reason, EffectReason::kAlways);
   EXPECT_EQ(entry(planner, 0, Effect::kSelfEmission).reason, EffectReason::kAlways);
   EXPECT_TRUE(std::isnan(entry(planner, 0, Effect::kSelfEmission).bound_w_sr));
 }
@@ -195,7 +195,9 @@ TEST(EffectPlanner, SunlightIsDecidedByConditionAndByAllItsBands) {
   EXPECT_TRUE(planner.on(Effect::kDiffuseSun, 1));
   EXPECT_TRUE(planner.on(Effect::kDirectSun, 1));
   EXPECT_EQ(entry(planner, 2, Effect::kDiffuseSun).reason, EffectReason::kOtherRow);
-  EXPECT_FALSE(planner.on(Effect::kPathSun, 1));
+  // Its bound would fit, but rows state the radiance of the path.
+  EXPECT_TRUE(planner.on(Effect::kPathSun, 1));
+  EXPECT_EQ(entry(planner, 2, Effect::kPathSun).reason, EffectReason::kAlways);
 }
 
 TEST(EffectPlanner, OmissionsShareOneRoom) {

@@ -178,7 +178,7 @@ TEST(Explain, SaysWhatTheRowIsAndEveryErrorOfIt) {
 TEST(Explain, TellsWhatEachEffectDid) {
   const std::string text = explained(with_ledger(), 4);
   for (const char* line :
-       {"self_emission +on +- +- +- +75 % +-  cannot be left out",
+       {"self_emission +on +- +- +- +75 % +-  never left out unasked",
         "direct_sun +on +50 % +50 % +[0-9.e+]+ % +25 % +20 ms  the error asked for has no room",
         "sky_reflected +off +0.02 % +0.011 % +[0-9.]+ % +- +saved 500 ms  the error asked for has "
         "room",

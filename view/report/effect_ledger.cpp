@@ -39,7 +39,7 @@ double relative_bound(const StoredSignature& s, const StoredEffect& e) {
 }  // namespace
 
 std::string_view reason_in_words(std::string_view reason) {
-  if (reason == "always") return "cannot be left out";
+  if (reason == "always") return "never left out unasked";
   if (reason == "not_in_scene") return "nothing in this scene and condition causes it";
   if (reason == "within_fraction") return "the error asked for has room for its bound";
   if (reason == "above_fraction") return "the error asked for has no room for its bound";
