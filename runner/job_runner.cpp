@@ -319,7 +319,8 @@ absl::Status check_viewpoints(const schema::ResolvedSweep& sweep, const RunnerSc
                        " times as far away as the target's radius, ", target.radius_m,
                        " m: double precision no longer tells its sides apart"));
   }
-  return check_in_sight(sweep, target, scene.environment.get(), scene.land.get());
+  RETURN_IF_ERROR(check_in_sight(sweep, target, scene.environment.get(), scene.land.get()));
+  return check_land_edge(sweep, target, scene.environment.get(), scene.land.get());
 }
 
 std::string cpu_vendor() {

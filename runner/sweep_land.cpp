@@ -14,8 +14,11 @@
 #include "core/base/problems.h"
 #include "core/base/status_macros.h"
 #include "core/land/choose_map.h"
+#include "core/land/map_edge.h"
 #include "core/land/place_heights.h"
 #include "core/land/read_heights.h"
+#include "core/signature/background_window.h"
+#include "core/signature/view/in_sight.h"
 #include "core/sources/land.h"
 #include "messages/environment/weather_from_message.h"
 #include "runner/sweep_land_objects.h"
@@ -114,6 +117,12 @@ absl::StatusOr<std::shared_ptr<const LandScene>> land_from_sweep(
         "the target lies at the edge of the map, outside the rectangle around its middle that has "
         "heights everywhere; use a map that reaches farther, or state a width_m");
   out->surface_m = *surface_m;
+  if (land.edge_fade_m() > 0) {
+    auto faded = fade_edge(std::move(field), choice.origin, land.edge_fade_m());
+    if (!faded.ok()) return land_error("land.edge_fade_m", faded.status());
+    field = *std::move(faded);
+  }
+  ASSIGN_OR_RETURN(out->edge_step, edge_steps(field, choice.origin));
   ASSIGN_OR_RETURN(out->cover, cover_of(sweep, assets, field, choice.origin));
   ASSIGN_OR_RETURN(out->objects, land_objects_from_sweep(sweep, assets, field, out->cover));
   out->field = std::make_shared<const HeightField>(std::move(field));
@@ -169,7 +178,47 @@ std::optional<Problem> ground_behind(const schema::ResolvedSweep& sweep, const L
                       first->aspect_elevation_deg(), leaves_m)};
 }
 
+// Half of the sides of the square around the target that rows and their pictures show. [m]
+double half_of_window_m(const schema::Image& image, const Target& target, double range_m) {
+  const double row_m = kClutterDiameters * target.radius_m;
+  if (image.kind() != "camera") return std::max(row_m, (1 + 2 * image.margin()) * target.radius_m);
+  const double aspect = image.pixels_size() == 2 ? double(image.pixels(1)) / image.pixels(0) : 1.0;
+  double aside_m = 0;
+  for (const double x_m : image.look_at_m()) aside_m = std::hypot(aside_m, x_m);
+  return std::max(row_m, aside_m + range_m * std::max(1.0, aspect) *
+                                       std::tan(0.5 * image.field_of_view_deg() * kRadPerDeg));
+}
+
 }  // namespace
+
+absl::Status check_land_edge(const schema::ResolvedSweep& sweep, const Target& target,
+                             const Environment* environment, const LandScene* land) {
+  if (land == nullptr || land->edge_step.empty()) return absl::OkStatus();
+  const double above_m = above_surface_m(sweep, sweep.condition(0));
+  int count = 0;
+  const schema::Viewpoint* first = nullptr;
+  EdgeStep at;
+  for (const schema::Viewpoint& v : sweep.viewpoint()) {
+    const auto step = edge_in_sight(target, *land, environment, above_m,
+                                    {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()},
+                                    half_of_window_m(sweep.sweep().image(), target, v.range_m()));
+    if (!step || count++ > 0) continue;
+    first = &v;
+    at = *step;
+  }
+  if (first == nullptr) return absl::OkStatus();
+  const double step_m = at.land_z_m - at.ground_z_m;
+  return keyed_problem(
+      "land.heights",
+      absl::StrFormat("%d of %d viewpoints see a cliff at the edge of the map: from azimuth %g, "
+                      "elevation %g deg, range %g m, the land ends %.1f m %s the ground beyond, "
+                      "which lies as high as the land below the target, at x = %.0f, y = %.0f m "
+                      "from there; use a map that reaches farther, or state land.edge_fade_m, a "
+                      "width over which heights become that of the ground",
+                      count, sweep.viewpoint_size(), first->aspect_azimuth_deg(),
+                      first->aspect_elevation_deg(), first->range_m(), std::abs(step_m),
+                      step_m > 0 ? "above" : "below", at.x_m, at.y_m));
+}
 
 std::vector<Problem> land_warnings(const schema::ResolvedSweep& sweep, const LandScene* land) {
   std::vector<Problem> out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/clutter/patch_means.h"
@@ -55,6 +56,17 @@ Matrix cholesky_rows(const Matrix& of) {
   return out;
 }
 
+// Sources whose weights lie side by side in a cache line.
+constexpr std::size_t kSourcesAtOnce = 16;
+
+Matrix weights_of(const ClutterField& field, std::size_t first, std::size_t count) {
+  Matrix out(count, std::vector<double>(field.pixels()));
+  for (std::size_t p = 0; p < field.pixels(); ++p)
+    for (std::size_t s = 0; s < count; ++s)
+      out[s][p] = static_cast<double>(field.weight[p * field.sources + first + s]);
+  return out;
+}
+
 Matrix by_column(const Matrix& rows) {
   Matrix out(rows.front().size(), std::vector<double>(rows.size()));
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -71,10 +83,11 @@ SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
   Matrix deviation;
   std::vector<double> sigma;
   std::vector<std::size_t> varies;
+  std::vector<std::vector<double>> by_source;  // [pixel] of some sources
   for (std::size_t s = 0; s < field.sources; ++s) {
-    PixelGrid grid{field.columns, field.rows, {}};
-    for (std::size_t p = 0; p < field.pixels(); ++p)
-      grid.value.push_back(static_cast<double>(field.weight[p * field.sources + s]));
+    if (s % kSourcesAtOnce == 0)
+      by_source = weights_of(field, s, std::min(kSourcesAtOnce, field.sources - s));
+    PixelGrid grid{field.columns, field.rows, std::move(by_source[s % kSourcesAtOnce])};
     const double first = grid.value.front();
     for (double& v : grid.value) v -= first;
     PixelGrid patch = patch_means(grid, side_px);

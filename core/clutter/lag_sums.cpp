@@ -67,12 +67,23 @@ class Padded {
 
   void transform(bool back) {
     const Transform along(columns_), across(rows_);
-    for (std::size_t r = 0; r < rows_; ++r) along.run(&value_[r * columns_], back);
-    std::vector<Complex> column(rows_);
-    for (std::size_t c = 0; c < columns_; ++c) {
-      for (std::size_t r = 0; r < rows_; ++r) column[r] = at(c, r);
-      across.run(column.data(), back);
-      for (std::size_t r = 0; r < rows_; ++r) at(c, r) = column[r];
+    for (std::size_t r = 0; r < rows_; ++r) {
+      const auto row = value_.begin() + static_cast<std::ptrdiff_t>(r * columns_);
+      // The padding's transform is 0.
+      if (std::any_of(row, row + static_cast<std::ptrdiff_t>(columns_),
+                      [](const Complex& v) { return v != Complex(); }))
+        along.run(&*row, back);
+    }
+    // A cache line of columns at a time.
+    constexpr std::size_t kColumns = 4;
+    std::vector<Complex> column(kColumns * rows_);
+    for (std::size_t first = 0; first < columns_; first += kColumns) {
+      const std::size_t columns = std::min(kColumns, columns_ - first);
+      for (std::size_t r = 0; r < rows_; ++r)
+        for (std::size_t c = 0; c < columns; ++c) column[c * rows_ + r] = at(first + c, r);
+      for (std::size_t c = 0; c < columns; ++c) across.run(&column[c * rows_], back);
+      for (std::size_t r = 0; r < rows_; ++r)
+        for (std::size_t c = 0; c < columns; ++c) at(first + c, r) = column[c * rows_ + r];
     }
     if (!back) return;
     for (Complex& v : value_) v /= static_cast<double>(value_.size());

@@ -105,6 +105,9 @@ struct HeightField::Tiles {
   std::optional<HeightTile> finer;
   HeightInset inset{};
 
+  [[nodiscard]] double highest_m() const {
+    return static_cast<double>(outer.range(outer.top(), 0, 0).highest);
+  }
   [[nodiscard]] const HeightInset* replaced() const { return finer ? &inset : nullptr; }
   // The tile at a point within the map.
   [[nodiscard]] const HeightTile& at(double x_m, double y_m) const {
@@ -115,7 +118,10 @@ struct HeightField::Tiles {
   }
   // The surface's height at a point within the map, or beyond its edge by rounding.
   [[nodiscard]] double z_m(double x_m, double y_m) const {
-    return -HeightWalk(at(x_m, y_m), {x_m, y_m, 0}, {}).clearance_m(0);
+    const HeightTile& tile = at(x_m, y_m);
+    const HeightGrid& grid = tile.grid();
+    return tile.surface_m((x_m - grid.west_m) / grid.spacing_m,
+                          (y_m - grid.south_m) / grid.spacing_m);
   }
 };
 
@@ -195,8 +201,10 @@ HeightField::Walked HeightField::walk(Vec<Enu> origin_m, Vec<Enu> direction, dou
   const bool from_outside = out.begin > 0;
   const double begin_z_m =
       origin_m.z - bend_per_m * (origin_m.x * origin_m.x + origin_m.y * origin_m.y);
-  out.below = !from_outside && begin_z_m < tiles_->z_m(origin_m.x, origin_m.y);
-  out.crossing = ray.first_crossing(out.begin, out.end, out.below ? -1 : 1, tiles_->replaced());
+  out.below = !from_outside && begin_z_m <= tiles_->highest_m() &&
+              begin_z_m < tiles_->z_m(origin_m.x, origin_m.y);
+  out.crossing = ray.first_crossing(out.begin, out.end, out.below ? -1 : 1,
+                                    !from_outside && !out.below, tiles_->replaced());
   out.at_edge =
       out.crossing ? from_outside && out.crossing->t == out.begin : out.below && out.end < most;
   out.met = out.at_edge || out.crossing.has_value();

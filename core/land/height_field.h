@@ -48,7 +48,8 @@ struct LandHit {
 // A ray is followed from cell to cell with the side of the surface that it began on. The first
 // point on the other side is its hit, in the cell or on the edge where it is found. So no ray is
 // lost at a vertex, an edge, or the seam of the inset, and no ray that begins below the land leaves
-// it. Blocks of 4^n x 4^n cells are skipped if the ray stays above their highest vertex.
+// it. Blocks of 4^n x 4^n cells are skipped if the ray stays above their highest vertex, or if it
+// begins above the land and rises more steeply than they do.
 //
 // Accuracy: hits differ from those of exact arithmetic on the same vertices for rays alone that
 // pass the surface within 1e-9 m. The seam of an inset adds the rounding of its vertices to

@@ -25,6 +25,8 @@ struct HeightRange {
 class HeightTile {
  public:
   static constexpr int kBits = 2;  // log2 of the cells along a side of the smallest block
+  // Level of the smallest blocks whose slopes are known: 4 bytes for 256 cells.
+  static constexpr int kLeastSteepLevel = 2;
 
   explicit HeightTile(HeightGrid grid);
 
@@ -37,17 +39,25 @@ class HeightTile {
   // 1.
   [[nodiscard]] HeightRange range(int level, int block_column, int block_row) const {
     const Level& of = level_[static_cast<std::size_t>(level - 1)];
-    return of.range[static_cast<std::size_t>(block_row) * static_cast<std::size_t>(of.columns) +
-                    static_cast<std::size_t>(block_column)];
+    return of.range[of.index(block_column, block_row)];
+  }
+  // Returns an upper bound of the slopes of the surface in a block, as a tangent; level >=
+  // kLeastSteepLevel.
+  [[nodiscard]] float steepest(int level, int block_column, int block_row) const {
+    const Level& of = level_[static_cast<std::size_t>(level - 1)];
+    return of.steepest[of.index(block_column, block_row)];
   }
   // Southwest corner of a cell; its north is columns() + 1 further.
   [[nodiscard]] const float* corner(int column, int row) const {
     return grid_.z_m.data() + static_cast<std::size_t>(row) * (grid_.columns + std::size_t{1}) +
            static_cast<std::size_t>(column);
   }
-  // Widens the ranges of all blocks over these cells of this grid by the heights of a finer grid,
-  // of `fineness` cells for each of these, that replaces them.
+  // Widens the ranges and slopes of all blocks over these cells of this grid by those of a finer
+  // grid, of `fineness` cells for each of these, that replaces them.
   void cover(const CellBlock& cells, const HeightGrid& finer, int fineness);
+  // Returns the surface's height at a point, in cells of the grid (vertex (i, j) is at (i, j)):
+  // within the map, or beyond its edge by rounding.
+  [[nodiscard]] double surface_m(double x, double y) const;
   // Returns an upper bound of the heights in cells of a rectangle, which may reach beyond the grid.
   [[nodiscard]] float highest_m(const CellBlock& cells) const;
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -56,8 +66,15 @@ class HeightTile {
   struct Level {
     int columns, rows;
     std::vector<HeightRange> range;
+    std::vector<float> steepest;  // empty below kLeastSteepLevel
+
+    [[nodiscard]] std::size_t index(int column, int row) const {
+      return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+             static_cast<std::size_t>(column);
+    }
   };
-  void widen(int column, int row, HeightRange by);
+  void widen(int column, int row, HeightRange by, float slope);
+  void include_slope(int column, int row, float slope);
 
   HeightGrid grid_;
   std::vector<Level> level_;

@@ -91,6 +91,11 @@ int HeightWalk::row_at(double t, const CellBlock& within) const {
 // where it reaches them.
 bool HeightWalk::clear_of(const CellBlock& block, int level, double t_exit) {
   const int bits = HeightTile::kBits * level;
+  // The ray is above the surface where it enters the block, and rises more steeply.
+  if (level >= HeightTile::kLeastSteepLevel && least_rise_ > 0 &&
+      least_rise_ >
+          static_cast<double>(tile_.steepest(level, block.west >> bits, block.south >> bits)))
+    return true;
   const HeightRange range = tile_.range(level, block.west >> bits, block.south >> bits);
   const double bound_m = side_ > 0 ? range.highest : range.lowest;
   // Between two places a bent ray may be nearer than at either, by so much at most.
@@ -117,14 +122,6 @@ double HeightWalk::clearance_m(double t, LandTriangle triangle) const {
   const double first = triangle == LandTriangle::kSoutheast ? u : v;
   const double second = triangle == LandTriangle::kSoutheast ? v : u;
   return z_m(t) - (southwest + first * (middle - southwest) + second * (northeast - middle));
-}
-
-double HeightWalk::clearance_m(double t) const {
-  HeightWalk here = *this;
-  here.column_ = cell_at(x_ + t * dx_, 0, tile_.columns());
-  here.row_ = cell_at(y_ + t * dy_, 0, tile_.rows());
-  const bool southeast = x_ + t * dx_ - here.column_ >= y_ + t * dy_ - here.row_;
-  return here.clearance_m(t, southeast ? LandTriangle::kSoutheast : LandTriangle::kNorthwest);
 }
 
 // The clearance is linear in t within each triangle, but for the ray's bend: the ray is followed
@@ -167,8 +164,12 @@ bool HeightWalk::advance(const CellBlock& from, const Exit& exit) {
 }
 
 std::optional<Crossing> HeightWalk::first_crossing(double begin, double end, double side,
-                                                   const HeightInset* inset) {
+                                                   bool begins_above, const HeightInset* inset) {
   side_ = side;
+  if (begins_above) {
+    const double along = std::sqrt(direction_.x * direction_.x + direction_.y * direction_.y);
+    least_rise_ = (dz_ - 2 * end * std::max(0.0, curve_)) / std::max(along, 1e-300);
+  }
   t_ = begin;
   column_ = cell_at(x_ + begin * dx_, 0, tile_.columns());
   row_ = cell_at(y_ + begin * dy_, 0, tile_.rows());
@@ -186,7 +187,7 @@ std::optional<Crossing> HeightWalk::first_crossing(double begin, double end, dou
       }
     } else if (replaced) {
       HeightWalk inner(*inset->tile, origin_m_, direction_, bend_per_m_);
-      if (auto hit = inner.first_crossing(t_, t_exit, side, nullptr)) {
+      if (auto hit = inner.first_crossing(t_, t_exit, side, begins_above, nullptr)) {
         hit->inset = true;
         return hit;
       }

@@ -31,14 +31,13 @@ class HeightWalk {
   // Shortens [begin, end] to the part above or below the tile; false: there is none.
   [[nodiscard]] bool clip(double& begin, double& end) const;
 
-  // Returns the ray's height above the tile's surface at t, where the ray is within the tile's map.
-  [[nodiscard]] double clearance_m(double t) const;
-
   // Returns the first point of [begin, end], all of it within the tile's map, where the ray is not
   // on its side of the surface: above it for side 1, below it for side -1. On the surface itself it
   // is on either side.
+  //   begins_above  the ray is known to be above the surface at `begin`: blocks whose slopes are
+  //                 less steep than the ray are skipped
   [[nodiscard]] std::optional<Crossing> first_crossing(double begin, double end, double side,
-                                                       const HeightInset* inset);
+                                                       bool begins_above, const HeightInset* inset);
 
  private:
   struct Exit {
@@ -61,6 +60,7 @@ class HeightWalk {
   double bend_per_m_;
   double x_, y_, z_, dx_, dy_, dz_, curve_, inverse_dx_, inverse_dy_, inverse_dz_;
   double side_ = 1, t_ = 0;
+  double least_rise_ = -1;  // a lower bound of the ray's slope, as a tangent, where that is of use
   int column_ = 0, row_ = 0;
 };
 

@@ -181,6 +181,47 @@ double Land::leaves_map_m(Vec<Body> from, Vec<Body> along) const {
   return leaves > enters ? leaves : 0;
 }
 
+// `window`: half of its sides, as a tangent; `higher`: lift(). The wall is a line of sight's
+// upright segment, of which some points are asked.
+bool Land::sees(const EdgeStep& step, Vec<Enu> sensor, Vec<Enu> higher, double window) const {
+  constexpr double kAboveM = 0.01;  // the edge, where the wall faces away
+  constexpr int kPoints = 5;
+  const auto towards_sensor = [&](Vec<Enu> from) {
+    Vec<Enu> out = sensor - from;
+    out.z += dot(higher, out);
+    return out;
+  };
+  const Vec<Enu> forward = normalized(-1.0 * towards_sensor(place({0, 0, 0})));
+  const Vec<Enu> level{forward.x, forward.y, 0};
+  const double along = length(level);
+  const Vec<Enu> right =
+      along > 1e-6 ? Vec<Enu>{forward.y / along, -forward.x / along, 0} : Vec<Enu>{1, 0, 0};
+  const Vec<Enu> up = cross(right, forward);
+  const auto [low_m, high_m] = std::minmax(step.land_z_m, step.ground_z_m);
+  for (int i = 0; i <= kPoints; ++i) {
+    Vec<Enu> at{step.x_m, step.y_m,
+                high_m + kAboveM - (high_m - low_m) * i / static_cast<double>(kPoints)};
+    at.z += raised_m(at);
+    const Vec<Enu> to_sensor = towards_sensor(at);
+    const double deep_m = -dot(to_sensor, forward), most_m = window * deep_m;
+    if (deep_m > 0 && std::abs(dot(to_sensor, up)) <= most_m &&
+        std::abs(dot(to_sensor, right)) <= most_m + field().outer().spacing_m &&
+        !hidden(at, to_sensor, 1))
+      return true;
+  }
+  return false;
+}
+
+std::optional<EdgeStep> Land::step_in_sight(Vec<Body> sensor, double half_m) const {
+  const Vec<Enu> from = place(sensor), higher = lift(sensor);
+  const double window = half_m / length(sensor);
+  const auto height_m = [](const EdgeStep& s) { return std::abs(s.land_z_m - s.ground_z_m); };
+  std::optional<EdgeStep> out;
+  for (const EdgeStep& step : scene_->edge_step)
+    if ((!out || height_m(step) > height_m(*out)) && sees(step, from, higher, window)) out = step;
+  return out;
+}
+
 bool Land::covers(Vec<Body> point) const {
   const Vec<Enu> at = place(point);
   const std::optional<double> surface_m = field().z_m(at.x, at.y);

@@ -79,6 +79,10 @@ class Land {
   // Returns the distance along a direction, a unit vector, at which a ray leaves the map for the
   // last time; 0: it is never above the map.
   [[nodiscard]] double leaves_map_m(Vec<Body> from, Vec<Body> direction) const;
+  // Returns the highest one of the steps at the map's edge that a window around the target has in
+  // sight: a part of its wall, or of the edge above it.
+  //   half_m  of the window's sides, at the target
+  [[nodiscard]] std::optional<EdgeStep> step_in_sight(Vec<Body> sensor, double half_m) const;
   // Returns true if the point lies below land or inside an object.
   [[nodiscard]] bool covers(Vec<Body> point) const;
   // Returns the object that encloses a point.
@@ -117,6 +121,8 @@ class Land {
                                               LandMix& mix) const;
   void set_kinds(const LandPoint& at, bool object, LandMix& mix) const;
   [[nodiscard]] bool hidden(Vec<Enu> origin, Vec<Enu> towards, double most) const;
+  [[nodiscard]] bool sees(const EdgeStep& step, Vec<Enu> sensor, Vec<Enu> higher,
+                          double window) const;
   [[nodiscard]] double highest_m(double west_m, double east_m, double south_m,
                                  double north_m) const;
   [[nodiscard]] const HeightField& field() const { return *scene_->field; }

@@ -250,6 +250,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Land.width_m", 1, 8e5, "a map ends 400 km from the target"},
     {"Land.geoid_m", -200, 200, "the geoid of the Earth"},
     {"Land.fill_m", -1e4, 1e4, "the deepest sea to the highest mountain"},
+    {"Land.edge_fade_m", 0, 4e5, "a map ends 400 km from the target"},
     {"LandMaterial.fraction_epsg", 4326, 32760, kEpsg},
     {"LandMaterial.temperature_k", 150, 1500, kLandTemperature},
     {"LandObject.unit_m", 1e-9, 1e6, "nanometres to thousands of kilometres"},

@@ -334,6 +334,20 @@ up_axis = "+z"
                          "use a map that reaches farther")
         self.assertNotIn("past the edge", self.irsig("plan", "s.toml", text=SWEEP + materials()))
 
+    def test_a_cliff_at_the_edge_is_refused_where_it_is_seen_and_fades(self):
+        aspect = "aspect = [ { azimuth_deg = 30, elevation_deg = 1 } ]"
+        low = SWEEP.replace("aspect = [ { azimuth_deg = 0, elevation_deg = 20 } ]", aspect)
+        low = low.replace("height_m = 0\n", "height_m = 0\nabove_surface_m = 100\n")
+        said = self.irsig("plan", "s.toml", text=low + materials(), exit_code=2)
+        self.assertRegex(said, r"s.toml:\d+:1: land.heights: 1 of 1 viewpoints see a cliff at the edge of the map: from azimuth "
+                         r"30, elevation 1 deg, range 1000 m, the land ends \d+.\d m (above|below) the ground beyond, which .*; "
+                         "use a map that reaches farther, or state land.edge_fade_m, a width over which")
+        faded = low.replace('heights = "maps/heights.asc"\n', 'heights = "maps/heights.asc"\nedge_fade_m = 300\n')
+        self.assertNotIn("cliff", self.irsig("plan", "s.toml", text=faded + materials()))
+        wide = faded.replace("edge_fade_m = 300", "edge_fade_m = 99000")
+        said = self.irsig("plan", "s.toml", text=wide + materials(), exit_code=2)
+        self.assertRegex(said, r"s.toml:\d+:1: land.edge_fade_m: a fade over 99000 m reaches the target")
+
     def test_errors_have_a_place_and_a_remedy(self):
         all_files = SWEEP + materials()
         (self.path / "maps/half.asc").write_text((self.path / "maps/wheat.asc").read_text().replace(" 1 ", " 0.5 "))

@@ -313,6 +313,70 @@ TEST(HeightField, BentRaysMeetWhatTheJudgeSays) {
   }
 }
 
+// A ray that leaves a slope more steeply, and is bent back: its height above the slope is 0.01 x -
+// b x^2.
+TEST(HeightField, ARisingRayThatIsBentBackMeetsTheSlope) {
+  const HeightField land =
+      field_of(grid_of([](double x, double) { return 0.25 * x; }, -512, -512, 16, 64, 64));
+  const double bend_per_m = 1.0 / 8192;
+  const auto hit = land.first_hit({0, 0, 1e-9}, {1, 0, 0.26}, 500, bend_per_m);
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_NEAR(hit->distance, 0.01 / bend_per_m, 5);
+  EXPECT_FALSE(land.first_hit({0, 0, 1e-9}, {1, 0, 0.26}, 70, bend_per_m).has_value());
+  EXPECT_FALSE(land.first_hit({0, 0, 1e-9}, {1, 0, 0.26}, 500).has_value());
+}
+
+// Rationale: blocks that rise less steeply than a ray are skipped. Expected: the judge's hits, of
+// rays that rise from gentle land towards rough land, an inset's spike and a far wall. Source:
+// independent arithmetic.
+TEST(HeightField, RisingRaysMeetWhatTheJudgeSays) {
+  HeightGrid outer = grid_of(
+      [](double x, double y) {
+        if (x > 360) return 120 + 9 * std::sin(y);  // the wall
+        return x < -200 ? 15 * std::sin(0.3 * x) * std::cos(0.2 * y) : 0.6 * std::sin(x + 2 * y);
+      },
+      -500, 250, 15, 64, 48);
+  HeightGrid inset = grid_of([](double x, double y) { return 0.6 * std::sin(x + 2 * y); },
+                             -500 + 15 * 30, 250 + 15 * 10, 3, 100, 75);
+  z_at(inset, 60, 40) = 40;
+  for (const double bend_per_m : {0.0, 2e-5, -2e-5}) {
+    const HeightField land = field_of(outer, inset);
+    const Judge judge(land.outer(), HeightGrid(*land.inset()), bend_per_m);
+    std::mt19937_64 random(17);
+    int hits = 0, steep = 0;
+    const int rays = long_form() ? 400000 : 20000;
+    for (int ray = 0; ray < rays; ++ray) {
+      Vec<Enu> from = anywhere(random);
+      if (random() % 2 == 0) from = vertex(random, land.outer());
+      from = within_map(from);
+      const double raised_m = bend_per_m * (from.x * from.x + from.y * from.y);
+      from.z = double(judge.z_m(from.x, from.y)) + raised_m +
+               (random() % 2 == 0 ? 1e-6 : uniform(random, 1e-4, 3));
+      const bool at_spike = random() % 4 == 0;
+      Vec<Enu> to = at_spike ? Vec<Enu>{-50 + 180 + uniform(random, -4, 4),
+                                        400 + 120 + uniform(random, -4, 4), 0}
+                             : within_map(anywhere(random));
+      const double rise = uniform(random, 0, 0.8);
+      to.z = from.z + rise * std::hypot(to.x - from.x, to.y - from.y);
+      const auto hit = land.first_hit(from, to - from, 1, bend_per_m);
+      const Judge::Verdict judged = judge.first_hit(from, to - from, 1);
+      hits += hit.has_value();
+      steep += rise > 0.3;
+      // A bent ray counts as straight within a cell.
+      const double off_m = std::abs(bend_per_m) * 15 * 15 + 2e-6;
+      if (hit.has_value() == (judged.t >= 0) &&
+          (!hit || judge.off_surface_m(from, to - from, hit->distance) < off_m))
+        continue;
+      EXPECT_LT(double(judged.margin_m), off_m)
+          << bend_per_m << " ray " << ray << ": " << (hit ? hit->distance : -1) << " against "
+          << double(judged.t);
+    }
+    EXPECT_GT(hits, rays / 20) << bend_per_m;
+    EXPECT_LT(hits, rays - rays / 20) << bend_per_m;
+    EXPECT_GT(steep, rays / 3);
+  }
+}
+
 // Rationale: a ray that begins above the land and ends below it must have a hit, wherever it
 // passes; so must one the other way round. Expected: no exception, at vertices, edges and the seam
 // too.
@@ -404,6 +468,9 @@ TEST(HeightField, WallsCloseTheLandAtItsEdges) {
   ASSERT_TRUE(into.has_value());
   EXPECT_TRUE(into->at_edge);
   EXPECT_EQ(into->distance, 50);
+  const auto rising = land.first_hit({-50, 50, 5}, {1, 0, 0.05}, 1000);
+  ASSERT_TRUE(rising.has_value());
+  EXPECT_TRUE(rising->at_edge);
   EXPECT_FALSE(land.first_hit({-50, 50, 10.5}, {1, 0, 0}, 1000).has_value());
   EXPECT_FALSE(land.first_hit({-50, 50, 5}, {1, 0, 0}, 49).has_value());
   const auto out_of = land.first_hit({50, 50, 5}, {0, 1, 0}, 1000);

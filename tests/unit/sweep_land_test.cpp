@@ -6,12 +6,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "core/land/generate_terrain.h"
+#include "core/land/map_edge.h"
 #include "core/land/objects/land_objects.h"
 #include "jobs/keys/expand.h"
 #include "jobs/resolve_land.h"
@@ -23,6 +27,7 @@
 namespace irsig {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -81,9 +86,9 @@ struct OnLand {
   schema::ResolvedSweep sweep;
   Assets assets;
 };
-absl::StatusOr<OnLand> on_land(const std::string& more = "",
-                               const std::map<std::string, std::string>& files = {}) {
-  auto file = parse_sweep(kOnLand + more, "s.toml");
+absl::StatusOr<OnLand> sweep_of(const std::string& text,
+                                const std::map<std::string, std::string>& files) {
+  auto file = parse_sweep(text, "s.toml");
   if (!file.ok()) return file.status();
   const absl::Status read =
       read_land_files(*file, [&](const std::string& name) -> absl::StatusOr<std::string> {
@@ -100,6 +105,11 @@ absl::StatusOr<OnLand> on_land(const std::string& more = "",
   for (const auto& [key, bytes] : land_bytes(*file))
     out.assets[sha256_hex(bytes)] = std::string(bytes);
   return out;
+}
+
+absl::StatusOr<OnLand> on_land(const std::string& more = "",
+                               const std::map<std::string, std::string>& files = {}) {
+  return sweep_of(kOnLand + more, files);
 }
 
 TEST(SweepLand, RequestsCarryTheLandOfTheirSweep) {
@@ -159,6 +169,85 @@ TEST(SweepLand, TheMapIsPartOfARunnersMemory) {
   EXPECT_THAT(
       std::string(JobRunner::create(on->sweep, on->assets, {}, std::nullopt).status().message()),
       HasSubstr("land.heights: heights.asc:1:1: "));
+}
+
+// A plain of 1.6 km inside a rim of other heights, with a sensor at that elevation.
+absl::StatusOr<OnLand> within_rim(double rim_m, double elevation_deg, const std::string& key = "",
+                                  double wall_m = 0) {
+  std::string heights =
+      "ncols 101\nnrows 101\nxllcenter -1000\nyllcenter -1000\ncellsize 20\nnodata_value -9999\n";
+  for (int row = 0; row <= 100; ++row)
+    for (int column = 0; column <= 100; ++column) {
+      const int from_middle = 20 * std::max(std::abs(row - 50), std::abs(column - 50));
+      const double height_m = from_middle > 800 ? rim_m : from_middle == 600 ? wall_m : 0;
+      absl::StrAppend(&heights, height_m, column == 100 ? "\n" : " ");
+    }
+  std::string text = kOnLand;
+  const auto replace = [&](const std::string& old, const std::string& by) {
+    text.replace(text.find(old), old.size(), by);
+  };
+  replace("elevation_deg = 20", absl::StrCat("elevation_deg = ", elevation_deg));
+  replace("range_m = 1000", "range_m = 500");
+  replace("geoid_m = 40", "geoid_m = 7\n" + key);
+  return sweep_of(text, {{"heights.asc", heights}});
+}
+
+std::string refusal(const absl::StatusOr<OnLand>& on) {
+  if (!on.ok()) return std::string(on.status().message());
+  return std::string(JobRunner::create(on->sweep, on->assets, {}, std::nullopt).status().message());
+}
+
+TEST(SweepLandEdge, ACliffInSightIsRefusedWithItsRemedy) {
+  for (const double rim_m : {-2.0, 2.0})
+    EXPECT_THAT(refusal(within_rim(rim_m, 0.5)),
+                AllOf(HasSubstr("land.heights: 1 of 1 viewpoints see a cliff at the edge of the "
+                                "map: from azimuth 0, elevation 0.5 deg, range 500 m, the land "
+                                "ends 2.0"),
+                      HasSubstr(rim_m < 0 ? " m below the ground" : " m above the ground"),
+                      HasSubstr("use a map that reaches farther, or state land.edge_fade_m")));
+  EXPECT_EQ(refusal(within_rim(0.9, 0.5)), "");
+}
+
+TEST(SweepLandEdge, ACliffOutOfSightIsHarmless) {
+  EXPECT_EQ(refusal(within_rim(25, 20)), "");
+  EXPECT_EQ(refusal(within_rim(-25, 0.5, "", 30)), "");
+  EXPECT_THAT(refusal(within_rim(-25, 0.5, "", 0.5)), HasSubstr("see a cliff"));
+}
+
+TEST(SweepLandEdge, AFadeLeavesNoCliff) {
+  const auto on = within_rim(-25, 0.5, "edge_fade_m = 150");
+  EXPECT_EQ(refusal(on), "");
+  const auto land = land_from_sweep(on->sweep, on->assets);
+  ASSERT_TRUE(land.ok()) << land.status();
+  EXPECT_TRUE((*land)->edge_step.empty());
+  EXPECT_NEAR(*(*land)->field->z_m(1000, 300), level_z_m({48, 11, 7}, 0, 1000, 300), 5e-3);
+  EXPECT_NEAR(*(*land)->field->z_m(840, 300), level_z_m({48, 11, 7}, 0, 840, 300) - 25, 5e-3);
+  EXPECT_THAT(refusal(within_rim(-25, 0.5, "edge_fade_m = 990")),
+              HasSubstr("land.edge_fade_m: a fade over 990 m reaches the target, whose place lies "
+                        "1000 m from the edge of the map; expected at most 980 m"));
+  EXPECT_THAT(refusal(within_rim(-25, 0.5, "edge_fade_m = 0")), HasSubstr("see a cliff"));
+  EXPECT_THAT(refusal(within_rim(-25, 0.5, "edge_fade_m = -5")),
+              HasSubstr("land.edge_fade_m = -5, expected a number from 0 to 400000"));
+}
+
+// A camera that shows more than the window of the clutter.
+TEST(SweepLandEdge, AnImageThatShowsACliffIsRefused) {
+  auto on = within_rim(25, 20);
+  ASSERT_TRUE(on.ok()) << on.status();
+  schema::Image& image = *on->sweep.mutable_sweep()->mutable_image();
+  image.set_kind("camera");
+  image.add_pixels(64);
+  image.add_pixels(32);
+  for (const double wide_deg : {4.0, 60.0}) {
+    image.set_field_of_view_deg(wide_deg);
+    const auto scene = scene_from_sweep(on->sweep, on->assets, {});
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    const auto simulator = Simulator::create(*scene);
+    ASSERT_TRUE(simulator.ok()) << simulator.status();
+    EXPECT_EQ(check_land_edge(on->sweep, (*simulator)->target(), nullptr, scene->land.get()).ok(),
+              wide_deg < 10)
+        << wide_deg;
+  }
 }
 
 // A tent: two groups, open at the ends.

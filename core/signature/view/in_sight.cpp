@@ -38,11 +38,19 @@ double highest_m(const Target& target, const Plane& plane) {
   return out;
 }
 
+// The scene is not owned: it outlives the result.
+Land land_under(const Target& target, const LandScene& scene, double above_m,
+                double bend_per_m = 0) {
+  return {std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
+          above_m - target.centre.z,
+          target.centre,
+          {},
+          bend_per_m};
+}
+
 absl::Status check_above_land(const Target& target, const LandScene& scene, double above_m,
                               double bend_per_m, Vec<Body> sensor, const Viewpoint& viewpoint) {
-  // The land is not owned: it outlives this call.
-  const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
-                  above_m - target.centre.z, target.centre, {}, bend_per_m);
+  const Land land = land_under(target, scene, above_m, bend_per_m);
   if (const auto object = land.object_around(sensor))
     return absl::InvalidArgumentError(absl::StrFormat(
         "%s lies inside an object on the land (%s%s); move the object or the sensor",
@@ -66,14 +74,23 @@ absl::Status check_above_land(const Target& target, const LandScene& scene, doub
 }  // namespace
 
 absl::Status check_outside_objects(const Target& target, const LandScene& scene, double above_m) {
-  const Land land(std::shared_ptr<const LandScene>(std::shared_ptr<void>(), &scene),
-                  above_m - target.centre.z, target.centre, {});
+  const Land land = land_under(target, scene, above_m);
   for (std::size_t i = 0; i < target.vertex.size() / 3; ++i)
     if (const auto object = land.object_around(vertex(target, i)))
       return keyed_problem(
           object->key,
           object->text + "the object covers a part of the target; move it away from the target");
   return absl::OkStatus();
+}
+
+std::optional<EdgeStep> edge_in_sight(const Target& target, const LandScene& scene,
+                                      const Environment* environment, double above_m,
+                                      const Viewpoint& viewpoint, double half_m) {
+  if (scene.edge_step.empty()) return std::nullopt;
+  const Vec<Body> towards =
+      body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
+  return land_under(target, scene, above_m, land_bend_per_m(environment, viewpoint, above_m))
+      .step_in_sight(viewpoint.range_m * towards - target.centre, half_m);
 }
 
 absl::Status check_in_sight(const Target& target, std::span<const ConditionSpec> condition,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "absl/status/status.h"
@@ -28,5 +29,12 @@ namespace irsig {
 //   above_m  height of the target's reference point above the land below it
 [[nodiscard]] absl::Status check_outside_objects(const Target& target, const LandScene& land,
                                                  double above_m);
+
+// Returns the highest step at the edge of a land's map that a sensor has in sight within a square
+// window around the target.
+//   half_m  of the window's sides, at the target
+[[nodiscard]] std::optional<EdgeStep> edge_in_sight(const Target& target, const LandScene& land,
+                                                    const Environment* environment, double above_m,
+                                                    const Viewpoint& viewpoint, double half_m);
 
 }  // namespace irsig

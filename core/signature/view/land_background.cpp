@@ -16,6 +16,54 @@ namespace {
 
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
 
+// Where the rays of a sensor meet land, and what land is there. Air is made for the ranges of all
+// rays before any of them is asked; the places of few rays are kept until then.
+class SeenLand {
+ public:
+  // The directions outlive this.
+  SeenLand(const Land& land, Vec<Body> sensor, const std::vector<Vec<Body>>& direction)
+      : sensor_(sensor), direction_(direction), keeps_(direction.size() <= kMostKept) {
+    LandMix mix;
+    for (const Vec<Body>& d : direction) {
+      const auto at = land.meet_in_sight(sensor, sensor, d, mix);
+      distance_m_.push_back(at ? at->distance : std::numeric_limits<double>::infinity());
+      if (!keeps_) continue;
+      point_.push_back(at.value_or(LandPoint{}));
+      first_kind_.push_back(kind_.size());
+      materials_ = mix.fraction.size();
+      fraction_.insert(fraction_.end(), mix.fraction.begin(), mix.fraction.end());
+      if (at) kind_.insert(kind_.end(), mix.kind.begin(), mix.kind.end());
+    }
+    first_kind_.push_back(kind_.size());
+  }
+
+  [[nodiscard]] const std::vector<double>& distance_m() const { return distance_m_; }
+
+  // Returns what a ray meets, as Land::meet_in_sight of the same land.
+  [[nodiscard]] std::optional<LandPoint> at(const Land& land, std::size_t ray, LandMix& mix) const {
+    if (std::isinf(distance_m_[ray])) return std::nullopt;
+    if (!keeps_) return land.meet_in_sight(sensor_, sensor_, direction_[ray], mix);
+    const auto fraction = fraction_.begin() + static_cast<std::ptrdiff_t>(ray * materials_);
+    mix.fraction.assign(fraction, fraction + static_cast<std::ptrdiff_t>(materials_));
+    mix.kind.assign(kind_.begin() + static_cast<std::ptrdiff_t>(first_kind_[ray]),
+                    kind_.begin() + static_cast<std::ptrdiff_t>(first_kind_[ray + 1]));
+    return point_[ray];
+  }
+
+ private:
+  static constexpr std::size_t kMostKept = 1 << 16;  // rays, of about 100 bytes each
+
+  Vec<Body> sensor_;
+  const std::vector<Vec<Body>>& direction_;
+  bool keeps_;
+  std::vector<double> distance_m_;
+  std::vector<LandPoint> point_;
+  std::size_t materials_ = 0;
+  std::vector<float> fraction_;  // [ray][material]
+  std::vector<KindShare> kind_;
+  std::vector<std::size_t> first_kind_;  // [ray], and one behind the last
+};
+
 }  // namespace
 
 absl::StatusOr<LandBackground> LandBackground::make(
@@ -44,8 +92,8 @@ absl::StatusOr<LandBackground> LandBackground::make(
     directions = BackgroundDirections::spanning(
         least_z, most_z, request.environment->horizons_z(request.environment->line(v)),
         std::atan2(-towards.y, -towards.x));
-  const std::vector<double> range_m =
-      land_ranges_m(land_of(request, scene.target, v.range_m), frame.sensor, direction);
+  const SeenLand seen(land_of(request, scene.target, v.range_m), frame.sensor, direction);
+  const std::vector<double> range_m = land_ranges_m(seen.distance_m());
   ASSIGN_OR_RETURN(auto surroundings,
                    ViewSurroundings::make(request, scene.target, v.range_m, scene.axis.node_um(),
                                           directions ? &*directions : nullptr, &range_m));
@@ -83,7 +131,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
         }
       out.weight_.push_back({at, half, share * weight});
     };
-    if (const auto hit = land.meet_in_sight(frame.sensor, frame.sensor, direction[i], mix)) {
+    if (const auto hit = seen.at(land, i, mix)) {
       const Vec<Body> lift{0, 0, static_cast<double>(scene.target.offset_m())};
       const auto shaded = [&](std::uint32_t j) {
         return shadow && of_target.falls_on(frame.sensor + hit->distance * direction[i] - lift,

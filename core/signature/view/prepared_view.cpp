@@ -146,9 +146,8 @@ std::vector<double> range_nodes_m(std::span<const double> distance_m, double nea
 
 }  // namespace
 
-std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
-                                  std::span<const Vec<Body>> direction) {
-  return range_nodes_m(distances_m(land, sensor, direction), 1, 0);
+std::vector<double> land_ranges_m(std::span<const double> distance_m) {
+  return range_nodes_m(distance_m, 1, 0);
 }
 
 namespace {

@@ -34,10 +34,9 @@ struct PreparedView {
                                      double above_m);
 // Returns the land around the target of a request with land, for a sensor at that range.
 [[nodiscard]] Land land_of(const ViewRequest& request, const Target& target, double range_m);
-// Returns increasing ranges (SensorLine::land_range_m) for land that these rays of a sensor meet;
-// none if they meet none. Directions are unit vectors, places relative to the target's centre.
-[[nodiscard]] std::vector<double> land_ranges_m(const Land& land, Vec<Body> sensor,
-                                                std::span<const Vec<Body>> direction);
+// Returns increasing ranges (SensorLine::land_range_m) for land that rays of a sensor meet at these
+// distances; infinity: a ray meets none. Empty if none meets any.
+[[nodiscard]] std::vector<double> land_ranges_m(std::span<const double> distance_m);
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {
