@@ -182,30 +182,28 @@ double Land::leaves_map_m(Vec<Body> from, Vec<Body> along) const {
 }
 
 // `window`: half of its sides, as a tangent; `higher`: lift(). The wall is a line of sight's
-// upright segment, of which some points are asked.
+// upright segment, of which some points are asked. Lines from the raised sensor are straight over
+// raised land; what counts in the window is the direction that they had without the bend.
 bool Land::sees(const EdgeStep& step, Vec<Enu> sensor, Vec<Enu> higher, double window) const {
   constexpr double kAboveM = 0.01;  // the edge, where the wall faces away
   constexpr int kPoints = 5;
-  const auto towards_sensor = [&](Vec<Enu> from) {
-    Vec<Enu> out = sensor - from;
-    out.z += dot(higher, out);
-    return out;
-  };
-  const Vec<Enu> forward = normalized(-1.0 * towards_sensor(place({0, 0, 0})));
-  const Vec<Enu> level{forward.x, forward.y, 0};
-  const double along = length(level);
+  const Vec<Enu> forward = normalized(place({0, 0, 0}) - sensor);
+  const double along = std::hypot(forward.x, forward.y);
   const Vec<Enu> right =
       along > 1e-6 ? Vec<Enu>{forward.y / along, -forward.x / along, 0} : Vec<Enu>{1, 0, 0};
   const Vec<Enu> up = cross(right, forward);
+  const Vec<Enu> raised_sensor{sensor.x, sensor.y, sensor.z + dot(higher, sensor)};
   const auto [low_m, high_m] = std::minmax(step.land_z_m, step.ground_z_m);
   for (int i = 0; i <= kPoints; ++i) {
     Vec<Enu> at{step.x_m, step.y_m,
                 high_m + kAboveM - (high_m - low_m) * i / static_cast<double>(kPoints)};
     at.z += raised_m(at);
-    const Vec<Enu> to_sensor = towards_sensor(at);
-    const double deep_m = -dot(to_sensor, forward), most_m = window * deep_m;
-    if (deep_m > 0 && std::abs(dot(to_sensor, up)) <= most_m &&
-        std::abs(dot(to_sensor, right)) <= most_m + field().outer().spacing_m &&
+    const Vec<Enu> to_sensor = raised_sensor - at;
+    Vec<Enu> seen = -1.0 * to_sensor;
+    seen.z -= dot(higher, seen);
+    const double most_m = window * dot(seen, forward);  // negative behind the sensor
+    if (std::abs(dot(seen, up)) <= most_m &&
+        std::abs(dot(seen, right)) <= most_m + field().outer().spacing_m &&
         !hidden(at, to_sensor, 1))
       return true;
   }

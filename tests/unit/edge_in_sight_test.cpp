@@ -105,11 +105,23 @@ TEST(LandEdgeInSight, BentRaysSeeOverTheCurveOfTheEarth) {
   const double far_m = 3000, bend_per_m = 1e-6;
   const Shape bowl = [&](double x, double y) { return -bend_per_m * (x * x + y * y); };
   const auto scene = scene_of(bowl, bowl(far_m, 0) + 20);
-  // With that bend the land is level and the straight-line cases above hold.
-  EXPECT_TRUE(seen(scene, 2.4, kRangeM, 0, bend_per_m));
-  EXPECT_FALSE(seen(scene, 2.56, kRangeM, 0, bend_per_m));
+  // With that bend the land is level and the sensor 1 m higher: the foot leaves the window at 2.42
+  // deg instead of 2.48 deg.
+  EXPECT_TRUE(seen(scene, 2.41, kRangeM, 0, bend_per_m));
+  EXPECT_FALSE(seen(scene, 2.44, kRangeM, 0, bend_per_m));
   // Straight rays have the foot of the wall 9 m lower.
   EXPECT_TRUE(seen(scene, 2.56));
+}
+
+// The sensor is raised by 1 m, from 19.5 m: the line over the ridge is 35.7 m high at the edge, and
+// 36.3 m where the sensor is not.
+TEST(LandEdgeInSight, BentRaysSeeOverARidgeAsStraightOnesOfARaisedSensor) {
+  const double bend_per_m = 1e-6, fall_m = bend_per_m * kHalfM * kHalfM;
+  const Shape ridge = [&](double x, double y) {
+    return 30 * std::exp(-std::pow((x - 1500) / 150, 2)) - bend_per_m * (x * x + y * y);
+  };
+  EXPECT_TRUE(seen(scene_of(ridge, 36.0 - fall_m), 1, kRangeM, 0, bend_per_m));
+  EXPECT_FALSE(seen(scene_of(ridge, 35.4 - fall_m), 1, kRangeM, 0, bend_per_m));
 }
 
 }  // namespace
