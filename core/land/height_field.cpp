@@ -196,7 +196,8 @@ HeightField::Walked HeightField::walk(Vec<Enu> origin_m, Vec<Enu> direction, dou
   const double begin_z_m =
       origin_m.z - bend_per_m * (origin_m.x * origin_m.x + origin_m.y * origin_m.y);
   out.below = !from_outside && begin_z_m < tiles_->z_m(origin_m.x, origin_m.y);
-  out.crossing = ray.first_crossing(out.begin, out.end, out.below ? -1 : 1, tiles_->replaced());
+  out.crossing = ray.first_crossing(out.begin, out.end, out.below ? -1 : 1, tiles_->replaced(),
+                                    !from_outside && !out.below);
   out.at_edge =
       out.crossing ? from_outside && out.crossing->t == out.begin : out.below && out.end < most;
   out.met = out.at_edge || out.crossing.has_value();

@@ -53,7 +53,7 @@ struct LandHit {
 // Accuracy: hits differ from those of exact arithmetic on the same vertices for rays alone that
 // pass the surface within 1e-9 m. The seam of an inset adds the rounding of its vertices to
 // float32: 2e-6 m at heights of 20 m, 6e-5 m at 1000 m (tests/unit/height_field_test.cpp).
-// Memory: 4.6 bytes a cell. Immutable; may be used by several threads at once.
+// Memory: 4.8 bytes a cell. Immutable; may be used by several threads at once.
 class HeightField {
  public:
   // Makes a height field. The outermost vertices of the inset move onto the edges of the outer

@@ -19,9 +19,10 @@ struct HeightRange {
   float lowest, highest;
 };
 
-// A grid with the ranges of heights in its blocks of 4^n x 4^n cells. Blocks of 2 x 2 take 47 %
-// more memory and up to 45 % more time for a ray; blocks of 8 x 8 take more time for all but random
-// rays (docs/decisions/0060-follow-rays-over-land-in-double-without-embree.md).
+// A grid with the ranges of heights and the steepest slopes in its blocks of 4^n x 4^n cells.
+// Blocks of 2 x 2 take 47 % more memory and up to 45 % more time for a ray; blocks of 8 x 8 take
+// more time for all but random rays
+// (docs/decisions/0060-follow-rays-over-land-in-double-without-embree.md).
 class HeightTile {
  public:
   static constexpr int kBits = 2;  // log2 of the cells along a side of the smallest block
@@ -40,13 +41,19 @@ class HeightTile {
     return of.range[static_cast<std::size_t>(block_row) * static_cast<std::size_t>(of.columns) +
                     static_cast<std::size_t>(block_column)];
   }
+  // Returns an upper bound of the slopes of triangles in such a block, rise by way; level >= 1.
+  [[nodiscard]] float steepest(int level, int block_column, int block_row) const {
+    const Level& of = level_[static_cast<std::size_t>(level - 1)];
+    return of.steepest[static_cast<std::size_t>(block_row) * static_cast<std::size_t>(of.columns) +
+                       static_cast<std::size_t>(block_column)];
+  }
   // Southwest corner of a cell; its north is columns() + 1 further.
   [[nodiscard]] const float* corner(int column, int row) const {
     return grid_.z_m.data() + static_cast<std::size_t>(row) * (grid_.columns + std::size_t{1}) +
            static_cast<std::size_t>(column);
   }
   // Widens the ranges of all blocks over these cells of this grid by the heights of a finer grid,
-  // of `fineness` cells for each of these, that replaces them.
+  // and their slopes by its slopes, of `fineness` cells for each of these, that replaces them.
   void cover(const CellBlock& cells, const HeightGrid& finer, int fineness);
   // Returns an upper bound of the heights in cells of a rectangle, which may reach beyond the grid.
   [[nodiscard]] float highest_m(const CellBlock& cells) const;
@@ -56,8 +63,9 @@ class HeightTile {
   struct Level {
     int columns, rows;
     std::vector<HeightRange> range;
+    std::vector<float> steepest;
   };
-  void widen(int column, int row, HeightRange by);
+  void widen(int column, int row, HeightRange by, float steepest);
 
   HeightGrid grid_;
   std::vector<Level> level_;

@@ -47,6 +47,7 @@ HeightWalk::HeightWalk(const HeightTile& tile, Vec<Enu> origin_m, Vec<Enu> direc
       dy_(step(direction.y, tile.grid().spacing_m)),
       dz_(direction.z - 2 * bend_per_m * (origin_m.x * direction.x + origin_m.y * direction.y)),
       curve_(bend_per_m * (direction.x * direction.x + direction.y * direction.y)),
+      across_(std::sqrt(direction.x * direction.x + direction.y * direction.y)),
       inverse_dx_(dx_ == 0 ? 0 : 1 / dx_),
       inverse_dy_(dy_ == 0 ? 0 : 1 / dy_),
       inverse_dz_(dz_ == 0 ? 0 : 1 / dz_) {}
@@ -105,6 +106,17 @@ bool HeightWalk::clear_of(const CellBlock& block, int level, double t_exit) {
       curve_ == 0 ? (bound_m - z_) * inverse_dz_ : t_ + step * (here / (here - there));
   if (reached > t_ && reached < t_exit) place_at(reached, block);
   return false;
+}
+
+// Returns true if the ray, which is above the surface here, rises more steeply than all of the
+// block's triangles until it leaves the block.
+bool HeightWalk::outclimbs(const CellBlock& block, int level, double t_exit) const {
+  constexpr double kMargin = 1e-6;  // of a slope: far above rounding
+  const int bits = HeightTile::kBits * level;
+  const double rise = dz_ - 2 * (curve_ > 0 ? t_exit : t_) * curve_;
+  const auto steepest =
+      static_cast<double>(tile_.steepest(level, block.west >> bits, block.south >> bits));
+  return rise > (steepest + kMargin) * across_;
 }
 
 double HeightWalk::clearance_m(double t, LandTriangle triangle) const {
@@ -167,7 +179,7 @@ bool HeightWalk::advance(const CellBlock& from, const Exit& exit) {
 }
 
 std::optional<Crossing> HeightWalk::first_crossing(double begin, double end, double side,
-                                                   const HeightInset* inset) {
+                                                   const HeightInset* inset, bool starts_above) {
   side_ = side;
   t_ = begin;
   column_ = cell_at(x_ + begin * dx_, 0, tile_.columns());
@@ -180,7 +192,7 @@ std::optional<Crossing> HeightWalk::first_crossing(double begin, double end, dou
     const Exit exit = exit_of(block);
     const double t_exit = std::clamp(exit.t, t_, end);
     if (level > 0) {
-      if (!clear_of(block, level, t_exit)) {
+      if (!(starts_above && outclimbs(block, level, t_exit)) && !clear_of(block, level, t_exit)) {
         --level;
         continue;
       }

@@ -37,8 +37,11 @@ class HeightWalk {
   // Returns the first point of [begin, end], all of it within the tile's map, where the ray is not
   // on its side of the surface: above it for side 1, below it for side -1. On the surface itself it
   // is on either side.
+  //   starts_above  true: at begin the ray is known to be above the surface, and side is 1. Where
+  //                 it rises more steeply than the land it needs no look at heights.
   [[nodiscard]] std::optional<Crossing> first_crossing(double begin, double end, double side,
-                                                       const HeightInset* inset);
+                                                       const HeightInset* inset,
+                                                       bool starts_above = false);
 
  private:
   struct Exit {
@@ -51,6 +54,7 @@ class HeightWalk {
   [[nodiscard]] int row_at(double t, const CellBlock& within) const;
   void place_at(double t, const CellBlock& within);
   [[nodiscard]] bool clear_of(const CellBlock& block, int level, double t_exit);
+  [[nodiscard]] bool outclimbs(const CellBlock& block, int level, double t_exit) const;
   [[nodiscard]] std::optional<Crossing> cross_cell(double t_exit) const;
   [[nodiscard]] bool advance(const CellBlock& from, const Exit& exit);
   [[nodiscard]] double clearance_m(double t, LandTriangle triangle) const;
@@ -59,7 +63,7 @@ class HeightWalk {
   const HeightTile& tile_;
   Vec<Enu> origin_m_, direction_;  // in metres, for the inset's walk
   double bend_per_m_;
-  double x_, y_, z_, dx_, dy_, dz_, curve_, inverse_dx_, inverse_dy_, inverse_dz_;
+  double x_, y_, z_, dx_, dy_, dz_, curve_, across_, inverse_dx_, inverse_dy_, inverse_dz_;
   double side_ = 1, t_ = 0;
   int column_ = 0, row_ = 0;
 };
