@@ -356,6 +356,30 @@ TEST(HeightField, RaysThatOutclimbTheLandMeetWhatTheJudgeSays) {
   }
 }
 
+// Rationale: what is told free without a look must not be told so too early. Expected, in closed
+// form, on a slope of 1/2: a ray that rises by 0.45 meets it, one by 0.52 does not unless it is
+// bent down, and one from beyond the map meets the wall at its edge, however steep it is.
+TEST(HeightField, RaysThatDoNotOutclimbTheLandMeetIt) {
+  const HeightField slope =
+      field_of(grid_of([](double x, double) { return 0.5 * x; }, 0, -500, 10, 100, 100));
+  const auto meets = [&](Vec<Enu> from, double rise, double bend_per_m) {
+    return slope.first_hit(from, {1, 0, rise}, 900, bend_per_m);
+  };
+  const Vec<Enu> above{0.5, 3, 1.25};
+  const auto straight = meets(above, 0.45, 0);
+  ASSERT_TRUE(straight.has_value());
+  EXPECT_NEAR(straight->distance, 20, 1e-4);
+  EXPECT_FALSE(meets(above, 0.52, 0).has_value());
+  // 1 + 0.02 t = 2e-4 ((t + 0.5)^2 + 9), but for the cells' chords.
+  const auto bent = meets(above, 0.52, 2e-4);
+  ASSERT_TRUE(bent.has_value());
+  EXPECT_NEAR(bent->distance, 136, 1.5);
+  const auto wall = meets({-20, 3, -12}, 0.55, 0);
+  ASSERT_TRUE(wall.has_value());
+  EXPECT_TRUE(wall->at_edge);
+  EXPECT_NEAR(wall->distance, 20, 1e-9);
+}
+
 // Rationale: a ray that begins above the land and ends below it must have a hit, wherever it
 // passes; so must one the other way round. Expected: no exception, at vertices, edges and the seam
 // too.
