@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/clones.h"
 #include "core/clutter/patch_means.h"
 #include "core/clutter/symmetric_eigen.h"
 
@@ -16,6 +18,9 @@ using Matrix = std::vector<std::vector<double>>;
 // Eigenvalues below these parts of the largest one, or of the trace, are rounding.
 constexpr double kRoundingOfWeights = 1e-13, kRoundingOfSpectra = 1e-12;
 
+// Rows whose products with another one are summed side by side.
+constexpr std::size_t kGramLanes = 32;
+
 Matrix square(std::size_t n) { return Matrix(n, std::vector<double>(n, 0.0)); }
 
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -24,12 +29,47 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-// Products of each row with each other row.
-Matrix gram(const Matrix& rows) {
-  Matrix out = square(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t j = 0; j <= i; ++j) out[i][j] = out[j][i] = dot(rows[i], rows[j]);
+// Adds row[p] x columns[p][lane] to the lanes' sums, in the order of p.
+IRSIG_CLONES void add_products(const double* row, const double* columns, std::size_t length,
+                               double* sum) {
+  double part[kGramLanes];
+  for (std::size_t k = 0; k < kGramLanes; ++k) part[k] = sum[k];
+  for (std::size_t p = 0; p < length; ++p)
+    for (std::size_t k = 0; k < kGramLanes; ++k) part[k] += row[p] * columns[p * kGramLanes + k];
+  for (std::size_t k = 0; k < kGramLanes; ++k) sum[k] = part[k];
+}
+
+// Products of each row with each other row. Each sum goes through its products in their order.
+Matrix gram(std::span<const std::vector<double>* const> rows) {
+  constexpr std::size_t kAtOnce = 256;  // products: what is read again stays in the cache
+  const std::size_t n = rows.size();
+  Matrix out = square(n);
+  if (n == 0) return out;
+  const std::size_t length = rows.front()->size();
+  std::vector<double> side_by_side(kGramLanes * kAtOnce, 0.0), sum;
+  for (std::size_t first = 0; first < n; first += kGramLanes) {
+    const std::size_t lanes = std::min(kGramLanes, n - first);
+    sum.assign(kGramLanes * (n - first), 0.0);
+    for (std::size_t begin = 0; begin < length; begin += kAtOnce) {
+      const std::size_t count = std::min(kAtOnce, length - begin);
+      for (std::size_t k = 0; k < lanes; ++k)
+        for (std::size_t p = 0; p < count; ++p)
+          side_by_side[p * kGramLanes + k] = (*rows[first + k])[begin + p];
+      for (std::size_t i = first; i < n; ++i)
+        add_products(rows[i]->data() + begin, side_by_side.data(), count,
+                     &sum[(i - first) * kGramLanes]);
+    }
+    for (std::size_t i = first; i < n; ++i)
+      for (std::size_t k = 0; k < lanes && first + k <= i; ++k)
+        out[i][first + k] = out[first + k][i] = sum[(i - first) * kGramLanes + k];
+  }
   return out;
+}
+
+Matrix gram(const Matrix& rows) {
+  std::vector<const std::vector<double>*> row;
+  for (const std::vector<double>& r : rows) row.push_back(&r);
+  return gram(row);
 }
 
 // Rows l_k with sum_k l_k^T l_k = a matrix of diagonal 1 without negative eigenvalues: Cholesky's
@@ -76,13 +116,11 @@ Matrix by_column(const Matrix& rows) {
 
 }  // namespace
 
-SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
+WeightDeviations::WeightDeviations(const ClutterField& field, double target_area_m2)
+    : deviation_(field.sources), sigma_(field.sources, 0.0) {
   const double side_px = patch_px(field, target_area_m2);
-  // Deviations of each source's weight, in units of their standard deviation: sources of small
-  // weight, such as the sun, keep their digits.
-  Matrix deviation;
-  std::vector<double> sigma;
-  std::vector<std::size_t> varies;
+  // In units of their standard deviation, sources of small weight, such as the sun, keep their
+  // digits.
   std::vector<std::vector<double>> by_source;  // [pixel] of some sources
   for (std::size_t s = 0; s < field.sources; ++s) {
     if (s % kSourcesAtOnce == 0)
@@ -100,17 +138,32 @@ SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
     for (double& v : patch.value) length += (v / unit) * (v / unit);
     length = unit * std::sqrt(length);
     for (double& v : patch.value) v /= length;
-    sigma.push_back(length / std::sqrt(static_cast<double>(patch.value.size())));
-    varies.push_back(s);
-    deviation.push_back(std::move(patch.value));
+    sigma_[s] = length / std::sqrt(static_cast<double>(patch.value.size()));
+    deviation_[s] = std::move(patch.value);
+  }
+}
+
+SpectralSet WeightDeviations::factor(std::span<const std::size_t> sources) const {
+  std::vector<std::size_t> varies;  // places in sources
+  std::vector<const std::vector<double>*> row;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (deviation_[sources[i]].empty()) continue;
+    varies.push_back(i);
+    row.push_back(&deviation_[sources[i]]);
   }
   SpectralSet out;
-  if (deviation.empty()) return out;
-  for (const auto& row : cholesky_rows(gram(deviation))) {
-    auto& factor = out.emplace_back(field.sources, 0.0);
-    for (std::size_t i = 0; i < varies.size(); ++i) factor[varies[i]] = row[i] * sigma[i];
+  for (const auto& of_row : cholesky_rows(gram(row))) {
+    auto& factor = out.emplace_back(sources.size(), 0.0);
+    for (std::size_t i = 0; i < varies.size(); ++i)
+      factor[varies[i]] = of_row[i] * sigma_[sources[varies[i]]];
   }
   return out;
+}
+
+SpectralSet weight_factor(const ClutterField& field, double target_area_m2) {
+  std::vector<std::size_t> all(field.sources);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return WeightDeviations(field, target_area_m2).factor(all);
 }
 
 ClutterModes clutter_modes(const SpectralSet& weight_factor,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -18,9 +19,25 @@ namespace irsig {
 // compete with a target; it is that of the window, without ClutterStatistics' correction for the
 // window's own mean.
 
-// Returns a factor of the covariance of the weights, averaged over squares: [factor][source], sum_k
-// f_k f_k^T = the covariance. It depends on the view alone. Its cost grows with the square of the
-// sources.
+// Weights of a field's sources, averaged over squares, as deviations from their means over the
+// window. Made once for a view: each condition takes the sources that shine under it.
+class WeightDeviations {
+ public:
+  WeightDeviations(const ClutterField& field, double target_area_m2);
+
+  // Returns a factor of the covariance of the weights of some sources: [factor][place in sources],
+  // sum_k f_k f_k^T = the covariance. Its cost grows with the square of the sources.
+  //   sources  of the field
+  [[nodiscard]] SpectralSet factor(std::span<const std::size_t> sources) const;
+
+ private:
+  // [source]: in units of the length, which is sigma x the root of the squares' number; empty: the
+  // weight is the same everywhere.
+  std::vector<std::vector<double>> deviation_;
+  std::vector<double> sigma_;
+};
+
+// Returns the factor of all sources.
 [[nodiscard]] SpectralSet weight_factor(const ClutterField& field, double target_area_m2);
 
 struct ClutterModes {

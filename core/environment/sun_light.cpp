@@ -85,6 +85,23 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
   }
 }
 
+// Returns the sky's sunlight that a ring's surface reflects towards an azimuth, [wanted band].
+//   sky  [node][wanted band]
+std::vector<double> reflected_sky(const LowerRing& ring, const BandRows<double>& sky,
+                                  std::uint32_t azimuths, std::uint32_t azimuth) {
+  std::vector<double> sum(sky.bands, 0.0);
+  for (std::uint32_t node = 0; node < ring.diffuse.size() * azimuths; ++node) {
+    const double weight = ring.diffuse[node / azimuths], *from = sky.row(node);
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += weight * from[b];
+  }
+  for (const LowerRing::Cell& cell : ring.cell) {
+    const double *from = sky.row(cell.ring * azimuths + (azimuth + cell.turn) % azimuths),
+                 *weight = cell.weight.data();
+    for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += weight[b] * from[b];
+  }
+  return sum;
+}
+
 }  // namespace
 
 SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
@@ -252,15 +269,12 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const BandRows<double>& sky)
   const ScatteredSun air = scattered_below(r);
   const AirSpectrum through = passed(r);
   const double diffuse = ring.limb ? 0 : diffuse_per_sr();
+  std::vector<double> sum;
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
     out.air.push_back(air.per_sr(phase(sine, r, -1, a)));
     multiply(out.air.back(), whole_);
-    std::vector<double> sum(sky.bands, 0.0);
-    for (const LowerRing::Cell& cell : ring.cell) {
-      const double *from = sky.row(cell.ring * azimuths_ + (a + cell.turn) % azimuths_),
-                   *weight = cell.weight.data();
-      for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += weight[b] * from[b];
-    }
+    // A diffuse surface reflects the same in all directions.
+    if (a == 0 || ring.diffuse.empty()) sum = reflected_sky(ring, sky, azimuths_, a);
     AirSpectrum mirrored(kAirBandCount, 0.0);
     unpack(mirrored, sum.data(), bands_);
     // Let through as sunlight is, whose lines it carries.

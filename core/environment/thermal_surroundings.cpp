@@ -327,6 +327,7 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation,
     return {sin_elevation,
             std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get()),
             {},
+            {},
             std::vector<AirSpectrum>(nodes_.sky() / nodes_.azimuths(), dark),
             dark,
             0,
@@ -348,7 +349,7 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation,
           : std::clamp(-std::cos(path.node.back().zenith_deg * kRadPerDeg), 1e-6, 1.0);
   const bool shared = air != nullptr;
   if (!shared) air = std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get());
-  LowerRing ring{sin_elevation, std::move(air), {}, {}, {}, 0, {}, {}, {}, false, shared};
+  LowerRing ring{sin_elevation, std::move(air), {}, {}, {}, {}, 0, {}, {}, {}, false, shared};
   ring.emission = AirSpectrum(kAirBandCount, 0.0);
   ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));
   if (spec_.kind == SurfaceBoundary::Kind::kGreySea ||
@@ -435,9 +436,7 @@ void ThermalSurroundings::reflect_diffusely(LowerRing& ring) const {
   for (std::uint32_t r = 0; r < sine.size(); ++r) {
     const AirSpectrum of_ring(kAirBandCount, (1 - spec_.emissivity) * weight[r] / sum);
     ring.from_ring[r] = of_ring;
-    const AirSpectrum of_cell(kAirBandCount, of_ring[0] / static_cast<double>(azimuths));
-    for (std::uint32_t a = 0; a < azimuths && suns_to_come_ > 0; ++a)
-      pack(ring.cell.emplace_back(r, a).weight, of_cell, bands_);
+    ring.diffuse.push_back(of_ring[0] / static_cast<double>(azimuths));
     if (sine[r] <= 0.5) ring.mirrored_ring = r;
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {

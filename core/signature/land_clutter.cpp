@@ -56,9 +56,12 @@ absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request, V
       LandBackground::make(scene, request, view.setup.plan.effects, frame, window, kRays, false));
   const std::vector<float> weight = land.weights();
   const std::size_t sources = land.sources().size();
+  const double pixel_m = side_m / kClutterPixels;
 
   const double seen_m2 = view.totals.front_area_m2, whole_m2 = seen_m2 + view.totals.hidden_area_m2,
                visible = whole_m2 > 0 ? seen_m2 / whole_m2 : 0;
+  const WeightDeviations deviations({kClutterPixels, kClutterPixels, pixel_m, sources, weight},
+                                    seen_m2);
   // Conditions of the same suns share a field.
   struct Field {
     ClutterField field;
@@ -76,12 +79,13 @@ absl::Status add_clutter(const MeasuredView& view, const ViewRequest& request, V
     const auto [at, fresh] = known.try_emplace(used);
     ClutterField& field = at->second.field;
     if (fresh) {
-      field = {kClutterPixels, kClutterPixels, side_m / kClutterPixels, used.size(), {}};
+      field = {kClutterPixels, kClutterPixels, pixel_m, used.size(), {}};
+      field.weight.reserve(field.pixels() * used.size());
       for (std::size_t pixel = 0; pixel < field.pixels(); ++pixel)
         for (const std::size_t i : used) field.weight.push_back(weight[pixel * sources + i]);
       std::vector<SourceId> source;
       for (const std::size_t i : used) source.push_back(land.sources()[i]);
-      at->second.factor = weight_factor(field, seen_m2);
+      at->second.factor = deviations.factor(used);
       at->second.material = material_fractions(field, source, land.layout(), land.land());
     }
     std::vector<SpectralSet> spectra;

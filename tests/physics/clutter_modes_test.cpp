@@ -117,6 +117,42 @@ TEST(ClutterModes, AreOrthogonalAndTheLargestFirst) {
     }
 }
 
+// More sources than are summed side by side, and more pixels than are summed at once.
+TEST(ClutterModes, FactorsMultiplyToTheCovariance) {
+  constexpr std::size_t kSources = 70, kSide = 23, kPixels = kSide * kSide;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  ClutterField field{kSide, kSide, 1, kSources, {}};
+  for (std::size_t p = 0; p < kPixels * kSources; ++p)
+    field.weight.push_back(static_cast<float>(normal(random)));
+  const SpectralSet factor = weight_factor(field, 0);
+  const auto weight = [&](std::size_t p, std::size_t s) {
+    return static_cast<double>(field.weight[p * kSources + s]);
+  };
+  std::vector<double> mean(kSources, 0.0);
+  for (std::size_t s = 0; s < kSources; ++s)
+    for (std::size_t p = 0; p < kPixels; ++p) mean[s] += weight(p, s) / kPixels;
+  for (std::size_t s = 0; s < kSources; ++s)
+    for (std::size_t t = 0; t <= s; ++t) {
+      double expected = 0, product = 0;
+      for (std::size_t p = 0; p < kPixels; ++p)
+        expected += (weight(p, s) - mean[s]) * (weight(p, t) - mean[t]) / kPixels;
+      for (const auto& f : factor) product += f[s] * f[t];
+      ASSERT_NEAR(product, expected, 1e-12) << s << ' ' << t;
+    }
+}
+
+// The factor of some sources is that of a field of them alone, to the last bit.
+TEST(ClutterModes, SourcesThatDoNotShineChangeNothing) {
+  const ClutterField all = random_field(40, 5);
+  const std::vector<std::size_t> some = {2, 3, 0};
+  ClutterField alone{40, 40, 1, some.size(), {}};
+  for (std::size_t p = 0; p < all.pixels(); ++p)
+    for (const std::size_t s : some) alone.weight.push_back(all.weight[p * all.sources + s]);
+  EXPECT_EQ(WeightDeviations(all, 9).factor(some), weight_factor(alone, 9));
+  EXPECT_EQ(weight_factor(alone, 9).front().size(), some.size());
+}
+
 TEST(ClutterModes, OneMaterialHasNone) {
   ClutterField field{8, 8, 1, 1, std::vector<float>(64, 1)};
   EXPECT_TRUE(weight_factor(field, 4).empty());

@@ -460,6 +460,11 @@ TEST(LandView, ASunBesideChangesNothing) {
   const auto hills = land_of(
       [](double x, double y) { return 20 * std::sin(x / 90) * std::cos(y / 70); }, 3000, 10);
   Scene scene = scene_on(30, 900, true);
+  ImageSpec image;
+  image.width_px = image.height_px = 12;
+  image.margin = 1;
+  image.layer = {ImageLayer::kAtSensor, ImageLayer::kBackground, ImageLayer::kLandSun};
+  scene.request.image = image;
   const ViewResult alone = view_of(scene, hills);
   const auto weather = scene_weather();
   std::vector<ConditionEnvironment> suns;
@@ -490,6 +495,15 @@ TEST(LandView, ASunBesideChangesNothing) {
                 1e-9 * a.clutter->clutter_mean_w_m2_sr.value);
     EXPECT_NE(three.row[band].clutter->clutter_mean_w_m2_sr.value,
               b.clutter->clutter_mean_w_m2_sr.value);
+    ASSERT_EQ(a.layer.size(), b.layer.size());
+    for (std::size_t l = 0; l < a.layer.size(); ++l) {
+      float brightest = 0;
+      for (std::size_t i = 0; i < a.layer[l].value.size(); ++i) {
+        brightest = std::max(brightest, a.layer[l].value[i]);
+        EXPECT_NEAR(b.layer[l].value[i], a.layer[l].value[i], 1e-6 * a.layer[l].value[i]);
+      }
+      EXPECT_GT(brightest, 0) << name_of(a.layer[l].layer);
+    }
   }
 }
 

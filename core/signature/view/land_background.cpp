@@ -64,7 +64,53 @@ class SeenLand {
   std::vector<std::size_t> first_kind_;  // [ray], and one behind the last
 };
 
+// Groups of the sources behind a target, [source]: 0; 1 + j for land lit by sun j.
+std::vector<std::uint32_t> groups_of(const SourceLayout& layout) {
+  const SourceRange behind = layout.behind();
+  std::vector<std::uint32_t> out(behind.size(), 0);
+  for (std::uint32_t j = 0; j < layout.suns(); ++j)
+    for (const SourceId id : layout.behind_land_suns(j)) out[index_of(id) - behind.first] = 1 + j;
+  return out;
+}
+
 }  // namespace
+
+std::vector<const LandBackground::Group*> LandBackground::shining(
+    const std::vector<unsigned char>& shines) const {
+  std::vector<unsigned char> used(group_.size(), 0);
+  for (std::size_t k = 0; k < shines.size(); ++k)
+    if (shines[k] != 0) used[of_source_[k]] = 1;
+  std::vector<const Group*> out;
+  for (std::size_t g = 0; g < used.size(); ++g)
+    if (used[g] != 0) out.push_back(&group_[g]);
+  return out;
+}
+
+template <typename Visit>
+void LandBackground::for_each_weight(std::span<const Group* const> groups, std::size_t pixel,
+                                     Visit&& visit) {
+  struct Range {
+    const Weight *next = nullptr, *end = nullptr;
+  };
+  const auto range = [&](const Group& g) {
+    return Range{g.weight.data() + g.first[pixel], g.weight.data() + g.first[pixel + 1]};
+  };
+  if (groups.size() <= 2) {
+    Range a = groups.empty() ? Range{} : range(*groups[0]),
+          b = groups.size() < 2 ? Range{} : range(*groups[1]);
+    while (a.next != a.end && b.next != b.end)
+      visit(a.next->order < b.next->order ? *a.next++ : *b.next++);
+    for (; a.next != a.end; ++a.next) visit(*a.next);
+    for (; b.next != b.end; ++b.next) visit(*b.next);
+    return;
+  }
+  std::vector<const Weight*> all;
+  for (const Group* g : groups)
+    for (Range of = range(*g); of.next != of.end; ++of.next) all.push_back(of.next);
+  std::sort(all.begin(), all.end(),
+            [](const Weight* a, const Weight* b) { return a->order < b->order; });
+  for (const Weight* w : all) visit(*w);
+}
 
 absl::StatusOr<LandBackground> LandBackground::make(
     const PreparedScene& scene, const ViewRequest& request, const EffectSet& effects,
@@ -111,25 +157,34 @@ absl::StatusOr<LandBackground> LandBackground::make(
   const Land& land = std::get<Land>(geometry.boundary);
   const SourceRange behind = layout.behind();
   std::vector<std::uint32_t> place(behind.size(), kUnused);
+  const std::vector<std::uint32_t> groups = groups_of(layout);
+  out.group_.resize(std::size_t{1} + layout.suns());
+  std::uint32_t order = 0;
   LandMix mix;
   TargetShadow of_target(scene.target);
   const float share = 1.0f / static_cast<float>(rays * rays / 2);
   for (std::size_t i = 0; i < direction.size(); ++i) {
     const std::uint32_t ray = static_cast<std::uint32_t>(i) % (rays * rays);
-    if (ray == 0) out.first_.push_back(out.weight_.size());
+    if (ray == 0) {
+      order = 0;
+      for (Group& g : out.group_) g.first.push_back(g.weight.size());
+    }
     const auto half = static_cast<std::uint8_t>((ray % rays + ray / rays) % 2);
     const auto add = [&](SourceId source, float weight) {
       std::uint32_t& at = place[index_of(source) - behind.first];
+      const std::uint32_t of_group = groups[index_of(source) - behind.first];
       if (at == kUnused) {
         at = static_cast<std::uint32_t>(out.source_.size());
         out.source_.push_back(source);
+        out.of_source_.push_back(of_group);
       }
-      for (std::size_t w = out.first_.back(); w < out.weight_.size(); ++w)
-        if (out.weight_[w].source == at && out.weight_[w].half == half) {
-          out.weight_[w].value += share * weight;
+      Group& g = out.group_[of_group];
+      for (std::size_t w = g.first.back(); w < g.weight.size(); ++w)
+        if (g.weight[w].source == at && g.weight[w].half == half) {
+          g.weight[w].value += share * weight;
           return;
         }
-      out.weight_.push_back({at, half, share * weight});
+      g.weight.push_back({at, order++, share * weight, half});
     };
     if (const auto hit = seen.at(land, i, mix)) {
       const Vec<Body> lift{0, 0, static_cast<double>(scene.target.offset_m())};
@@ -144,7 +199,7 @@ absl::StatusOr<LandBackground> LandBackground::make(
     const int count = geometry.behind->shares(static_cast<float>(direction[i].z), shares);
     for (int k = 0; k < count; ++k) add(layout.behind(shares[k].node), shares[k].weight);
   }
-  out.first_.push_back(out.weight_.size());
+  for (Group& g : out.group_) g.first.push_back(g.weight.size());
   return out;
 }
 
@@ -157,19 +212,22 @@ const ConditionSources& LandBackground::light(std::uint32_t condition) const {
 LandBackground::Radiance LandBackground::of(std::uint32_t condition, const BandOnAxis& band) const {
   const ConditionSources& from = light(condition);
   std::vector<double> radiance, error;
+  std::vector<unsigned char> shines;
   for (const SourceId id : source_) {
     const auto of = from.light_of_path(id);
+    shines.push_back(of ? 1 : 0);
     radiance.push_back(of ? in_band(from.apparent(*of), band) : 0);
     error.push_back(of ? from.land_error_w_m2_sr(*of, band).apparent : 0);
   }
+  const std::vector<const Group*> groups = shining(shines);
   Radiance out;
-  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+  for (std::size_t pixel = 0; pixel < pixels(); ++pixel) {
     double half[2] = {0, 0}, temperature = 0;
-    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
-      const auto weight = static_cast<double>(weight_[w].value);
-      half[weight_[w].half] += weight * radiance[weight_[w].source];
-      temperature += 0.5 * weight * error[weight_[w].source];
-    }
+    for_each_weight(groups, pixel, [&](const Weight& w) {
+      const auto weight = static_cast<double>(w.value);
+      half[w.half] += weight * radiance[w.source];
+      temperature += 0.5 * weight * error[w.source];
+    });
     out.w_m2_sr.push_back(0.5 * (half[0] + half[1]));
     out.error_w_m2_sr.push_back(std::abs(half[0] - half[1]) + temperature);
   }
@@ -181,28 +239,30 @@ LandBackground::Parts LandBackground::parts_of(std::uint32_t condition,
   const ConditionSources& from = light(condition);
   std::vector<ConditionSources::LandParts> part(source_.size());
   std::vector<double> beyond(source_.size(), 0.0);
+  std::vector<unsigned char> shines(source_.size(), 0);
   for (std::size_t k = 0; k < source_.size(); ++k) {
     const auto of = from.light_of_path(source_[k]);
     if (!of) continue;
+    shines[k] = 1;
     part[k] = from.land_parts_w_m2_sr(*of, band);
     if (paths_.place_of(source_[k]).kind != SourceLayout::Kind::kBehind) continue;
     beyond[k] = 1;
     part[k].without_air = in_band(from.apparent(*of), band);
   }
-  const std::size_t pixels = first_.size() - 1;
+  const std::vector<const Group*> groups = shining(shines);
   Parts out;
   for (auto* column : {&out.without_air, &out.emitted, &out.sky, &out.sun, &out.beyond})
-    column->assign(pixels, 0.0);
-  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
-    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
-      const double weight = 0.5 * static_cast<double>(weight_[w].value);
-      const ConditionSources::LandParts& of = part[weight_[w].source];
+    column->assign(pixels(), 0.0);
+  for (std::size_t pixel = 0; pixel < pixels(); ++pixel)
+    for_each_weight(groups, pixel, [&](const Weight& w) {
+      const double weight = 0.5 * static_cast<double>(w.value);
+      const ConditionSources::LandParts& of = part[w.source];
       out.without_air[pixel] += weight * of.without_air;
       out.emitted[pixel] += weight * of.emitted;
       out.sky[pixel] += weight * of.sky;
       out.sun[pixel] += weight * of.sun;
-      out.beyond[pixel] += weight * beyond[weight_[w].source];
-    }
+      out.beyond[pixel] += weight * beyond[w.source];
+    });
   return out;
 }
 
@@ -215,26 +275,28 @@ std::vector<double> LandBackground::temperature_k(std::span<const double> kelvin
     const std::uint32_t kind = at.index / paths_.behind_ranges();
     if (kind < paths_.land_kinds()) source_k[k] = kelvin[kind];
   }
+  const Group* without_sun = &group_.front();
   std::vector<double> out;
-  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel) {
+  for (std::size_t pixel = 0; pixel < pixels(); ++pixel) {
     double sum = 0, all = 0;
-    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w) {
-      const double of_source_k = source_k[weight_[w].source];
-      if (!(of_source_k > 0)) continue;
-      const auto weight = static_cast<double>(weight_[w].value);
+    for_each_weight({&without_sun, 1}, pixel, [&](const Weight& w) {
+      const double of_source_k = source_k[w.source];
+      if (!(of_source_k > 0)) return;
+      const auto weight = static_cast<double>(w.value);
       sum += weight * of_source_k;
       all += weight;
-    }
+    });
     out.push_back(all > 0 ? sum / all : 0);
   }
   return out;
 }
 
 std::vector<float> LandBackground::weights() const {
-  std::vector<float> out((first_.size() - 1) * source_.size(), 0.0f);
-  for (std::size_t pixel = 0; pixel + 1 < first_.size(); ++pixel)
-    for (std::size_t w = first_[pixel]; w < first_[pixel + 1]; ++w)
-      out[pixel * source_.size() + weight_[w].source] += 0.5f * weight_[w].value;
+  std::vector<float> out(pixels() * source_.size(), 0.0f);
+  for (const Group& g : group_)
+    for (std::size_t pixel = 0; pixel < pixels(); ++pixel)
+      for (std::size_t w = g.first[pixel]; w < g.first[pixel + 1]; ++w)
+        out[pixel * source_.size() + g.weight[w].source] += 0.5f * g.weight[w].value;
   return out;
 }
 

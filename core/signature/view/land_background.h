@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -56,16 +57,31 @@ class LandBackground {
 
   struct Weight {
     std::uint32_t source;  // of source_
-    std::uint8_t half;     // of the pixel's rays
+    std::uint32_t order;   // among the pixel's weights of all groups: sums go through them in it
     float value;
+    std::uint8_t half;  // of the pixel's rays
   };
+  // Weights of sources that shine together. A condition passes over those of other suns.
+  struct Group {
+    std::vector<std::size_t> first;  // [pixel], and one behind the last
+    std::vector<Weight> weight;      // of a pixel side by side, in their order
+  };
+  // Returns the groups with any source that shines.
+  //   shines  [source]
+  [[nodiscard]] std::vector<const Group*> shining(const std::vector<unsigned char>& shines) const;
+  // Calls visit(weight) for all weights of a pixel in some groups, in their order.
+  template <typename Visit>
+  static void for_each_weight(std::span<const Group* const> groups, std::size_t pixel,
+                              Visit&& visit);
+  [[nodiscard]] std::size_t pixels() const { return group_.front().first.size() - 1; }
+
   std::vector<std::uint32_t> condition_;  // selected
   std::shared_ptr<const ViewEnvironments> environments_;
   std::unique_ptr<const ViewSources> light_;
   SourceLayout paths_;
-  std::vector<SourceId> source_;    // of paths
-  std::vector<std::size_t> first_;  // [pixel], and one behind the last
-  std::vector<Weight> weight_;      // of a pixel side by side
+  std::vector<SourceId> source_;          // of paths
+  std::vector<std::uint32_t> of_source_;  // [source] its group
+  std::vector<Group> group_;              // what shines without sun, then land lit by each sun
 };
 
 }  // namespace irsig
