@@ -16,6 +16,7 @@
 
 #include "core/atmosphere/light_path.h"
 #include "core/atmosphere/path_layers.h"
+#include "core/atmosphere/path_sums.h"
 #include "core/atmosphere/scattered_again.h"
 #include "core/base/constants.h"
 #include "core/environment/environment.h"
@@ -169,6 +170,37 @@ TEST(Haze, SunlightIsAsPhotonsHaveItWithinTheStatedError) {
   EXPECT_LT(often.largest, 3.5);
 }
 
+// Lines that are grey in a band lack light that a low sun sends: without gases the photons have the
+// same air.
+TEST(Haze, WithoutGasesSunlightIsAsPhotonsHaveIt) {
+  WeatherSpec haze = haze_of(AerosolKind::kMaritime, 3e3);
+  for (AirLevel& level : haze.air.profile.level) level.gas = {};
+  haze.air.co2_ppmv = haze.air.cfc11_ppmv = haze.air.cfc12_ppmv = 0;
+  const Atmosphere atmosphere = Atmosphere::make(haze.air).value();
+  ASSERT_EQ(haze_fraction(atmosphere), 1);
+  const WeatherAir air = WeatherAir::make(haze, kObserverM).value();
+  const std::size_t b = air_band(1e4 / 2785).value();
+  const AirPhotons photons = photons_of(haze, b);
+  Ratios all;
+  for (const double zenith_deg : kHazeZenithsDeg) {
+    const double night = sky_of(air, zenith_deg, std::nullopt).total_w_m2_sr_um[b];
+    for (const double sun_deg : {30.0, 60.0, 80.0})
+      for (const double azimuth : {0.3, 1.5, 3.0}) {
+        const SunPlace sun{
+            .zenith_deg = sun_deg, .azimuth_deg = azimuth / kRadPerDeg, .distance_au = 1};
+        const double ours = sky_of(air, zenith_deg, sun).total_w_m2_sr_um[b] - night;
+        const double found = atmosphere.sun_irradiance_w_m2_um(kHazeTopM, sun)[b] *
+                             photons
+                                 .seen(std::cos(zenith_deg * kRadPerDeg), kInfinity,
+                                       std::cos(sun_deg * kRadPerDeg), 0, azimuth)
+                                 .sun_per_sr;
+        EXPECT_NEAR(ours, found, 0.15 * found) << zenith_deg << " " << sun_deg << " " << azimuth;
+        all.add(ours / found);
+      }
+  }
+  RecordProperty("ratios", all.text());
+}
+
 // Returns the sky in one direction, by night and by day.
 std::vector<AirSpectrum> skies_of(AerosolKind kind, double visibility_m) {
   const WeatherAir air = WeatherAir::make(haze_of(kind, visibility_m), kObserverM).value();
@@ -267,6 +299,45 @@ TEST(Haze, RowsHaveTheSkyOfSingleRays) {
     }
 }
 
+// A ray may be cut: near air and what lies behind it are the whole.
+TEST(Haze, BehindNearAirIsTheRestOfTheRay) {
+  const WeatherSpec haze = haze_of(AerosolKind::kMaritime, 5e3);
+  const Atmosphere atmosphere = Atmosphere::make(haze.air).value();
+  const BandChoice all;
+  GroundBelow ground{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.05)};
+  planck_spectrum(ground.planck, haze.lower.temperature_k, all);
+  const HazeLight light(atmosphere, ground, 1, false, all);
+  const AirProfile& air = atmosphere.profile();
+  for (const double zenith_deg : {30.0, 80.0})
+    for (const double near_m : {300.0, 3000.0}) {
+      const LightPath near = look(air, kObserverM, zenith_deg, near_m, false);
+      const LightPath::Node& cut = near.node.back();
+      const PathLayers of_near(atmosphere, near, all, nullptr, &light),
+          whole(atmosphere, look(air, kObserverM, zenith_deg, kInfinity, false), all, nullptr,
+                &light),
+          rest(atmosphere, look(air, cut.height_m, cut.zenith_deg, kInfinity, false), all, nullptr,
+               &light);
+      const PathLayers::Behind behind = rest.behind(of_near.amounts(), of_near.transmittance);
+      for (const double cm1 : {945.0, 1155.0, 2605.0}) {
+        const std::size_t b = air_band(1e4 / cm1).value();
+        EXPECT_NEAR(of_near.thermal_w_m2_sr_um[b] + behind.thermal_w_m2_sr_um[b],
+                    whole.thermal_w_m2_sr_um[b], 0.005 * whole.thermal_w_m2_sr_um[b])
+            << zenith_deg << " " << near_m << " " << cm1;
+      }
+      const double sun_deg = 60;
+      const SunAmounts sun(atmosphere, kObserverM, sun_deg);
+      const HazeSunlight again(light, atmosphere, sun_deg);
+      const AbsorberAmounts amounts = of_near.amounts();
+      const std::size_t b = air_band(1e4 / 2605).value();
+      const double cosine = std::cos(sun_deg * kRadPerDeg) * std::cos(zenith_deg * kRadPerDeg);
+      const double whole_sun = whole.scattered(sun, nullptr, nullptr, &again).per_sr(b, cosine);
+      EXPECT_NEAR(of_near.scattered(sun, nullptr, nullptr, &again).per_sr(b, cosine) +
+                      rest.scattered(sun, &amounts, nullptr, &again).per_sr(b, cosine),
+                  whole_sun, 0.02 * whole_sun)
+          << zenith_deg << " " << near_m;
+    }
+}
+
 // However dense the haze and low the sun, light is finite, and no warmer than the warmest air.
 TEST(Haze, OfAnyDensityIsALight) {
   for (const double visibility_m : {100.0, 600.0}) {
@@ -310,7 +381,8 @@ TEST(Haze, BrokenCloudsMixBothSkies) {
 
 // Rationale: the growth of the stated error with depth and slant was fitted to the hazes and suns
 // above. Expected: it holds in hazes that the fit has not seen, of 2 and 5 km among others, under
-// suns 45 and 15 deg high, and 5 deg above the horizon. Prints what is missing.
+// suns 45 and 15 deg high, and 5 deg above the horizon. Where all orders are computed, sunlight is
+// within 32 % and thermal light within 3 K. Prints what is missing.
 TEST(Haze, OtherSkiesAreWithinTheStatedError) {
   Deviations sunlight, thermal;
   for (const AerosolKind kind : {AerosolKind::kRural, AerosolKind::kMaritime})
@@ -318,6 +390,7 @@ TEST(Haze, OtherSkiesAreWithinTheStatedError) {
       const WeatherSpec haze = haze_of(kind, visibility_m);
       const WeatherAir air = WeatherAir::make(haze, kObserverM).value();
       const Atmosphere atmosphere = Atmosphere::make(haze.air).value();
+      const bool computed = haze_fraction(atmosphere) == 1;
       for (const double cm1 : {2605.0, 945.0, 1155.0}) {
         const std::size_t b = air_band(1e4 / cm1).value();
         const AirPhotons photons = photons_of(haze, b);
@@ -330,6 +403,9 @@ TEST(Haze, OtherSkiesAreWithinTheStatedError) {
                       zenith_deg);
           const double seen = photons.seen(cosine, kInfinity, 0.7, 0).thermal;
           std::printf(" thermal %+5.1f K", kelvin(b, own) - kelvin(b, seen));
+          if (computed) {
+            EXPECT_NEAR(kelvin(b, own), kelvin(b, seen), 3);
+          }
           // Nearer to the horizon lines that are grey in a band err by more.
           if (zenith_deg < 80) thermal.add((own - seen) / night.model_error_w_m2_sr_um[b]);
           for (const double sun_deg : {45.0, 75.0}) {
@@ -348,6 +424,9 @@ TEST(Haze, OtherSkiesAreWithinTheStatedError) {
             std::printf("; sun %2.0f deg high: %.2f, stated +-%.2f, z %+.1f", 90 - sun_deg,
                         ours / found, relative, z);
             sunlight.add(z);
+            if (computed) {
+              EXPECT_NEAR(ours / found, 1, 0.32);
+            }
           }
           std::printf("\n");
         }
