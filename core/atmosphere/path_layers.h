@@ -91,7 +91,8 @@ inline constexpr double kDarkError = 1e-5;
 // transmittance.
 inline constexpr double kEmissionError = 0.0015;
 
-// Fraction that is left of that error where haze's light is computed as often as it is scattered.
+// Fraction of the error of thermal light scattered more than once that is left where haze's light is
+// computed as often as it is scattered (core/atmosphere/haze_light.h).
 inline constexpr double kHazeThermalError = 0.15;
 
 // One sigma of the model (docs/explanation/methods/atmosphere.md), not of the numerics, for all
