@@ -42,8 +42,8 @@ struct PathRadiance {
   AirSpectrum model_error_transmittance;
   AirSpectrum model_error_w_m2_sr_um;
 
-  // Largest over the bands of 8-12 and 3-5 um. Above 0.3 light scattered more than once counts:
-  // the model error then holds all of it.
+  // Largest over the bands of 8-12 and 3-5 um, 0 where light that is scattered more than once is
+  // computed. Above 0.3 such light counts: the model error then holds all of it.
   double scattering_optical_depth = 0;
   [[nodiscard]] bool beyond_single_scattering() const { return scattering_optical_depth > 0.3; }
 };

@@ -5,6 +5,7 @@
 
 #include "core/atmosphere/atmosphere.h"
 #include "core/atmosphere/gas_table.h"
+#include "core/atmosphere/path_layers.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/spectral/solar.h"
 

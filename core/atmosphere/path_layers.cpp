@@ -10,6 +10,7 @@
 
 #include "core/atmosphere/cloud_light.h"
 #include "core/atmosphere/forward_scattering.h"
+#include "core/atmosphere/haze_light.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
@@ -70,6 +71,7 @@ void for_spectra(Layer& layer, const Each& each) {
   each(layer.scattering.grey_depth);
   each(layer.emission.thermal_w_m2_sr_um);
   each(layer.emission.surroundings_fraction);
+  if (!layer.haze.empty()) each(layer.haze);
   if (layer.scattering.cloud_depth.empty()) return;
   each(layer.scattering.cloud_depth);
   each(layer.scattering.cloud_asymmetry);
@@ -77,6 +79,15 @@ void for_spectra(Layer& layer, const Each& each) {
 
 // Beyond, no band lets pass so much as to matter.
 constexpr double kOpaque = 1e-8;
+
+// Where in a stretch, as a fraction of its depth from the near end, light comes from on average: of
+// light that decays exponentially from a to b.
+double centroid(double a, double b) {
+  if (!(b > 0)) return 0;
+  const double depth = std::log(a / b);
+  if (!(depth > 1e-3)) return 0.5 - depth / 12;
+  return 1 / depth - 1 / std::expm1(depth);
+}
 
 bool opaque(const AirSpectrum& transmittance) {
   return std::all_of(transmittance.begin(), transmittance.end(),
@@ -149,9 +160,10 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
 }
 
 PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
-                       const CloudLight* cloud)
+                       const CloudLight* cloud, const HazeLight* haze)
     : bands_(bands),
       cloudy_(!atmosphere.turbid_levels_m().empty()),
+      hazy_(haze != nullptr),
       keeps_peak_(atmosphere.only_fog() &&
                   atmosphere.spec().forward_peak == ForwardPeak::kDiffuse) {
   IRSIG_CHECK((!cloudy_ || cloud != nullptr));
@@ -181,7 +193,11 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
   StepScattering step;
   const Layer nothing = empty_layer();
   Layer merged = nothing;
-  AirSpectrum source_near = dark, source_far = dark;
+  AirSpectrum source_near = dark, source_far = dark, haze_near, haze_far;
+  const auto scattered_by_haze = [&](const LightPath::Node& node) {
+    return haze->thermal(node.height_m, -std::cos(node.zenith_deg * kRadPerDeg));
+  };
+  if (haze) haze_near = scattered_by_haze(path.node[0]);
   peak_ = atmosphere.spec().forward_peak;
   for (std::size_t i = 0, next = 0; i < path.step_m.size(); ++i) {
     add_step(sum, &step, atmosphere, path, i, bands_);
@@ -200,6 +216,11 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     add_emission(merged.emission.thermal_w_m2_sr_um, step, transmittance, t_far,
                  cloudy_ ? source_near : planck_near, cloudy_ ? source_far : planck_far, bands_);
     add_surroundings(merged.emission.surroundings_fraction, step, transmittance, t_far, bands_);
+    if (haze) {
+      haze_far = scattered_by_haze(path.node[i + 1]);
+      add_haze(merged, *haze, step, transmittance, t_far, haze_near, haze_far);
+      std::swap(haze_near, haze_far);
+    }
     merge(merged.scattering, step, bands_);
     transmittance = std::move(t_far);
     std::swap(planck_near, planck_far);
@@ -209,6 +230,7 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     add_node(path.node[i + 1].height_m, path.node[i + 1].zenith_deg);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       thermal_w_m2_sr_um[b] += merged.emission.thermal_w_m2_sr_um[b];
+      if (haze) thermal_w_m2_sr_um[b] += merged.haze[b];
       surroundings_fraction[b] += merged.emission.surroundings_fraction[b];
     }
     std::vector<double>& kept = layer_.emplace_back();
@@ -245,7 +267,8 @@ std::optional<PathLayers::Crossing> PathLayers::crossing(double base_m, double t
 
 PathLayers::Layer PathLayers::empty_layer() const {
   const AirSpectrum dark(kAirBandCount, 0.0);
-  Layer out{StepScattering(), {dark, dark}};
+  Layer out{StepScattering(), {dark, dark}, {}};
+  if (hazy_) out.haze = dark;
   if (cloudy_) out.scattering.cloud_depth = out.scattering.cloud_asymmetry = dark;
   return out;
 }
@@ -268,7 +291,7 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
   AirSpectrum &seen_near = out.transmittance, mean = dark, seen = dark;
   AbsorberAmounts sum;
   Layer layer = empty_layer();
-  const auto& [scatters, emits] = layer;
+  const auto& [scatters, emits, haze] = layer;
   AirSpectrum t_near = transmittance_to(0);
   for (std::size_t l = 0; l < layer_.size(); ++l) {
     AirSpectrum t_far = transmittance_to(l + 1);
@@ -287,6 +310,7 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
         out.thermal_w_m2_sr_um[b] +=
             ratio_of(emits.thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
         out.surroundings_fraction[b] += ratio_of(emits.surroundings_fraction[b], seen[b], mean[b]);
+        if (hazy_) out.thermal_w_m2_sr_um[b] += ratio_of(haze[b], seen[b], mean[b]);
       }
     }
     seen_near = std::move(seen_far);
@@ -296,7 +320,7 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
 }
 
 ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts* near,
-                                   const CloudSunlight* cloud) const {
+                                   const CloudSunlight* cloud, const HazeSunlight* haze) const {
   const AbsorberAmounts none;
   AbsorberAmounts amounts;
   AirSpectrum both_ways;  // scattering depth of the sun's way and the observer's, of fog alone
@@ -312,6 +336,10 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
     out.cloud = out.cloud_asymmetry = out.diffuse_per_sr = out.peak =
         AirSpectrum(kAirBandCount, 0.0);
   }
+  if (haze) {
+    out.haze = out.haze_asymmetry = out.haze_mean_per_sr = AirSpectrum(kAirBandCount, 0.0);
+    out.haze_per_sr.fill(out.haze);
+  }
   AirSpectrum t_near = at_node(node_.front()), light(kAirBandCount);
   // Transmittances of the observer's own air.
   const auto seen_at = [&](const Node& node) {
@@ -319,7 +347,9 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
     return irsig::transmittance(amounts, bands_);
   };
   AirSpectrum seen_near, seen_far, seen(cloud ? kAirBandCount : 0);
-  if (cloud) seen_near = seen_at(node_.front());
+  if (cloud || haze) seen_near = seen_at(node_.front());
+  HazeSunSource haze_near;
+  if (haze) haze_near = haze->at(node_.front().height_m, -node_.front().cos_zenith);
   for (std::size_t l = 0; l < layer_.size(); ++l) {
     const AirSpectrum near_ways = both_ways;
     AirSpectrum t_far = at_node(node_[l + 1]);
@@ -357,9 +387,79 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
         out.diffuse_per_sr[b] += seen[b] * step.cloud_depth[b] * mean[b];
       seen_near = std::move(seen_far);
     }
+    if (haze) {
+      seen_far = seen_at(node_[l + 1]);
+      HazeSunSource haze_far = haze->at(node_[l + 1].height_m, -node_[l + 1].cos_zenith);
+      add_haze(out, *haze, step, seen_near, seen_far, haze_near, haze_far);
+      haze_near = std::move(haze_far);
+      seen_near = std::move(seen_far);
+    }
     t_near = std::move(t_far);
   }
   return out;
+}
+
+void PathLayers::add_haze(Layer& layer, const HazeLight& haze, const StepScattering& step,
+                          const AirSpectrum& t_near, const AirSpectrum& t_far,
+                          const AirSpectrum& source_near, const AirSpectrum& source_far) const {
+  AirSpectrum mean(kAirBandCount);
+  mean_of_decay(mean, t_near, t_far, step.grey_depth, bands_);
+  for (const BandChoice::Range& r : bands_.ranges()) {
+    for (std::size_t b = r.first; b < r.last; ++b) {
+      const double scattered = haze.fraction() * step.aerosol_depth[b] * mean[b];
+      if (scattered <= 0) continue;
+      layer.haze[b] +=
+          scattered * std::lerp(source_near[b], source_far[b], centroid(t_near[b], t_far[b]));
+      double& around = layer.emission.surroundings_fraction[b];
+      around = std::max(0.0, around - scattered);
+    }
+  }
+}
+
+namespace {
+
+// Returns the powers of the scattering angle's cosine x that a sum over azimuths has,
+//   x = product + sines x cos(azimuth),
+// with the product of both zenith angles' cosines and that of their sines.
+std::array<double, 4> powers_of(const std::array<double, kHazeModes>& mode, double product,
+                                double sines) {
+  constexpr double kLeastSines = 1e-3;
+  if (sines < kLeastSines) return {mode[0], 0, 0, 0};
+  // Chebyshev's polynomials give the powers of the azimuth's cosine.
+  const std::array<double, 4> of = {mode[0] - mode[2], (mode[1] - 3 * mode[3]) / sines,
+                                    2 * mode[2] / (sines * sines),
+                                    4 * mode[3] / (sines * sines * sines)};
+  const double p = -product;
+  return {of[0] + p * (of[1] + p * (of[2] + p * of[3])), of[1] + p * (2 * of[2] + 3 * p * of[3]),
+          of[2] + 3 * p * of[3], of[3]};
+}
+
+}  // namespace
+
+void PathLayers::add_haze(ScatteredSun& out, const HazeSunlight& haze, const StepScattering& step,
+                          const AirSpectrum& seen_near, const AirSpectrum& seen_far,
+                          const HazeSunSource& near, const HazeSunSource& far) const {
+  AirSpectrum seen(kAirBandCount);
+  mean_of_decay(seen, seen_near, seen_far, step.grey_depth, bands_);
+  const double eye = node_.front().cos_zenith, product = eye * haze.sun_cosine();
+  const double sines = std::sqrt(std::max(0.0, 1 - eye * eye) *
+                                 std::max(0.0, 1 - haze.sun_cosine() * haze.sun_cosine()));
+  for (const BandChoice::Range& r : bands_.ranges()) {
+    for (std::size_t b = r.first; b < r.last; ++b) {
+      const double scattered = haze.fraction() * step.aerosol_depth[b] * seen[b];
+      if (scattered <= 0) continue;
+      const double f = centroid(seen_near[b], seen_far[b]);
+      std::array<double, kHazeModes> mode{};
+      for (std::size_t m = 0; m < kHazeModes; ++m)
+        mode[m] = scattered * std::lerp(near.mode[m][b], far.mode[m][b], f);
+      const std::array<double, 4> power = powers_of(mode, product, sines);
+      for (std::size_t k = 0; k < power.size(); ++k) out.haze_per_sr[k][b] += power[k];
+      out.haze_mean_per_sr[b] += mode[0];
+      for (const auto& [source, weight] : {std::pair(&near, 1 - f), std::pair(&far, f)})
+        add_scattering(out.haze[b], out.haze_asymmetry[b], weight * scattered * source->peak[b],
+                       source->peak_asymmetry[b]);
+    }
+  }
 }
 
 AirSpectrum ScatteredSun::per_sr(const PhaseMean& phase) const {
@@ -368,6 +468,12 @@ AirSpectrum ScatteredSun::per_sr(const PhaseMean& phase) const {
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     out[b] = molecular[b] * rayleigh;
     if (aerosol[b] > 0) out[b] += aerosol[b] * phase.aerosol_per_sr(asymmetry[b]);
+    if (!haze.empty()) {
+      double again = haze[b] * phase.aerosol_per_sr(haze_asymmetry[b]);
+      for (std::size_t k = 0; k < haze_per_sr.size(); ++k)
+        again += haze_per_sr[k][b] * phase.cosine_power(k);
+      out[b] += std::max(0.0, again);
+    }
     if (cloud.empty()) continue;
     out[b] += cloud[b] * phase.aerosol_per_sr(cloud_asymmetry[b]) + diffuse_per_sr[b] +
               peak[b] * phase.aerosol_per_sr(kPeakAsymmetry);
@@ -381,6 +487,13 @@ double ScatteredSun::per_sr(std::size_t band, double cosine) const {
   if (!cloud.empty()) {
     out += cloud[band] * henyey_greenstein_per_sr(cloud_asymmetry[band], cosine) +
            diffuse_per_sr[band] + peak[band] * henyey_greenstein_per_sr(kPeakAsymmetry, cosine);
+  }
+  if (!haze.empty()) {
+    const double again = haze_per_sr[0][band] +
+                         cosine * (haze_per_sr[1][band] +
+                                   cosine * (haze_per_sr[2][band] + cosine * haze_per_sr[3][band]));
+    out +=
+        std::max(0.0, again + haze[band] * henyey_greenstein_per_sr(haze_asymmetry[band], cosine));
   }
   return out;
 }
@@ -396,6 +509,11 @@ void PhaseMean::add(double weight, double cosine) {
   }
   molecular_ += weight * rayleigh_per_sr(cosine);
   weight_ += weight;
+  double power = weight;
+  for (double& sum : cosine_power_) {
+    sum += power;
+    power *= cosine;
+  }
 }
 
 double PhaseMean::aerosol_per_sr(double asymmetry) const {

@@ -5,23 +5,15 @@
 #include <vector>
 
 #include "core/atmosphere/atmosphere.h"
+#include "core/atmosphere/step_scattering.h"
 
 namespace irsig {
 
 class CloudLight;
 class CloudSunlight;
-
-// Scattering of a stretch of a path.
-struct StepScattering {
-  AirSpectrum aerosol_depth = AirSpectrum(kAirBandCount, 0.0);
-  AirSpectrum molecular_depth = AirSpectrum(kAirBandCount, 0.0);
-  AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);  // of the aerosol
-  // Depth of all grey extinction, scattering included. It bounds an optical depth whose
-  // transmittance has underflowed.
-  AirSpectrum grey_depth = AirSpectrum(kAirBandCount, 0.0);
-  // Depth and asymmetry of scattering by cloud and fog; empty where the air has neither.
-  AirSpectrum cloud_depth, cloud_asymmetry;
-};
+class HazeLight;
+class HazeSunlight;
+struct HazeSunSource;
 
 // Returns the mean of a quantity that decays exponentially from a to b.
 [[nodiscard]] double logarithmic_mean(double a, double b);
@@ -88,19 +80,25 @@ inline constexpr double kDarkError = 1e-5;
 // transmittance.
 inline constexpr double kEmissionError = 0.0015;
 
+// Fraction of the error of thermal light scattered more than once that is left where haze's light is
+// computed as often as it is scattered (core/atmosphere/haze_light.h).
+inline constexpr double kHazeThermalError = 0.15;
+
 // One sigma of the model (docs/explanation/methods/atmosphere.md), not of the numerics, for all
 // absorbers in a path. The errors of the depth's parts are added in squares; each is half the
 // change of the transmittance from one sigma above to one below.
 //   scattered     sunlight and surroundings in the path's radiance
 //   surroundings  their mean radiance, if it has a part in it: light that is scattered more than
 //                  once lies between it and the air's own, so that the error is their difference
+//   haze           haze_fraction() of light that is scattered more than once
 struct ModelError {
   AirSpectrum transmittance, radiance_w_m2_sr_um;
 };
 [[nodiscard]] ModelError model_error(const AbsorberAmounts& amounts,
                                      const AirSpectrum& transmittance, const AirSpectrum& scattered,
                                      double warmest_k, const BandChoice& bands = {},
-                                     const AirSpectrum* surroundings = nullptr);
+                                     const AirSpectrum* surroundings = nullptr,
+                                     double haze = 0);
 
 // Phase functions averaged over directions of sight: Henyey and Greenstein's for the aerosol,
 // Rayleigh's for molecules. Their integral over all directions is 1.
@@ -112,6 +110,10 @@ class PhaseMean {
 
   [[nodiscard]] double aerosol_per_sr(double asymmetry) const;
   [[nodiscard]] double molecular_per_sr() const { return molecular_ / weight_; }
+  // Returns the mean of a power of the cosine, up to the third.
+  [[nodiscard]] double cosine_power(std::size_t exponent) const {
+    return cosine_power_[exponent] / weight_;
+  }
 
  private:
   // Phase functions at equal steps of -ln(1 - asymmetry), to 0.97: in the forward direction the
@@ -120,6 +122,7 @@ class PhaseMean {
   static constexpr double kStep = 0.1;
   std::array<double, kPoints> aerosol_{};
   double molecular_ = 0, weight_ = 0;
+  std::array<double, 4> cosine_power_{};
 };
 
 // Asymmetry of the forward peak around the sun, wider than a cloud's particles make it: as narrow
@@ -136,6 +139,11 @@ struct ScatteredSun {
   // often, the same in all directions, per sr; and the forward peak around the sun
   // (kPeakAsymmetry), which fog without a cloud has in the light scattered once.
   AirSpectrum cloud, cloud_asymmetry, diffuse_per_sr, peak;
+  // Light that haze scatters more than once, empty without it: the peak around the sun with its
+  // asymmetry; the rest, per sr, by powers of the scattering angle's cosine; and its mean over
+  // azimuths.
+  AirSpectrum haze, haze_asymmetry, haze_mean_per_sr;
+  std::array<AirSpectrum, 4> haze_per_sr;
 
   [[nodiscard]] AirSpectrum per_sr(const PhaseMean& phase) const;
   [[nodiscard]] double per_sr(std::size_t band, double cosine) const;
@@ -151,10 +159,12 @@ struct ScatteredSun {
 class PathLayers {
  public:
   //   cloud  light that cloud and fog scatter; null: the atmosphere has neither
+  //   haze   light that haze scatters more than once; null: aerosol scatters the surroundings
   PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands,
-             const CloudLight* cloud = nullptr);
+             const CloudLight* cloud = nullptr, const HazeLight* haze = nullptr);
 
-  // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
+  // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer. The
+  // thermal light is that which the air emits, and which cloud, fog and haze scatter.
   AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_fraction;
   [[nodiscard]] AbsorberAmounts amounts() const { return node_.back().amounts.unpacked(bands_); }
   // Returns true for a ray that misses the air or has no length.
@@ -184,10 +194,12 @@ class PathLayers {
   //   through_near  transmittance of the near air
   [[nodiscard]] Behind behind(const AbsorberAmounts& near, const AirSpectrum& through_near) const;
 
-  // Computes the sunlight that the path scatters once to the observer, behind near air if any.
+  // Computes the sunlight that the path scatters to the observer, behind near air if any.
   //   cloud  mean radiance of sunlight in the cloud
+  //   haze   sunlight that haze scatters more than once; null: none
   [[nodiscard]] ScatteredSun scattered(const SunAmounts& sun, const AbsorberAmounts* near = nullptr,
-                                       const CloudSunlight* cloud = nullptr) const;
+                                       const CloudSunlight* cloud = nullptr,
+                                       const HazeSunlight* haze = nullptr) const;
 
  private:
   struct Node {
@@ -200,13 +212,23 @@ class PathLayers {
   struct Layer {
     StepScattering scattering;
     Emission emission;
+    AirSpectrum haze;  // thermal light that haze scatters; empty without it
   };
+  // Adds what haze scatters in a step, and takes it from the surroundings' fraction.
+  void add_haze(Layer& layer, const HazeLight& haze, const StepScattering& step,
+                const AirSpectrum& t_near, const AirSpectrum& t_far, const AirSpectrum& source_near,
+                const AirSpectrum& source_far) const;
+  // Adds the sunlight of a layer that haze scatters more than once.
+  void add_haze(ScatteredSun& out, const HazeSunlight& haze, const StepScattering& step,
+                const AirSpectrum& seen_near, const AirSpectrum& seen_far,
+                const HazeSunSource& near, const HazeSunSource& far) const;
   [[nodiscard]] AirSpectrum transmittance_to(std::size_t node) const;
   void get(std::size_t layer, Layer& out) const;
   [[nodiscard]] Layer empty_layer() const;
 
   BandChoice bands_;
   bool cloudy_ = false;      // layers have the spectra of cloud or fog
+  bool hazy_ = false;        // layers have the spectrum of haze
   bool keeps_peak_ = false;  // in the light scattered once: core/atmosphere/forward_scattering.h
   ForwardPeak peak_ = ForwardPeak::kBeam;
   std::vector<Node> node_;

@@ -6,6 +6,7 @@
 
 #include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/gas_table.h"
+#include "core/atmosphere/path_layers.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/atmosphere/scattered_again.h"
 #include "core/base/check.h"
@@ -364,7 +365,7 @@ double transmittance_error(const AbsorberAmounts& amounts, double t, std::size_t
 
 ModelError model_error(const AbsorberAmounts& amounts, const AirSpectrum& transmittance,
                        const AirSpectrum& scattered, double warmest_k, const BandChoice& bands,
-                       const AirSpectrum* surroundings) {
+                       const AirSpectrum* surroundings, double haze) {
   const AirSpectrum scattering = scattering_optical_depth(amounts);
   ModelError out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -375,9 +376,10 @@ ModelError model_error(const AbsorberAmounts& amounts, const AirSpectrum& transm
     double error = std::hypot(sigma, kEmissionError * (1 - transmittance[b])) * planck +
                    kAerosolRelativeError * scattered[b];
     if (scattering[b] > 0.3) {
-      error += surroundings
-                   ? std::abs(planck - (*surroundings)[b]) * (1 - std::exp(-scattering[b]))
-                   : planck * (1 - std::exp(-scattering[b])) + scattered[b] * scattering[b];
+      const double again =
+          surroundings ? std::abs(planck - (*surroundings)[b]) * (1 - std::exp(-scattering[b]))
+                       : planck * (1 - std::exp(-scattering[b])) + scattered[b] * scattering[b];
+      error += haze > 0 ? std::lerp(1.0, kHazeThermalError, haze) * again : again;
     }
     out.radiance_w_m2_sr_um[b] = error;
   }

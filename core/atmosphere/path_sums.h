@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/atmosphere/atmosphere.h"
-#include "core/atmosphere/path_layers.h"
+#include "core/atmosphere/step_scattering.h"
 
 namespace irsig {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/atmosphere/haze_light.h"
 #include "core/atmosphere/path_layers.h"
 #include "core/base/constants.h"
 
@@ -12,7 +13,7 @@ namespace irsig {
 AirSpectrum scattered_again_relative(const Atmosphere& atmosphere, double height_m,
                                      double zenith_deg, const BandChoice& bands) {
   constexpr double kPerDepth = 0.6, kSkySlant = 2, kLowestCosine = 0.1, kMost = 1e4,
-                   kNoAzimuth = 0.65;
+                   kNoAzimuth = 0.65, kComputed = 0.14;
   AirSpectrum out(kAirBandCount, 0.0);
   if (atmosphere.only_fog()) {
     out.assign(kAirBandCount, kNoAzimuth * std::pow(std::sin(zenith_deg * kRadPerDeg), 8));
@@ -20,6 +21,7 @@ AirSpectrum scattered_again_relative(const Atmosphere& atmosphere, double height
   }
   if (!atmosphere.turbid_levels_m().empty() || atmosphere.spec().aerosol.kind == AerosolKind::kNone)
     return out;
+  const double computed = haze_fraction(atmosphere);
   const AbsorberAmounts up = atmosphere.amounts(
       look(atmosphere.profile(), height_m, 0, std::numeric_limits<double>::infinity(), false),
       bands);
@@ -28,6 +30,8 @@ AirSpectrum scattered_again_relative(const Atmosphere& atmosphere, double height
   for (std::size_t b = 0; b < kAirBandCount; ++b)
     out[b] = std::clamp(std::expm1(kPerDepth * scattering[b] * slant) - kAerosolRelativeError, 0.0,
                         kMost);
+  if (computed > 0)
+    for (double& x : out) x = std::lerp(x, kComputed, computed);
   return out;
 }
 

@@ -164,6 +164,7 @@ struct Environment::Parts {
     GrazingRay ray;
     Lazy<std::unique_ptr<const ThermalSurroundings>> light;
     Lazy<std::unique_ptr<const WeatherBounds>> bounds;
+    Lazy<bool> hazy;                 // haze's light is scattered more than once
     int suns = 0;                    // conditions under which a sun lights the air
     const Weather* clear = nullptr;  // the same without its cloud, where that covers a part
   };
@@ -204,6 +205,12 @@ struct Environment::Parts {
   }
   [[nodiscard]] const CloudLight* cloud_of(const Weather& w) const {
     return w.turbid_beam ? light_of(w).cloud() : nullptr;
+  }
+  [[nodiscard]] const HazeLight* haze_of(const Weather& w) const {
+    return is_hazy(w) ? light_of(w).haze() : nullptr;
+  }
+  [[nodiscard]] bool is_hazy(const Weather& w) const {
+    return w.hazy.get([&] { return haze_fraction(*w.atmosphere) > 0; });
   }
   [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
     const Weather& w = weather[c.spec.weather];
@@ -267,7 +274,7 @@ struct Environment::SightLine::Parts {
     const Environment::Parts::Weather& w = of.weather[index];
     if (!here.leg) {
       here.leg = std::make_unique<SensorPath>(here.path, w.beam(), w.height_m, of.wavelengths,
-                                              of.cloud_of(w));
+                                              of.cloud_of(w), of.haze_of(w));
     }
     return *here.leg;
   }
@@ -278,12 +285,14 @@ struct Environment::SightLine::Parts {
       for (Line::End end : line.end) {
         end.height_m += w.reference_m;
         here.further.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end),
-                                      w.beam(), w.height_m, of.wavelengths, of.cloud_of(w));
+                                      w.beam(), w.height_m, of.wavelengths, of.cloud_of(w),
+                                      of.haze_of(w));
       }
       for (const double range_m : line.land_range_m) {
         const SensorRay ray =
             land_path(w.spec, *w.atmosphere, w.height_m, here.path, line, range_m);
-        here.further.land.emplace_back(ray, w.beam(), w.height_m, of.wavelengths, of.cloud_of(w));
+        here.further.land.emplace_back(ray, w.beam(), w.height_m, of.wavelengths, of.cloud_of(w),
+                                       of.haze_of(w));
       }
       here.light = std::make_unique<ViewLight>(sensor_path_of(index), of.light_of(w), line,
                                                *here.horizon, of.wavelengths, here.further);
@@ -520,10 +529,14 @@ double Environment::bytes_per_condition() const {
   const bool sun = nodes.azimuths() > 1;
   const double kept = sun ? (nodes.sky() + 2.0 * nodes.lower()) * bands : 0;
   const double rings = sun ? static_cast<double>(kSkySines.size() + 2 * kLowerSines.size()) : 0;
+  const bool hazy = std::any_of(parts_->weather.begin(), parts_->weather.end(),
+                                [&](const Parts::Weather& w) { return parts_->is_hazy(w); });
+  const double haze = sun && hazy ? HazeSunlight::kBytesPerBand * bands : 0;
   std::size_t parts = 1;
   for (const Parts::Mix& mix : parts_->of_condition) parts = std::max(parts, mix.part.size());
   return static_cast<double>(parts) *
-         (kept * sizeof(float) + (rings * bands + 3 * kBehind * wavelengths) * sizeof(double));
+         (kept * sizeof(float) + (rings * bands + 3 * kBehind * wavelengths) * sizeof(double) +
+          haze);
 }
 
 absl::StatusOr<Environment::SightLine> Environment::sight_line(const Line& line) const {

@@ -165,8 +165,9 @@ SensorRay land_path(const WeatherSpec& spec, const Atmosphere& atmosphere, doubl
 }
 
 SensorPath::SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
-                       const NodeWavelengths& wavelengths, const CloudLight* cloud)
-    : layers(atmosphere, path.path, wavelengths.bands, cloud),
+                       const NodeWavelengths& wavelengths, const CloudLight* cloud,
+                       const HazeLight* haze)
+    : layers(atmosphere, path.path, wavelengths.bands, cloud, haze),
       transmittance(layers.transmittance),
       imported(path.imported != nullptr),
       imported_radiance(imported && !path.imported->radiance_w_m2_sr_um.empty()),

@@ -52,7 +52,8 @@ class SensorPath {
  public:
   //   cloud  light that the atmosphere's cloud scatters; null: it has no cloud
   SensorPath(const SensorRay& path, const Atmosphere& atmosphere, double height_m,
-             const NodeWavelengths& wavelengths, const CloudLight* cloud = nullptr);
+             const NodeWavelengths& wavelengths, const CloudLight* cloud = nullptr,
+             const HazeLight* haze = nullptr);
 
   PathLayers layers;          // the embedded model's
   AirSpectrum transmittance;  // that, or the imported

@@ -46,6 +46,8 @@ void multiply(AirSpectrum& a, const AirSpectrum& b) {
 // All that is scattered, over all directions.
 double scattered_in_all(const ScatteredSun& light, std::size_t band) {
   double sum = light.aerosol[band] + light.molecular[band];
+  if (!light.haze.empty())
+    sum += 4 * std::numbers::pi * std::max(0.0, light.haze_mean_per_sr[band]) + light.haze[band];
   if (!light.cloud.empty()) {
     sum += light.cloud[band] + 4 * std::numbers::pi * light.diffuse_per_sr[band] + light.peak[band];
   }
@@ -136,6 +138,7 @@ SunLight::SunLight(const ConditionEnvironment& condition, const SunSeen& seen,
     beam_.emplace(beam, height_m, zenith_deg, bands_);
     cloud_.emplace(*weather_.cloud(), *sun_, zenith_deg);
   }
+  if (weather_.haze()) haze_.emplace(*weather_.haze(), atmosphere, zenith_deg);
   const AirSpectrum again = scattered_again_relative(atmosphere, height_m, zenith_deg, bands_);
   const double low = low_sun_relative(zenith_deg);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
@@ -179,7 +182,7 @@ const ScatteredSun& SunLight::limb_source(std::size_t ring) const {
       [this, ring] { return scattered_in_sky(*weather_.limb()[ring].layers); });
 }
 ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAmounts* near) const {
-  ScatteredSun out = path.scattered(*sun_, near, cloud());
+  ScatteredSun out = path.scattered(*sun_, near, cloud(), haze());
   if (!cloud_ || only_fog_) return out;
   // The beam's loss to the forward peak.
   AbsorberAmounts amounts = near ? *near : AbsorberAmounts();
@@ -191,7 +194,7 @@ ScatteredSun SunLight::scattered_in_sky(const PathLayers& path, const AbsorberAm
 }
 ScatteredSun SunLight::scattered_below(std::size_t ring) const {
   const LowerRing& of = weather_.lower[ring];
-  return of.layers->scattered(*sun_, nullptr, of.below_cloud ? nullptr : cloud());
+  return of.layers->scattered(*sun_, nullptr, of.below_cloud ? nullptr : cloud(), haze());
 }
 const ScatteredSun& SunLight::lower_source(std::size_t ring) const {
   return lower_source_[ring].get([this, ring] { return scattered_below(ring); });
@@ -566,7 +569,7 @@ AirSpectrum SunLight::scattered_around(const PathLayers& path, const AbsorberAmo
     const double azimuth = 2 * std::numbers::pi * (i + 0.5) / kDirections;
     phase.add(1, dot(direction_, {std::cos(azimuth), std::sin(azimuth), 0}));
   }
-  AirSpectrum out = path.scattered(*sun_, near, cloud()).per_sr(phase);
+  AirSpectrum out = path.scattered(*sun_, near, cloud(), haze()).per_sr(phase);
   multiply(out, whole_);
   return out;
 }
@@ -584,7 +587,7 @@ AirSpectrum SunLight::sky_on_level() const {
 }
 
 AirSpectrum SunLight::scattered_by(const PathLayers& path, Vec<Body> towards) const {
-  const ScatteredSun source = path.scattered(*sun_, nullptr, cloud());
+  const ScatteredSun source = path.scattered(*sun_, nullptr, cloud(), haze());
   const double cosine = -dot(direction_, towards);
   AirSpectrum s = whole_;
   for (std::size_t b = 0; b < kAirBandCount; ++b) s[b] *= source.per_sr(b, cosine);

@@ -110,6 +110,7 @@ class SunLight {
   [[nodiscard]] ScatteredSun scattered_in_sky(const PathLayers& path,
                                               const AbsorberAmounts* near = nullptr) const;
   [[nodiscard]] const CloudSunlight* cloud() const { return cloud_ ? &*cloud_ : nullptr; }
+  [[nodiscard]] const HazeSunlight* haze() const { return haze_ ? &*haze_ : nullptr; }
   [[nodiscard]] const ScatteredSun& sky_source(std::size_t ring) const;
   [[nodiscard]] const ScatteredSun& limb_source(std::size_t ring) const;
   [[nodiscard]] ScatteredSun scattered_below(std::size_t ring) const;
@@ -157,6 +158,7 @@ class SunLight {
   // Amounts for scattered light, and with a cloud other ones for the beam.
   std::optional<SunAmounts> sun_, beam_;
   std::optional<CloudSunlight> cloud_;
+  std::optional<HazeSunlight> haze_;
   AirSpectrum scattered_relative_;             // scattered_model_relative()
   AirSpectrum air_relative_;                   // air_model_relative()
   AirSpectrum whole_;                          // `outside` of the whole disk

@@ -138,8 +138,7 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
     }
   }
 
-  if (!atmosphere_.turbid_levels_m().empty())
-    cloud_ = std::make_unique<const CloudLight>(atmosphere_, ground(), refraction_, bands_);
+  scatter_again();
   unknown_ = UnknownCloud::of(spec, atmosphere_, bands_);
 
   const auto sines = [&](std::uint32_t first, std::uint32_t last) {
@@ -152,7 +151,9 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
   const std::vector<double> up = sines(0, nodes.sky()), down = sines(nodes.sky(), nodes.count());
   // The cloud's levels begin so close below its base.
   constexpr double kEdgeM = 2;
-  const bool below_cloud = clear && cloud_ && height_m_ + kEdgeM < cloud_->level().front().height_m;
+  // Haze scatters other light below a cloud than below a clear sky.
+  const bool below_cloud =
+      clear && !clear->haze() && cloud_ && height_m_ + kEdgeM < cloud_->level().front().height_m;
   // Half way between the rings, for the error of interpolating.
   std::vector<SkyRing> sky_between;
   std::vector<LowerRing> lower_between;
@@ -208,6 +209,16 @@ ThermalSurroundings::ThermalSurroundings(const WeatherSpec& spec, const Atmosphe
   if (suns_to_come_ == 0) drop_layers();
 }
 
+void ThermalSurroundings::scatter_again() {
+  if (!atmosphere_.turbid_levels_m().empty()) {
+    cloud_ = std::make_unique<const CloudLight>(atmosphere_, ground(), refraction_, bands_);
+    return;
+  }
+  const double fraction = haze_fraction(atmosphere_);
+  if (fraction > 0)
+    haze_ = std::make_unique<const HazeLight>(atmosphere_, ground(), fraction, refraction_, bands_);
+}
+
 void ThermalSurroundings::drop_layers() const {
   std::vector<bool> kept(sky.size(), false);
   for (const std::size_t r : RingRatios::exact_rings(sky.size())) kept[r] = true;
@@ -233,7 +244,7 @@ AirSpectrum ThermalSurroundings::model_error_of(const SkyRing& ring) const {
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
   if (!cloud_) {
     return model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(), bands_,
-                       &surroundings)
+                       &surroundings, haze_ ? haze_->fraction() : 0)
         .radiance_w_m2_sr_um;
   }
   // The cloud's particles are no aerosol of unknown amount: their light has errors of its own.
@@ -297,7 +308,8 @@ const std::vector<PathLayers>& ThermalSurroundings::land_air() const {
   return land_air_.get([&] {
     std::vector<PathLayers> out;
     for (const double range_m : kLandRangeM)
-      out.emplace_back(atmosphere_, level_path(height_m_, range_m), bands_, cloud_.get());
+      out.emplace_back(atmosphere_, level_path(height_m_, range_m), bands_, cloud_.get(),
+                       haze_.get());
     return out;
   });
 }
@@ -314,7 +326,7 @@ SkyRing ThermalSurroundings::make_sky(double sin_elevation) const {
   const LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation),
                               std::numeric_limits<double>::infinity(), refraction_);
   return {sin_elevation,
-          std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get()),
+          std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get(), haze_.get()),
           {}};
 }
 
@@ -324,17 +336,18 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation,
                         std::numeric_limits<double>::infinity(), refraction_);
   if (in_the_air_ && path.end != PathEnd::kSurface) {
     const AirSpectrum dark(kAirBandCount, 0.0);
-    return {sin_elevation,
-            std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get()),
-            {},
-            {},
-            std::vector<AirSpectrum>(nodes_.sky() / nodes_.azimuths(), dark),
-            dark,
-            0,
-            dark,
-            dark,
-            dark,
-            true};
+    return {
+        sin_elevation,
+        std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get(), haze_.get()),
+        {},
+        {},
+        std::vector<AirSpectrum>(nodes_.sky() / nodes_.azimuths(), dark),
+        dark,
+        0,
+        dark,
+        dark,
+        dark,
+        true};
   }
   // Air that bends rays back up lets some pass below the lowest that pass elsewhere.
   for (double steeper = sin_elevation; path.end != PathEnd::kSurface;) {
@@ -348,7 +361,8 @@ LowerRing ThermalSurroundings::make_lower(double sin_elevation,
           ? sin_elevation
           : std::clamp(-std::cos(path.node.back().zenith_deg * kRadPerDeg), 1e-6, 1.0);
   const bool shared = air != nullptr;
-  if (!shared) air = std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get());
+  if (!shared)
+    air = std::make_shared<const PathLayers>(atmosphere_, path, bands_, cloud_.get(), haze_.get());
   LowerRing ring{sin_elevation, std::move(air), {}, {}, {}, {}, 0, {}, {}, {}, false, shared};
   ring.emission = AirSpectrum(kAirBandCount, 0.0);
   ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));

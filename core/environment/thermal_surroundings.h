@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/atmosphere/cloud_light.h"
+#include "core/atmosphere/haze_light.h"
 #include "core/atmosphere/path_layers.h"
 #include "core/environment/fit/direction_nodes.h"
 #include "core/environment/fit/lazy.h"
@@ -98,6 +99,9 @@ class ThermalSurroundings {
   // Light that the atmosphere's cloud and fog scatter; null without them.
   [[nodiscard]] const CloudLight* cloud() const { return cloud_.get(); }
 
+  // Light that the atmosphere's haze scatters more than once; null where that is left out.
+  [[nodiscard]] const HazeLight* haze() const { return haze_.get(); }
+
   // Unknown properties of the atmosphere's cloud; null: nothing, or there is none.
   [[nodiscard]] const UnknownCloud* unknown_cloud() const {
     return unknown_ ? &*unknown_ : nullptr;
@@ -131,7 +135,9 @@ class ThermalSurroundings {
   void reflect_diffusely(LowerRing& ring) const;
   // Sets Planck's function in the wanted bands.
   void planck_of(double kelvin, AirSpectrum& out) const;
-  // Returns the surface below the air, for a cloud's diffuse light.
+  // Makes the light of cloud, fog or haze.
+  void scatter_again();
+  // Returns the surface below the air, for diffuse light.
   [[nodiscard]] GroundBelow ground() const;
   void finish(SkyRing& ring) const;
   void finish(LowerRing& ring) const;
@@ -144,6 +150,7 @@ class ThermalSurroundings {
   const BandChoice& bands_;
   bool refraction_;
   std::unique_ptr<const CloudLight> cloud_;
+  std::unique_ptr<const HazeLight> haze_;
   std::optional<UnknownCloud> unknown_;
   bool in_the_air_;                             // WeatherSpec::above_surface_m > 0
   WaterSpectrum water_;                         // per band

@@ -114,7 +114,8 @@ ViewLight::ViewLight(const SensorPath& leg, const ThermalSurroundings& light,
   AirSpectrum scattered = leg.layers.surroundings_fraction;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= light.surroundings[b];
   error_ = model_error(leg.layers.amounts(), leg.layers.transmittance, scattered,
-                       leg.layers.warmest_k(), wavelengths.bands, &light.surroundings);
+                       leg.layers.warmest_k(), wavelengths.bands, &light.surroundings,
+                       light.haze() ? light.haze()->fraction() : 0);
   if (const UnknownCloud* unknown = light.unknown_cloud())
     unknown->add_to(error_, leg.layers.transmittance, leg.lowest_m, leg.highest_m, line.range_m);
 }

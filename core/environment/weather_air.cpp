@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/atmosphere/cloud_light.h"
+#include "core/atmosphere/haze_light.h"
 #include "core/atmosphere/path_layers.h"
 #include "core/atmosphere/scattered_again.h"
 #include "core/base/check.h"
@@ -48,11 +49,21 @@ struct WeatherAir::Parts {
                                         const AirSpectrum& surroundings) const;
     [[nodiscard]] AirSpectrum scattered_sun(Sight sight, const LightPath& path,
                                             const PathLayers& layers, const SunPlace& sun) const;
+    // Sunlight that a ray scatters once, and more often by haze.
+    struct Hazy {
+      AirSpectrum once, again;
+    };
+    [[nodiscard]] Hazy hazy_sun(const LightPath& path, const PathLayers& once,
+                                const PathLayers& often, const SunPlace& sun) const;
+    // Adds light that haze scatters more than once to a ray's light scattered once.
+    void add_haze(PathRadiance& out, const LightPath& path, const std::optional<SunPlace>& sun,
+                  const AirSpectrum& surroundings) const;
   };
   WeatherSpec weather;
   std::unique_ptr<const Environment> environment;  // of the clear sky
   std::optional<Atmosphere> clear;
   std::unique_ptr<const Turbid> fog;       // of the clear sky; null without fog
+  std::unique_ptr<const Turbid> haze;      // of the clear sky; null where it scatters once
   std::unique_ptr<const Turbid> overcast;  // null without a cover
 };
 
@@ -135,6 +146,65 @@ PathRadiance WeatherAir::Parts::Turbid::radiance(Sight sight, const LightPath& p
   return out;
 }
 
+WeatherAir::Parts::Turbid::Hazy WeatherAir::Parts::Turbid::hazy_sun(const LightPath& path,
+                                                                    const PathLayers& once,
+                                                                    const PathLayers& often,
+                                                                    const SunPlace& sun) const {
+  Hazy out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
+  double lowest_m = path.node.front().height_m;
+  for (const LightPath::Node& node : path.node) lowest_m = std::min(lowest_m, node.height_m);
+  const SunAmounts amounts(beam, lowest_m, sun.zenith_deg, bands);
+  if (!amounts.lights_any()) return out;
+  const HazeSunlight again(*light->haze(), beam, sun.zenith_deg);
+  const ScatteredSun all = often.scattered(amounts, nullptr, nullptr, &again),
+                     single = once.scattered(amounts);
+  const double cosine = cos_to_sun(path, sun);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double outside =
+        solar_irradiance_w_m2_um(air_band_lambda_um(b)) / (sun.distance_au * sun.distance_au);
+    out.once[b] = outside * single.per_sr(b, cosine);
+    out.again[b] = outside * all.per_sr(b, cosine) - out.once[b];
+  }
+  return out;
+}
+
+// Dense haze dims the sun between the few nodes at which a single ray knows its amounts: light
+// scattered once becomes that of rows by the same fraction as light that is scattered again, and so
+// does the error.
+void WeatherAir::Parts::Turbid::add_haze(PathRadiance& out, const LightPath& path,
+                                         const std::optional<SunPlace>& sun,
+                                         const AirSpectrum& surroundings) const {
+  const HazeLight& haze = *light->haze();
+  const double fraction = haze.fraction();
+  const PathLayers once(beam, path, bands), often(beam, path, bands, nullptr, &haze);
+  AirSpectrum around = often.surroundings_fraction;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) around[b] *= surroundings[b];
+  const ModelError error = model_error(often.amounts(), often.transmittance, around,
+                                       often.warmest_k(), bands, &surroundings, 1);
+  AirSpectrum relative;
+  Hazy of_sun;
+  if (sun) {
+    of_sun = hazy_sun(path, once, often, *sun);
+    relative = scattered_again_relative(beam, path.node.front().height_m, sun->zenith_deg, bands);
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double before =
+        out.scattered_w_m2_sr_um[b] - once.surroundings_fraction[b] * surroundings[b];
+    double light_of_sun = 0, its_error = 0;
+    if (sun) {
+      light_of_sun = std::lerp(before, of_sun.once[b], fraction) + of_sun.again[b];
+      its_error = light_of_sun *
+                  std::hypot(kAerosolRelativeError, relative[b], low_sun_relative(sun->zenith_deg));
+    }
+    out.scattered_w_m2_sr_um[b] =
+        around[b] + often.thermal_w_m2_sr_um[b] - once.thermal_w_m2_sr_um[b] + light_of_sun;
+    out.total_w_m2_sr_um[b] = out.thermal_w_m2_sr_um[b] + out.scattered_w_m2_sr_um[b];
+    out.model_error_w_m2_sr_um[b] = std::lerp(out.model_error_w_m2_sr_um[b],
+                                              error.radiance_w_m2_sr_um[b] + its_error, fraction);
+  }
+  out.scattering_optical_depth *= 1 - fraction;
+}
+
 absl::StatusOr<std::unique_ptr<const WeatherAir::Parts::Turbid>> WeatherAir::Parts::Turbid::make(
     const WeatherSpec& weather, bool overcast, double height_m, const DirectionNodes& rings) {
   ASSIGN_OR_RETURN(Atmosphere diffuse, turbid_atmosphere(weather, ForwardPeak::kDiffuse, overcast));
@@ -174,6 +244,8 @@ absl::StatusOr<WeatherAir> WeatherAir::make(WeatherSpec weather, double height_m
   }
   if (!parts->clear->turbid_levels_m().empty()) {
     ASSIGN_OR_RETURN(parts->fog, Parts::Turbid::make(of, false, lowest_m + above_m, rings));
+  } else if (haze_fraction(*parts->clear) > 0) {
+    ASSIGN_OR_RETURN(parts->haze, Parts::Turbid::make(of, false, lowest_m + above_m, rings));
   }
   return WeatherAir(std::move(parts));
 }
@@ -196,7 +268,10 @@ absl::StatusOr<PathRadiance> WeatherAir::radiance(
     light.surroundings_w_m2_sr_um = surroundings_w_m2_sr_um
                                         ? *surroundings_w_m2_sr_um
                                         : parts_->environment->surroundings_w_m2_sr_um(0);
-    return parts_->clear->radiance(path, light);
+    PathRadiance out = parts_->clear->radiance(path, light);
+    if (parts_->haze && !path.step_m.empty())
+      parts_->haze->add_haze(out, path, sun, light.surroundings_w_m2_sr_um);
+    return out;
   };
   ASSIGN_OR_RETURN(PathRadiance clear, through_clear());
   if (!parts_->overcast) return clear;

@@ -12,7 +12,8 @@ namespace irsig {
 
 // Light along single rays through the air of one weather, on all of the air's bands, as the
 // conditions of a sweep have it: the mean of a clear and of an overcast sky, by the cover. Without
-// a cover and without fog it is Atmosphere::radiance, to the last bit. Immutable.
+// a cover, fog or haze that scatters more than once (core/atmosphere/haze_light.h) it is
+// Atmosphere::radiance, to the last bit. Immutable.
 class WeatherAir {
  public:
   // Makes the air of a weather. The cover lies in [0, 1] and has a cloud unless it is 0. Imported

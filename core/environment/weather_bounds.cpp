@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/atmosphere/haze_light.h"
 #include "core/atmosphere/path_layers.h"
 #include "core/environment/fit/linear_basis_fit.h"
 #include "core/environment/sea/glitter_sums.h"
@@ -79,7 +80,7 @@ WeatherBounds::WeatherBounds(const WeatherSpec& spec, const Atmosphere& atmosphe
       smallest_asymmetry(kAirBandCount, 1.0),
       largest_asymmetry(kAirBandCount, 0.0) {
   const AirProfile& profile = atmosphere.profile();
-  cloudy = !atmosphere.turbid_levels_m().empty();
+  cloudy = !atmosphere.turbid_levels_m().empty() || haze_fraction(atmosphere) > 0;
   for (std::uint32_t n = 0; n < rings.sky(); n += rings.azimuths()) {
     sky_sine.push_back(rings.sin_elevation(n));
   }

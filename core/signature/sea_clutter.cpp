@@ -186,8 +186,8 @@ absl::Status add_sea_clutter(const MeasuredView& view, const ViewRequest& reques
   }
   std::optional<ViewEnvironments> everything;
   if (!dark.empty()) {
-    ASSIGN_OR_RETURN(everything, view_environments(request, scene.target, length(sensor), dark,
-                                                   scene.axis.node_um()));
+    ASSIGN_OR_RETURN(everything, view_environments(request, scene.target, request.viewpoint.range_m,
+                                                   dark, scene.axis.node_um()));
   }
 
   const double seen_m2 = view.totals.front_area_m2, whole_m2 = seen_m2 + view.totals.hidden_area_m2,

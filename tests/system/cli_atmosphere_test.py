@@ -133,12 +133,13 @@ class Atmosphere(unittest.TestCase):
                 self.assertIn(expected, irsig(*arguments, exit_code=2))
 
     def test_thick_haze_is_flagged(self):
-        # Fog, whose light is scattered as often as it is, is not.
-        for aerosol, visibility_m, flagged in (("rural", "1000", True), ("advection_fog", "200", False)):
+        # Denser haze and fog, whose light is computed as often as it is scattered, are not.
+        for aerosol, visibility_m, flagged in (("rural", "5000", True), ("rural", "1000", False),
+                                               ("advection_fog", "200", False)):
             done = subprocess.run([IRSIG, "show", "atmosphere", "--profile", "us_standard_1976", "--aerosol", aerosol,
                                    "--visibility-m", visibility_m, *SEA], capture_output=True, text=True, timeout=300)
             self.assertEqual(done.returncode, 0)
-            self.assertEqual("scattering optical depth" in done.stderr, flagged, aerosol)
+            self.assertEqual("scattering optical depth" in done.stderr, flagged, (aerosol, visibility_m))
 
 
 class Sky(unittest.TestCase):

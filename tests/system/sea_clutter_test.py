@@ -112,6 +112,12 @@ class SeaClutter(unittest.TestCase):
         grey, black = self.rows("grey"), self.rows("black", material="blackbody")
         for a, b in zip(grey, black):
             self.assertAlmostEqual(a["clutter_sigma_w_m2_sr"] / b["clutter_sigma_w_m2_sr"], 1, delta=1e-3)
+        # In fog a few metres of the line of sight count.
+        fog = SWEEP.replace('"maritime"', '"radiation_fog"').replace("23000", "800").replace("range_m = 1000", "range_m = 300")
+        grey, black = self.rows("grey_fog", sweep=fog), self.rows("black_fog", material="blackbody", sweep=fog)
+        for a, b in zip(grey, black):
+            with self.subTest(view=(a["aspect_azimuth_deg"], a["aspect_elevation_deg"]), band=a["band"], time=a["time_utc"]):
+                self.assertAlmostEqual(a["clutter_mean_w_m2_sr"] / b["clutter_mean_w_m2_sr"], 1, delta=1e-5)
 
     def test_level_sensors_have_none(self):
         rows = self.rows("level", aspects=((105, 0), (105, 5)))

@@ -20,7 +20,7 @@ namespace irsig {
 // same request.
 // 31: the model error of a reflected sky is that of its light in the row's band; a cloud below a
 // target takes nothing from the sky above; backgrounds keep the cloud where it is left out; skies
-// of a low sun stay positive between rings.
+// of a low sun stay positive between rings. Dense haze scatters light as often as it is scattered.
 // 30: air scatters sunlight until the sun is 6 deg below the horizon; errors of a low sun; clouds
 // that hardly matter are left out by a bound.
 // 21: a pixel is the mean radiance in its own solid angle, which is smaller far from the axis.
