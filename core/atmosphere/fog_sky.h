@@ -16,8 +16,8 @@ struct FogSky {
 // black ground as warm as the air. What the fog reflects of the ground counts as emitted. Without
 // fog both numbers are 0.
 //
-// Accuracy: tests/physics/cloud_walls_test.cpp compares the sky that walls have with the hemisphere of
-// the view's sky: 3 %.
+// Accuracy: tests/physics/cloud_walls_test.cpp compares the sky that walls have with the hemisphere
+// of the view's sky: 3 %.
 [[nodiscard]] FogSky fog_sky(const AerosolSpec& aerosol, const AirProfile& profile);
 
 }  // namespace irsig

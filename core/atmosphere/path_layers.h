@@ -80,8 +80,8 @@ inline constexpr double kDarkError = 1e-5;
 // transmittance.
 inline constexpr double kEmissionError = 0.0015;
 
-// Fraction of the error of thermal light scattered more than once that is left where haze's light is
-// computed as often as it is scattered (core/atmosphere/haze_light.h).
+// Fraction of the error of thermal light scattered more than once that is left where haze's light
+// is computed as often as it is scattered (core/atmosphere/haze_light.h).
 inline constexpr double kHazeThermalError = 0.15;
 
 // One sigma of the model (docs/explanation/methods/atmosphere.md), not of the numerics, for all
@@ -97,8 +97,7 @@ struct ModelError {
 [[nodiscard]] ModelError model_error(const AbsorberAmounts& amounts,
                                      const AirSpectrum& transmittance, const AirSpectrum& scattered,
                                      double warmest_k, const BandChoice& bands = {},
-                                     const AirSpectrum* surroundings = nullptr,
-                                     double haze = 0);
+                                     const AirSpectrum* surroundings = nullptr, double haze = 0);
 
 // Phase functions averaged over directions of sight: Henyey and Greenstein's for the aerosol,
 // Rayleigh's for molecules. Their integral over all directions is 1.

@@ -20,9 +20,10 @@ namespace irsig {
 // too little below a low sun and too much opposite it (tests/physics/fog_light_test.cpp).
 //   zenith_deg  of the sun; its cosine is taken to be at least 0.1
 //
-// Accuracy: against photons followed one by one in rural and maritime haze of 1 to 23 km, the sun 30
-// to 80 deg and the sight 0 to 80 deg from the zenith: 0.6 makes rms z 1 if all haze scatters once,
-// and 0.14 makes it 0.78 where it is computed, largest z 3.3 (tests/physics/haze_light_test.cpp).
+// Accuracy: against photons followed one by one in rural and maritime haze of 1 to 23 km, the sun
+// 30 to 80 deg and the sight 0 to 80 deg from the zenith: 0.6 makes rms z 1 if all haze scatters
+// once, and 0.14 makes it 0.78 where it is computed, largest z 3.3
+// (tests/physics/haze_light_test.cpp).
 [[nodiscard]] AirSpectrum scattered_again_relative(const Atmosphere& atmosphere, double height_m,
                                                    double zenith_deg,
                                                    const BandChoice& bands = BandChoice());

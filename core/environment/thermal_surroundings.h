@@ -41,7 +41,8 @@ struct LowerRing {
   double sin_elevation;                      // > 0: below the horizontal by so much
   std::shared_ptr<const PathLayers> layers;  // of the air in front of the surface
   mutable std::vector<Cell> cell;            // until the last sun is made; none if it is diffuse
-  // Of a diffuse, grey surface: the share x reflectance of one node of each of the sky's rings.
+  // Share x reflectance of one node of each of the sky's rings; empty unless the surface is diffuse
+  // and grey.
   std::vector<double> diffuse;
   std::vector<AirSpectrum> from_ring;  // the cells' weights, all azimuths together; until `total`
   AirSpectrum emission;                // of the surface, with what it reflects of itself

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/atmosphere/path_layers.h"
@@ -45,16 +46,23 @@ ConditionEnvironment sun_up_by(double elevation_deg) {
   return {0, true, {std::cos(e), 0, -std::sin(e)}, 1};
 }
 
-// The views under suns of these elevations, and without one as the last; sky towards the sun.
+// The views under suns of these elevations, and without one as the last; sky towards the sun. The
+// surface is the sea, or a grey ground of an emissivity.
 struct Evening {
   std::unique_ptr<const Environment> environment;
   std::vector<ViewEnvironment> view;
 };
-Evening evening(const std::vector<double>& elevation_deg) {
+Evening evening(const std::vector<double>& elevation_deg,
+                std::optional<double> ground_emissivity = std::nullopt) {
   std::vector<ConditionEnvironment> conditions;
   for (const double e : elevation_deg) conditions.push_back(sun_up_by(e));
   conditions.push_back({});
-  Evening out{*Environment::make({twilight_weather()}, conditions, kEyeM, kTwilightUm), {}};
+  WeatherSpec weather = twilight_weather();
+  if (ground_emissivity) {
+    weather.lower.kind = SurfaceBoundary::Kind::kGround;
+    weather.lower.emissivity = *ground_emissivity;
+  }
+  Evening out{*Environment::make({weather}, conditions, kEyeM, kTwilightUm), {}};
   const Vec<Body> from = body_from_aspect(180, -kSkyDeg);
   SensorLine line{10, -kSkyDeg, from,
                   BackgroundDirections({static_cast<float>(-std::sin(kSkyDeg * kRadPerDeg))},
@@ -300,6 +308,44 @@ TEST(EnvironmentTwilight, ErrorsBetweenNodesAreNeverNegativeAndDoNotJump) {
       EXPECT_GT(sum, last / 1.5) << elevations[c];
     }
     last = sum;
+  }
+}
+
+// Rationale: what a diffuse ground reflects of the sunlit sky is summed once for all directions.
+// Expected: after sunset, when the ground has no direct sunlight, each direction straight down
+// gains (1 - emissivity) x the mean of the sky's sunlight over the ground, by the cosine of its
+// zenith angle, within 3 % (10 m of air, and the light that this ground throws back at the air).
+TEST(EnvironmentTwilight, AGreyGroundReflectsTheMeanOfTheSky) {
+  constexpr double kEmissivity = 0.4;
+  const Evening grey = evening({-1.5}, kEmissivity), black = evening({-1.5}, 1.0);
+  ASSERT_EQ(grey.environment->sun_seen(0).visible, 0);
+  const DirectionNodes nodes = grey.environment->nodes(true);
+  const auto sunlight = [](const Evening& of) {
+    auto lit = radiance_of(of.view[0].around);
+    const auto night = radiance_of(of.view[1].around);
+    const std::size_t turns = lit.size() / night.size();
+    for (std::size_t n = 0; n < lit.size(); ++n)
+      for (std::size_t i = 0; i < lit[n].size(); ++i) lit[n][i] -= night[n / turns][i];
+    return lit;
+  };
+  const auto of_grey = sunlight(grey), of_black = sunlight(black);
+  ASSERT_EQ(of_grey.size(), nodes.count());
+  for (std::size_t i = 0; i < kTwilightUm.size(); ++i) {
+    // Rings of the sky, between which light is linear in the sine: the mean of 2 sine x light.
+    std::vector<double> sine, light;
+    for (std::uint32_t n = 0; n < nodes.sky(); n += nodes.azimuths()) {
+      sine.push_back(nodes.sin_elevation(n));
+      double sum = 0;
+      for (std::uint32_t a = 0; a < nodes.azimuths(); ++a) sum += of_grey[n + a][i];
+      light.push_back(sum / nodes.azimuths());
+    }
+    double mean = sine.front() * sine.front() * light.front();
+    for (std::size_t r = 0; r + 1 < sine.size(); ++r)
+      mean += (sine[r + 1] - sine[r]) * (sine[r] * light[r] + sine[r + 1] * light[r + 1]);
+    const double expected = (1 - kEmissivity) * mean;
+    for (std::uint32_t n = nodes.count() - nodes.azimuths(); n < nodes.count(); ++n)
+      EXPECT_NEAR(of_grey[n][i] - of_black[n][i], expected, 0.03 * expected)
+          << kTwilightUm[i] << " um, node " << n;
   }
 }
 

@@ -168,9 +168,8 @@ std::vector<double> by_force_restore(const Field& field) {
   return out;
 }
 
-TEST(HeatField, ABareFieldInAutumn) {
-  const Field field;
-  ASSERT_GE(field.dry_days().size(), 12u);
+// Returns the scores of the model and of force-restore, and prints them.
+std::pair<Score, Score> printed_scores_of(const Field& field) {
   const Score layers = score_of(field, by_layers(field)),
               restore = score_of(field, by_force_restore(field));
   std::printf(
@@ -178,6 +177,13 @@ TEST(HeatField, ABareFieldInAutumn) {
       field.dry_days().size(), layers.values, layers.bias, layers.rms, restore.bias, restore.rms);
   for (std::size_t h = 0; h < 24; h += 3)
     std::printf("  %2zu h: %5.2f, %5.2f K\n", h, layers.by_hour[h], restore.by_hour[h]);
+  return {layers, restore};
+}
+
+TEST(HeatField, ABareFieldInAutumn) {
+  const Field field;
+  ASSERT_GE(field.dry_days().size(), 12u);
+  const auto [layers, restore] = printed_scores_of(field);
   EXPECT_GT(layers.values, 500);
   EXPECT_LT(layers.rms, 2.5);
   EXPECT_LT(std::abs(layers.bias), 1.5);
@@ -189,13 +195,7 @@ TEST(HeatField, ABareFieldInAutumn) {
 TEST(HeatField, ABareFieldInWinter) {
   const Field field("champaign_1998_winter.csv", "wind_10m_m_s");
   ASSERT_GE(field.dry_days().size(), 20u);
-  const Score layers = score_of(field, by_layers(field)),
-              restore = score_of(field, by_force_restore(field));
-  std::printf(
-      "%zu dry days, %d half-hours: layers bias %.2f K, rms %.2f K; force-restore %.2f, %.2f\n",
-      field.dry_days().size(), layers.values, layers.bias, layers.rms, restore.bias, restore.rms);
-  for (std::size_t h = 0; h < 24; h += 3)
-    std::printf("  %2zu h: %5.2f, %5.2f K\n", h, layers.by_hour[h], restore.by_hour[h]);
+  const auto [layers, restore] = printed_scores_of(field);
   EXPECT_GT(layers.values, 800);
   EXPECT_LT(layers.rms, 2.5);
   EXPECT_LT(std::abs(layers.bias), 1.5);
