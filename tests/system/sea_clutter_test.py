@@ -112,9 +112,11 @@ class SeaClutter(unittest.TestCase):
         grey, black = self.rows("grey"), self.rows("black", material="blackbody")
         for a, b in zip(grey, black):
             self.assertAlmostEqual(a["clutter_sigma_w_m2_sr"] / b["clutter_sigma_w_m2_sr"], 1, delta=1e-3)
-        # In fog a few metres of the line of sight count.
+        # The middle of a block 20 m up is nearer to the sensor than its range, which counts in fog.
         fog = SWEEP.replace('"maritime"', '"radiation_fog"').replace("23000", "800").replace("range_m = 1000", "range_m = 300")
-        grey, black = self.rows("grey_fog", sweep=fog), self.rows("black_fog", material="blackbody", sweep=fog)
+        fog = fog.replace("height_m = 10", "height_m = 10\noffset_m = [0, 0, 20]")
+        everything = fog + '[effects]\nmode = "all"\n'
+        grey, black = self.rows("grey_fog", sweep=everything), self.rows("black_fog", material="blackbody", sweep=fog)
         for a, b in zip(grey, black):
             with self.subTest(view=(a["aspect_azimuth_deg"], a["aspect_elevation_deg"]), band=a["band"], time=a["time_utc"]):
                 self.assertAlmostEqual(a["clutter_mean_w_m2_sr"] / b["clutter_mean_w_m2_sr"], 1, delta=1e-5)
