@@ -71,6 +71,46 @@ ViewResult simulated(const World& w) {
   return *std::move(view);
 }
 
+// Rationale: sunlight that the air scatters is known to 30 %, thermal light to a few percent, and a
+// row has one relative error for all of its reflected sky.
+// Expected: in each band it is that of the sky's light there, under a clear and an overcast sky; in
+// 8-12 um, where the sun hardly counts, it is below 8 %. Source: the sky's mean and its error,
+// integrated over the band.
+TEST(CloudView, ModelErrorOfAReflectedSkyIsThatOfItsLightInTheBand) {
+  const World w = world({weather(0), weather(1)}, 20, 1000);
+  const ViewResult view = simulated(w);
+  Environment::Line line{1000, 20, body_from_aspect(70, 20), {}};
+  line.behind = BackgroundDirections({0.1f, 0.6f});
+  const std::vector<std::uint32_t> all = {0, 1};
+  const auto light = *w.request.environment->view(line, all);
+  ASSERT_EQ(view.row.size(), 4U);
+  for (const SignatureResult& row : view.row) {
+    const ViewEnvironment& e = light[row.condition];
+    std::size_t first = 0;
+    for (std::uint32_t b = 0; b < row.band; ++b)
+      first += w.simulator->band_grids()[b].node_um.size();
+    const BandGrid& grid = w.simulator->band_grids()[row.band];
+    double mean = 0, error = 0;
+    for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
+      mean += grid.band_weight[i] * e.sky_mean[first + i];
+      error += grid.band_weight[i] * e.sky_model_error[first + i];
+    }
+    const auto cause = [&](Cause which) {
+      return row.cause_w_sr[static_cast<std::size_t>(which)].value;
+    };
+    const double sky = error / mean * cause(Cause::kSkyReflected);
+    EXPECT_NEAR(row.model_error_w_sr,
+                std::hypot(sky, e.lower_model_relative * cause(Cause::kSeaReflected),
+                           e.sun_model_relative * cause(Cause::kSunReflected)),
+                1e-6 * row.model_error_w_sr)
+        << row.condition << " " << row.band;
+    EXPECT_GT(sky, 0.1 * row.model_error_w_sr);
+    if (row.band == 0) {
+      EXPECT_LT(error, 0.08 * mean) << row.condition;
+    }
+  }
+}
+
 // Expected: in a world of one temperature below an opaque cloud nothing is to be seen.
 TEST(CloudView, HasNoContrastInAWorldOfOneTemperature) {
   constexpr double kKelvin = 285;
