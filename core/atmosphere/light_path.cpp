@@ -231,6 +231,12 @@ class Tracer {
 
 }  // namespace
 
+double lowest_height_m(const LightPath& path) {
+  double out = std::numeric_limits<double>::infinity();
+  for (const LightPath::Node& node : path.node) out = std::min(out, node.height_m);
+  return out;
+}
+
 LightPath look(const AirProfile& air, double height_m, double zenith_deg, double range_m,
                bool refraction) {
   IRSIG_CHECK(height_m >= air.level.front().height_m);

@@ -25,6 +25,9 @@ struct LightPath {
   double bending_deg = 0;  // by refraction, in all
 };
 
+// Returns the least height of a path's nodes; infinite for one without nodes.
+[[nodiscard]] double lowest_height_m(const LightPath& path);
+
 // Rays in air whose refractive index follows the profile (LOWTRAN7's dispersion formula at 2000
 // cm-1), above a spherical Earth:
 //   d(zenith)/ds = -sin(zenith) (1/r + d ln n / dr)

@@ -169,6 +169,7 @@ class PathLayers {
   // Returns true for a ray that misses the air or has no length.
   [[nodiscard]] bool empty() const { return layer_.empty(); }
   [[nodiscard]] double warmest_k() const { return warmest_k_; }
+  // Returns the least height of the ends of its layers.
   [[nodiscard]] double lowest_m() const;
 
   // A layer of air that a path crosses upwards, or begins in.

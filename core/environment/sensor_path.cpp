@@ -171,11 +171,10 @@ SensorPath::SensorPath(const SensorRay& path, const Atmosphere& atmosphere, doub
       transmittance(layers.transmittance),
       imported(path.imported != nullptr),
       imported_radiance(imported && !path.imported->radiance_w_m2_sr_um.empty()),
-      lowest_m(std::min(path.sensor_height_m, height_m)),
+      lowest_m(std::min({path.sensor_height_m, height_m, lowest_height_m(path.path)})),
       highest_m(std::max(path.sensor_height_m, height_m)),
       wavelengths_(&wavelengths),
       import_(path.imported) {
-  for (const LightPath::Node& node : path.path.node) lowest_m = std::min(lowest_m, node.height_m);
   for (std::size_t b = 0; imported && b < kAirBandCount; ++b) {
     if (chosen(wavelengths.bands, b)) transmittance[b] = import_->transmittance[b];
   }

@@ -72,8 +72,7 @@ AirSpectrum WeatherAir::Parts::Turbid::scattered_sun(Sight sight, const LightPat
                                                      const SunPlace& sun) const {
   AirSpectrum out(kAirBandCount, 0.0);
   const double observer_m = path.node.front().height_m;
-  double lowest_m = diffuse.turbid_levels_m().front();
-  for (const LightPath::Node& node : path.node) lowest_m = std::min(lowest_m, node.height_m);
+  const double lowest_m = std::min(diffuse.turbid_levels_m().front(), lowest_height_m(path));
   const SunAmounts amounts(diffuse, lowest_m, sun.zenith_deg, bands);
   if (!amounts.lit()) return out;
   const CloudSunlight in_cloud(*light->cloud(), amounts, sun.zenith_deg);
@@ -151,9 +150,7 @@ WeatherAir::Parts::Turbid::Hazy WeatherAir::Parts::Turbid::hazy_sun(const LightP
                                                                     const PathLayers& often,
                                                                     const SunPlace& sun) const {
   Hazy out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
-  double lowest_m = path.node.front().height_m;
-  for (const LightPath::Node& node : path.node) lowest_m = std::min(lowest_m, node.height_m);
-  const SunAmounts amounts(beam, lowest_m, sun.zenith_deg, bands);
+  const SunAmounts amounts(beam, lowest_height_m(path), sun.zenith_deg, bands);
   if (!amounts.lights_any()) return out;
   const HazeSunlight again(*light->haze(), beam, sun.zenith_deg);
   const ScatteredSun all = often.scattered(amounts, nullptr, nullptr, &again),
